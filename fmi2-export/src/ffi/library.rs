@@ -1,0 +1,165 @@
+//! What is shared by all instances in a loaded library: the models it serves, their layouts, the saved states.
+//!
+//! A library can be loaded and unloaded many times in the life of a host, and the memory of statics is not freed then.
+//! So nothing here keeps memory once the last instance is gone.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+
+use crate::Model;
+use crate::layout::{DeclarationError, Layout};
+use crate::slave::{AnySlave, Slave, Snapshot};
+use crate::snapshot::GUID_LENGTH;
+use crate::xml::{Description, describe, describe_layout};
+
+/// A model that a library serves, whatever its type.
+pub trait ExportedModel: Sync + sealed::Internal {
+    /// The model's description.
+    ///
+    /// # Errors
+    /// If the model's declarations contradict themselves.
+    fn description(&self) -> Result<Description, DeclarationError>;
+}
+
+pub(crate) mod sealed {
+    use super::{AnySlave, DeclarationError};
+
+    pub trait Internal {
+        fn guid(&'static self) -> Result<&'static str, DeclarationError>;
+        #[allow(private_interfaces)]
+        fn instantiate(&'static self) -> Result<Box<dyn AnySlave>, DeclarationError>;
+        /// Frees what only instances need, if there are none.
+        fn tidy(&self);
+    }
+}
+
+/// A model of a library: see [`export!`](crate::export).
+pub struct Exported<M> {
+    guid: OnceLock<[u8; GUID_LENGTH]>,
+    layout: Mutex<Weak<Layout<M>>>,
+}
+
+impl<M> Exported<M> {
+    /// For a static.
+    #[must_use]
+    #[allow(clippy::new_without_default)]
+    pub const fn new() -> Self {
+        Self { guid: OnceLock::new(), layout: Mutex::new(Weak::new()) }
+    }
+}
+
+impl<M: Model> Exported<M> {
+    fn layout(&self) -> Result<Arc<Layout<M>>, DeclarationError> {
+        let mut shared = lock(&self.layout);
+        if let Some(layout) = shared.upgrade() {
+            return Ok(layout);
+        }
+        let layout = Arc::new(Layout::build()?);
+        *shared = Arc::downgrade(&layout);
+        Ok(layout)
+    }
+}
+
+impl<M: Model> ExportedModel for Exported<M> {
+    fn description(&self) -> Result<Description, DeclarationError> {
+        describe::<M>()
+    }
+}
+
+impl<M: Model> sealed::Internal for Exported<M> {
+    fn guid(&'static self) -> Result<&'static str, DeclarationError> {
+        let bytes = if let Some(bytes) = self.guid.get() {
+            bytes
+        } else {
+            let guid = describe_layout(&*self.layout()?).guid;
+            self.tidy();
+            let mut bytes = [b' '; GUID_LENGTH];
+            bytes.iter_mut().zip(guid.bytes()).for_each(|(to, from)| *to = from);
+            self.guid.get_or_init(|| bytes)
+        };
+        Ok(std::str::from_utf8(bytes).unwrap_or_default())
+    }
+
+    #[allow(private_interfaces)]
+    fn instantiate(&'static self) -> Result<Box<dyn AnySlave>, DeclarationError> {
+        Ok(Box::new(Slave::<M>::new(self.layout()?, self.guid()?)))
+    }
+
+    fn tidy(&self) {
+        let mut shared = lock(&self.layout);
+        if shared.strong_count() == 0 {
+            // Also frees the memory block that the weak reference kept.
+            *shared = Weak::new();
+        }
+    }
+}
+
+/// A loaded library: the models it serves and the states saved by `fmi2GetFMUstate`.
+pub struct Library {
+    pub(crate) models: &'static [&'static dyn ExportedModel],
+    snapshots: Mutex<BTreeMap<usize, (usize, Snapshot)>>,
+    next_handle: AtomicUsize,
+}
+
+impl Library {
+    /// For a static.
+    #[must_use]
+    pub const fn new(models: &'static [&'static dyn ExportedModel]) -> Self {
+        Self { models, snapshots: Mutex::new(BTreeMap::new()), next_handle: AtomicUsize::new(1) }
+    }
+
+    /// The models this library serves.
+    #[must_use]
+    pub fn models(&self) -> &'static [&'static dyn ExportedModel] {
+        self.models
+    }
+
+    /// Keeps a state under a new handle, which is never zero and never reused.
+    pub(crate) fn keep(&self, owner: usize, snapshot: Snapshot) -> usize {
+        let handle = self.next_handle.fetch_add(1, Ordering::Relaxed);
+        lock(&self.snapshots).insert(handle, (owner, snapshot));
+        handle
+    }
+
+    /// Puts another state under a known handle. False if the handle is not known.
+    pub(crate) fn replace(&self, handle: usize, owner: usize, snapshot: Snapshot) -> bool {
+        match lock(&self.snapshots).get_mut(&handle) {
+            Some(entry) => {
+                *entry = (owner, snapshot);
+                true
+            }
+            None => false,
+        }
+    }
+
+    pub(crate) fn snapshot(&self, handle: usize) -> Option<Snapshot> {
+        lock(&self.snapshots).get(&handle).map(|(_, snapshot)| Arc::clone(snapshot))
+    }
+
+    /// Forgets a state. False if the handle is not known.
+    pub(crate) fn forget(&self, handle: usize) -> bool {
+        let mut snapshots = lock(&self.snapshots);
+        let known = snapshots.remove(&handle).is_some();
+        Self::shrink(&mut snapshots);
+        known
+    }
+
+    /// Forgets all states an instance has saved.
+    pub(crate) fn forget_all_of(&self, owner: usize) {
+        let mut snapshots = lock(&self.snapshots);
+        snapshots.retain(|_, (of, _)| *of != owner);
+        Self::shrink(&mut snapshots);
+    }
+
+    fn shrink(snapshots: &mut BTreeMap<usize, (usize, Snapshot)>) {
+        if snapshots.is_empty() {
+            *snapshots = BTreeMap::new();
+        }
+    }
+}
+
+/// Locks; what a panicking thread left is consistent, since every critical section is a single operation.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,16 @@
+//! The C interface: each function checks what the host passes, then calls the instance.
+//!
+//! A panic never leaves these functions: it is caught, logged as an error, and the instance answers `fmi2Error` from then
+//! on to all but reading, `fmi2Reset`, `fmi2SetFMUstate` and `fmi2FreeInstance`.
+//!
+//! # Safety
+//! What C cannot check, the host has to guarantee, as the standard demands of it: a component comes from
+//! `fmi2Instantiate` and has not been freed, is used by one thread at a time, arrays have the stated lengths, strings
+//! end in a zero byte. Null pointers are refused. Handles of saved states are never dereferenced.
+
+mod arguments;
+pub mod calls;
+mod library;
+pub mod types;
+
+pub use library::{Exported, ExportedModel, Library};

@@ -1,0 +1,274 @@
+//! The declared variables, checked and indexed by value reference.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crate::access::{Access, EnumerationKind, Lens};
+use crate::variable::{Causality, Variability, Variable, Variables};
+use crate::{Info, Model};
+
+/// When the host may set a variable: one bit per phase.
+pub(crate) mod settable {
+    pub const INSTANTIATED: u8 = 1;
+    pub const INITIALIZATION: u8 = 2;
+    pub const STEPPING: u8 = 4;
+}
+
+/// What is the same for a variable of any base type.
+#[derive(Clone, Copy)]
+pub(crate) struct Slot {
+    /// Index into [`Layout::variables`].
+    pub variable: u32,
+    pub causality: Causality,
+    /// Phases in which the host may set it.
+    pub settable: u8,
+    /// The evaluation to run before reading it, as a bit; 0 if none.
+    pub evaluation: u64,
+}
+
+pub(crate) struct RealSlot<M> {
+    pub lens: Lens<M, f64>,
+    pub slot: Slot,
+    pub min: f64,
+    pub max: f64,
+    pub ramp: Option<Lens<M, f64>>,
+    pub rate: Option<(Lens<M, f64>, u64)>,
+}
+
+/// A variable's base type and its value reference among those of that type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Reference {
+    pub base: BaseType,
+    pub index: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum BaseType {
+    Real,
+    Integer,
+    Boolean,
+    String,
+}
+
+/// The variables of a model, by declaration order and by value reference.
+pub(crate) struct Layout<M> {
+    pub variables: Vec<Variable<M>>,
+    /// Base type and value reference of each variable.
+    pub references: Vec<Reference>,
+    pub reals: Vec<RealSlot<M>>,
+    /// The other base types: the access stays in `variables`.
+    pub integers: Vec<Slot>,
+    pub booleans: Vec<Slot>,
+    pub strings: Vec<Slot>,
+    pub evaluations: Vec<fn(&mut M)>,
+    /// Evaluations that have to run again when an input has changed.
+    pub input_dependent: u64,
+    /// Value references of the inputs that can be ramps.
+    pub ramps: Vec<u32>,
+    pub enumerations: Vec<EnumerationKind>,
+}
+
+/// A mistake in a model's declarations. Found when the description is generated or the model instantiated.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("model {model}: {}", problems.join("; "))]
+pub struct DeclarationError {
+    /// The model's name.
+    pub model: &'static str,
+    /// Every problem found, not only the first.
+    pub problems: Vec<String>,
+}
+
+impl<M: Model> Layout<M> {
+    /// Checks the declarations and builds the tables.
+    pub fn build() -> Result<Self, DeclarationError> {
+        let mut declared = Variables::new();
+        M::variables(&mut declared);
+        let Variables { list, evaluations } = declared;
+
+        let problems = problems(&M::INFO, &list, evaluations.len());
+        if !problems.is_empty() {
+            return Err(DeclarationError { model: M::INFO.name, problems });
+        }
+
+        let mut layout = Self {
+            references: Vec::with_capacity(list.len()),
+            variables: Vec::new(),
+            reals: Vec::new(),
+            integers: Vec::new(),
+            booleans: Vec::new(),
+            strings: Vec::new(),
+            input_dependent: 0,
+            ramps: Vec::new(),
+            enumerations: Vec::new(),
+            evaluations,
+        };
+        for (index, variable) in (0..).zip(&list) {
+            layout.add(index, variable);
+        }
+        layout.variables = list;
+        Ok(layout)
+    }
+
+    fn add(&mut self, index: u32, variable: &Variable<M>) {
+        let evaluation = variable.evaluation.map_or(0, |e| 1 << e.0);
+        if !variable.depends_on.is_empty() {
+            self.input_dependent |= evaluation;
+        }
+        // The time derivative of a state depends on the inputs even where the state itself does not.
+        self.input_dependent |= variable.rate.as_ref().map_or(0, |(_, e)| 1 << e.0);
+        let slot =
+            Slot { variable: index, causality: variable.causality, settable: when_settable(variable), evaluation };
+        let (base, count) = match &variable.access {
+            Access::Real(lens) => {
+                let reference = length(&self.reals);
+                if variable.ramp.is_some() {
+                    self.ramps.push(reference);
+                }
+                self.reals.push(RealSlot {
+                    lens: Arc::clone(lens),
+                    slot,
+                    min: variable.min.unwrap_or(f64::NEG_INFINITY),
+                    max: variable.max.unwrap_or(f64::INFINITY),
+                    ramp: variable.ramp.clone(),
+                    rate: variable.rate.as_ref().map(|(lens, e)| (Arc::clone(lens), 1 << e.0)),
+                });
+                (BaseType::Real, reference)
+            }
+            access @ (Access::Integer { .. } | Access::Enumeration { .. }) => {
+                if let Access::Enumeration { kind, .. } = access
+                    && !self.enumerations.contains(kind)
+                {
+                    self.enumerations.push(*kind);
+                }
+                self.integers.push(slot);
+                (BaseType::Integer, length(&self.integers) - 1)
+            }
+            Access::Boolean(_) => {
+                self.booleans.push(slot);
+                (BaseType::Boolean, length(&self.booleans) - 1)
+            }
+            Access::String(_) => {
+                self.strings.push(slot);
+                (BaseType::String, length(&self.strings) - 1)
+            }
+        };
+        self.references.push(Reference { base, index: count });
+    }
+
+    /// Whether any output's time derivative can be asked for.
+    pub fn has_rates(&self) -> bool {
+        self.reals.iter().any(|real| real.rate.is_some())
+    }
+}
+
+fn length<T>(list: &[T]) -> u32 {
+    u32::try_from(list.len()).unwrap_or(u32::MAX)
+}
+
+/// Condition columns 1, 3 and 6 of the table in FMI 2.0.4, section 4.2.4, but inputs may also be set before
+/// initialization: the standard's own example sets "all variable start values" there, and hosts do.
+fn when_settable<M>(variable: &Variable<M>) -> u8 {
+    let before_stepping = settable::INSTANTIATED | settable::INITIALIZATION;
+    match (variable.causality, variable.variability) {
+        (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => before_stepping | settable::STEPPING,
+        (Causality::Parameter, _) => before_stepping,
+        (Causality::Output | Causality::Local, _) => 0,
+    }
+}
+
+/// Everything that is wrong with the declarations.
+fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations: usize) -> Vec<String> {
+    let mut problems = Vec::new();
+    if !is_c_identifier(info.name) {
+        problems.push(format!("the name {:?} is not a C identifier", info.name));
+    }
+    if evaluations > 64 {
+        problems.push(format!("{evaluations} evaluations declared, at most 64 are possible"));
+    }
+    let mut model = M::default();
+    let mut seen = HashMap::new();
+    for variable in list {
+        let name = &variable.name;
+        if name.is_empty() || name.chars().any(char::is_control) {
+            problems.push(format!("variable name {name:?} is empty or has control characters"));
+        }
+        if seen.insert(name.as_str(), variable.causality).is_some() {
+            problems.push(format!("variable {name} is declared twice"));
+        }
+        if variable.description.is_empty() {
+            problems.push(format!("variable {name} has no description"));
+        }
+        if variable.evaluation.is_some_and(|e| e.0 >= evaluations)
+            || variable.rate.as_ref().is_some_and(|(_, e)| e.0 >= evaluations)
+        {
+            problems.push(format!("variable {name} names an evaluation of another model"));
+        }
+        let numeric = variable.unit.is_some() || variable.ramp.is_some() || variable.rate.is_some();
+        if numeric && !matches!(variable.access, Access::Real(_)) {
+            problems.push(format!("variable {name} is no Real: it can have no unit, ramp or rate"));
+        }
+        if variable.ramp.is_some() && variable.causality != Causality::Input {
+            problems.push(format!("variable {name} has a ramp, but is no input"));
+        }
+        if variable.rate.is_some() && variable.causality != Causality::Output {
+            problems.push(format!("variable {name} has a rate, but is no output"));
+        }
+        if let Some(start) = start_number(variable, &mut model) {
+            let (min, max) = (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
+            let given = matches!(variable.causality, Causality::Input | Causality::Parameter);
+            if given && !(start.is_finite() && min <= start && start <= max) {
+                problems.push(format!("start value {start} of variable {name} is not in [{min}, {max}]"));
+            }
+        }
+    }
+    for variable in list {
+        for (input, _) in &variable.depends_on {
+            if seen.get(input.as_str()) != Some(&Causality::Input) {
+                problems.push(format!("variable {} depends on {input}, which is not an input", variable.name));
+            }
+        }
+    }
+    unit_problems(list, &mut problems);
+    problems
+}
+
+fn unit_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
+    let mut units = HashMap::new();
+    let mut display_units = HashMap::new();
+    for variable in list {
+        if let Some(error) = &variable.unit_error {
+            problems.push(format!("variable {}: {error}", variable.name));
+        }
+        if let Some(unit) = &variable.unit
+            && *units.entry(unit.name()).or_insert(unit) != unit
+        {
+            problems.push(format!("unit {} is defined in two ways", unit.name()));
+        }
+        if let Some(display) = &variable.display_unit {
+            match &variable.unit {
+                None => problems.push(format!("variable {} has a display unit, but no unit", variable.name)),
+                Some(unit) => {
+                    let key = (unit.name(), display.name.as_str());
+                    if display_units.insert(key, display.factor).is_some_and(|factor| factor != display.factor) {
+                        problems.push(format!("display unit {} of {} is defined in two ways", key.1, key.0));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Start value of a number.
+fn start_number<M>(variable: &Variable<M>, model: &mut M) -> Option<f64> {
+    match &variable.access {
+        Access::Real(lens) => Some(*lens(model)),
+        Access::Integer { get, .. } => Some(f64::from(get(model))),
+        _ => None,
+    }
+}
+
+fn is_c_identifier(name: &str) -> bool {
+    let mut characters = name.chars();
+    characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_')
+}

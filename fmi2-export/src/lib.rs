@@ -1,0 +1,28 @@
+//! Export a Rust struct as a complete FMI 2.0 co-simulation FMU.
+
+mod access;
+mod enumeration;
+mod export;
+pub mod ffi;
+mod layout;
+mod logger;
+mod model;
+#[cfg(feature = "package")]
+pub mod package;
+mod phase;
+mod slave;
+mod snapshot;
+mod unit;
+mod variable;
+mod xml;
+
+pub use access::Scalar;
+pub use enumeration::Enumeration;
+pub use layout::DeclarationError;
+pub use model::{DefaultExperiment, Experiment, Failure, Info, Model, Step};
+#[doc(hidden)]
+pub use serde;
+pub use snapshot::SnapshotError;
+pub use unit::{Unit, UnitError};
+pub use variable::{Causality, DependencyKind, Evaluation, Variability, VariableBuilder, Variables};
+pub use xml::{Description, describe};

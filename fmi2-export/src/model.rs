@@ -1,0 +1,187 @@
+//! What a model's author writes: identification, variables, behaviour.
+
+use serde::{Serialize, de::DeserializeOwned};
+
+use crate::Variables;
+
+/// A model that can be exported as an FMI 2.0 co-simulation slave.
+///
+/// The struct holds everything: inputs, parameters, outputs and state. Its [`Default`] value is the start value of every
+/// variable. Variables are declared once, in [`Model::variables`], by giving each a name and the field it lives in; the
+/// C interface, `modelDescription.xml`, saved states and documentation follow from that.
+///
+/// The life of an instance:
+///
+/// 1. `Default::default()`; the host sets parameters and start values.
+/// 2. [`initialize`](Model::initialize): the state is computed from parameters and inputs. Called again whenever the
+///    host changes one of them in initialization mode, so the result must not depend on an earlier call.
+/// 3. [`step`](Model::step) for each communication step. Inputs are fields of the struct and constant over the step,
+///    or ramps if the host gave derivatives to inputs declared with [`ramp`](crate::VariableBuilder::ramp).
+/// 4. Outputs are filled in by the evaluations declared with [`Variables::evaluation`], only when the host asks for them.
+///
+/// Saving a state is `Clone`; serialising it is `Serialize`. Derived data (factorised matrices, caches) can be skipped
+/// with `#[serde(skip)]` and rebuilt in [`restored`](Model::restored).
+pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 'static {
+    /// Name, version and the like.
+    const INFO: Info;
+
+    /// Declares every variable, in the order in which tools shall list them.
+    fn variables(variables: &mut Variables<Self>);
+
+    /// Computes the initial state from the parameters, and from the inputs at the start if it depends on them.
+    ///
+    /// # Errors
+    /// If the parameters admit no initial state. The host gets `fmi2Error` and the message, and may correct them.
+    fn initialize(&mut self, experiment: &Experiment) -> Result<(), Failure>;
+
+    /// Advances the state from `step.time` to `step.time + step.size`.
+    ///
+    /// # Errors
+    /// [`Failure::Discard`] if a smaller step could succeed, [`Failure::Error`] otherwise.
+    fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure>;
+
+    /// Called after the host has changed a tunable parameter while stepping. If it fails, the old value is put back and
+    /// `retuned` is called once more.
+    ///
+    /// # Errors
+    /// If the parameters do not fit together.
+    fn retuned(&mut self) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Rebuilds what serialisation skipped, and checks that a state read from a blob is one this model can be in.
+    ///
+    /// # Errors
+    /// If it is not; the blob is then refused and the instance keeps its state.
+    fn restored(&mut self) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Directional derivative of the outputs with respect to the inputs at the current state (FMI 2.0.4, section 2.1.9).
+    ///
+    /// On entry the input fields of `direction` hold the seed `dv_known` and its output fields are zero; on exit its
+    /// output fields hold `dv_unknown`, the derivative of the outputs along the seed. Only called if
+    /// [`Info::directional_derivatives`] is set.
+    fn directional_derivative(&mut self, direction: &mut Self) {
+        let _ = direction;
+    }
+}
+
+/// Identification of a model and of its capabilities.
+#[derive(Clone, Copy, Debug)]
+pub struct Info {
+    /// `modelName` and `modelIdentifier`: a C identifier.
+    pub name: &'static str,
+    /// One line on what the model is.
+    pub description: &'static str,
+    /// Version of the model.
+    pub version: &'static str,
+    /// Who wrote it.
+    pub author: &'static str,
+    /// Copyright notice.
+    pub copyright: &'static str,
+    /// Licence, in short, e.g. `MIT`.
+    pub license: &'static str,
+    /// Default experiment: how long to simulate and with which communication step (s).
+    pub default_experiment: DefaultExperiment,
+    /// Whether [`Model::directional_derivative`] is implemented.
+    pub directional_derivatives: bool,
+}
+
+impl Info {
+    /// Defaults to fill up a definition with: `Info { name: "Lag", description: "…", ..Info::new() }`.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            name: "",
+            description: "",
+            version: "",
+            author: "",
+            copyright: "",
+            license: "",
+            default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 1.0, step_size: 1e-3, tolerance: None },
+            directional_derivatives: false,
+        }
+    }
+}
+
+impl Default for Info {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// `<DefaultExperiment>`: what a tool proposes to its user.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DefaultExperiment {
+    /// Start time (s).
+    pub start_time: f64,
+    /// Stop time (s).
+    pub stop_time: f64,
+    /// Communication step size (s).
+    pub step_size: f64,
+    /// Relative tolerance, if the model has use for one.
+    pub tolerance: Option<f64>,
+}
+
+/// The experiment a host has set up with `fmi2SetupExperiment`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, serde::Deserialize)]
+pub struct Experiment {
+    /// Start time (s).
+    pub start_time: f64,
+    /// Stop time (s), if the host named one; steps past it are refused.
+    pub stop_time: Option<f64>,
+    /// Relative tolerance, if the host named one.
+    pub tolerance: Option<f64>,
+}
+
+impl Default for Experiment {
+    fn default() -> Self {
+        Self { start_time: 0.0, stop_time: None, tolerance: None }
+    }
+}
+
+/// One communication step.
+pub struct Step<'a> {
+    /// Its start (s).
+    pub time: f64,
+    /// Its size (s), positive and finite.
+    pub size: f64,
+    pub(crate) warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>),
+}
+
+impl<'a> Step<'a> {
+    /// A step outside of any host, for tests and benchmarks; warnings go to `warn`.
+    pub fn new(time: f64, size: f64, warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>)) -> Self {
+        Self { time, size, warn }
+    }
+
+    /// Tells the host's user something: logged in category `logStatusWarning`, and `fmi2DoStep` returns `fmi2Warning`.
+    pub fn warn(&mut self, message: std::fmt::Arguments<'_>) {
+        (self.warn)(message);
+    }
+}
+
+/// Why a model could not do what it was asked for. The message is shown to the host's user: say what to do.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Failure {
+    /// The step cannot be done like this; a smaller one, or other inputs, may succeed (`fmi2Discard`).
+    #[error("{0}")]
+    Discard(String),
+    /// It cannot be done (`fmi2Error`).
+    #[error("{0}")]
+    Error(String),
+}
+
+impl Failure {
+    /// [`Failure::Error`] from anything that displays.
+    pub fn error(reason: impl std::fmt::Display) -> Self {
+        Self::Error(reason.to_string())
+    }
+
+    /// [`Failure::Discard`] from anything that displays.
+    pub fn discard(reason: impl std::fmt::Display) -> Self {
+        Self::Discard(reason.to_string())
+    }
+}

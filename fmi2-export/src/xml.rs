@@ -1,0 +1,332 @@
+//! `modelDescription.xml` (FMI 2.0.4, sections 2.2 and 4.3), generated from the declarations.
+
+use std::collections::BTreeMap;
+
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, BytesStart, Event};
+use uuid::Uuid;
+
+use crate::access::Access;
+use crate::layout::{DeclarationError, Layout};
+use crate::unit::BASE_UNITS;
+use crate::variable::{Causality, DependencyKind, Variability, Variable};
+use crate::{Model, Unit, logger};
+
+/// Namespace of the GUIDs: a version 5 UUID of the text "fmi2-export" in the DNS-less nil namespace.
+const NAMESPACE: Uuid = Uuid::from_u128(0x6f1d_3b5e_52a9_5c4b_9d0e_8a3c_71f2_46d7);
+
+/// A model's description: the XML file and what the C interface needs of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Description {
+    /// `modelName` and `modelIdentifier`.
+    pub name: &'static str,
+    /// The GUID: a fingerprint (version 5 UUID) of everything else in the description.
+    pub guid: String,
+    /// The text of `modelDescription.xml`.
+    pub xml: String,
+}
+
+/// Generates the description of `M`. The same declarations always give the same text.
+///
+/// # Errors
+/// If the declarations contradict themselves; all problems are listed.
+pub fn describe<M: Model>() -> Result<Description, DeclarationError> {
+    Ok(describe_layout(&Layout::<M>::build()?))
+}
+
+pub(crate) fn describe_layout<M: Model>(layout: &Layout<M>) -> Description {
+    let anonymous = render(layout, "");
+    let guid = format!("{{{}}}", Uuid::new_v5(&NAMESPACE, anonymous.as_bytes()));
+    Description { name: M::INFO.name, xml: render(layout, &guid), guid }
+}
+
+/// Attributes of an element, in order; optional ones can be absent.
+type Attributes<'a> = Vec<(&'a str, String)>;
+
+struct Xml(Writer<Vec<u8>>);
+
+impl Xml {
+    fn event(&mut self, event: Event<'_>) {
+        // Writing to memory cannot fail.
+        let _ = self.0.write_event(event);
+    }
+
+    fn start<'n>(name: &'n str, attributes: &[(&str, String)]) -> BytesStart<'n> {
+        let mut start = BytesStart::new(name);
+        for (key, value) in attributes {
+            start.push_attribute((*key, value.as_str()));
+        }
+        start
+    }
+
+    fn empty(&mut self, name: &str, attributes: &[(&str, String)]) {
+        self.event(Event::Empty(Self::start(name, attributes)));
+    }
+
+    fn element(&mut self, name: &str, attributes: &[(&str, String)], content: impl FnOnce(&mut Self)) {
+        let start = Self::start(name, attributes);
+        let end = start.to_end().into_owned();
+        self.event(Event::Start(start));
+        content(self);
+        self.event(Event::End(end));
+    }
+}
+
+fn render<M: Model>(layout: &Layout<M>, guid: &str) -> String {
+    let info = M::INFO;
+    let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
+    xml.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
+    let mut root: Attributes<'_> =
+        vec![("fmiVersion", "2.0".into()), ("modelName", info.name.into()), ("guid", guid.into())];
+    for (key, value) in [
+        ("description", info.description),
+        ("author", info.author),
+        ("version", info.version),
+        ("copyright", info.copyright),
+        ("license", info.license),
+    ] {
+        if !value.is_empty() {
+            root.push((key, value.into()));
+        }
+    }
+    root.push(("generationTool", concat!("fmi2-export ", env!("CARGO_PKG_VERSION")).into()));
+    root.push(("variableNamingConvention", "structured".into()));
+    root.push(("numberOfEventIndicators", "0".into()));
+    xml.element("fmiModelDescription", &root, |xml| {
+        co_simulation(xml, layout);
+        unit_definitions(xml, layout);
+        type_definitions(xml, layout);
+        xml.element("LogCategories", &[], |xml| {
+            for (name, description) in logger::CATEGORIES {
+                xml.empty("Category", &[("name", name.into()), ("description", description.into())]);
+            }
+        });
+        let experiment = info.default_experiment;
+        let mut attributes =
+            vec![("startTime", number(experiment.start_time)), ("stopTime", number(experiment.stop_time))];
+        attributes.extend(experiment.tolerance.map(|tolerance| ("tolerance", number(tolerance))));
+        attributes.push(("stepSize", number(experiment.step_size)));
+        xml.empty("DefaultExperiment", &attributes);
+        model_variables(xml, layout);
+        model_structure(xml, layout);
+    });
+    let mut text = String::from_utf8(xml.0.into_inner()).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+fn co_simulation<M: Model>(xml: &mut Xml, layout: &Layout<M>) {
+    let yes = || "true".to_owned();
+    let mut attributes = vec![
+        ("modelIdentifier", M::INFO.name.to_owned()),
+        ("canHandleVariableCommunicationStepSize", yes()),
+        ("canNotUseMemoryManagementFunctions", yes()),
+        ("canGetAndSetFMUstate", yes()),
+        ("canSerializeFMUstate", yes()),
+    ];
+    if !layout.ramps.is_empty() {
+        attributes.push(("canInterpolateInputs", yes()));
+    }
+    if layout.has_rates() {
+        attributes.push(("maxOutputDerivativeOrder", "1".into()));
+    }
+    if M::INFO.directional_derivatives {
+        attributes.push(("providesDirectionalDerivative", yes()));
+    }
+    xml.empty("CoSimulation", &attributes);
+}
+
+fn unit_definitions<M>(xml: &mut Xml, layout: &Layout<M>) {
+    let mut units: BTreeMap<&str, (&Unit, BTreeMap<&str, f64>)> = BTreeMap::new();
+    for variable in &layout.variables {
+        let Some(unit) = &variable.unit else { continue };
+        let (_, display) = units.entry(&unit.name).or_insert((unit, BTreeMap::new()));
+        display.extend(variable.display_unit.as_ref().map(|d| (d.name.as_str(), d.factor)));
+    }
+    if units.is_empty() {
+        return;
+    }
+    xml.element("UnitDefinitions", &[], |xml| {
+        for (unit, display) in units.values() {
+            xml.element("Unit", &[("name", unit.name.clone())], |xml| {
+                let mut base: Attributes<'_> = BASE_UNITS
+                    .iter()
+                    .zip(unit.exponents)
+                    .filter(|(_, exponent)| *exponent != 0)
+                    .map(|(name, exponent)| (*name, exponent.to_string()))
+                    .collect();
+                if unit.factor.to_bits() != 1.0_f64.to_bits() {
+                    base.push(("factor", number(unit.factor)));
+                }
+                if unit.offset != 0.0 {
+                    base.push(("offset", number(unit.offset)));
+                }
+                xml.empty("BaseUnit", &base);
+                for (name, factor) in display {
+                    xml.empty("DisplayUnit", &[("name", (*name).into()), ("factor", number(*factor))]);
+                }
+            });
+        }
+    });
+}
+
+fn type_definitions<M>(xml: &mut Xml, layout: &Layout<M>) {
+    if layout.enumerations.is_empty() {
+        return;
+    }
+    xml.element("TypeDefinitions", &[], |xml| {
+        for kind in &layout.enumerations {
+            let attributes = vec![("name", kind.name.into()), ("description", kind.description.into())];
+            xml.element("SimpleType", &attributes, |xml| {
+                xml.element("Enumeration", &[], |xml| {
+                    for (i, (name, description)) in kind.items.iter().enumerate() {
+                        let attributes = vec![
+                            ("name", (*name).into()),
+                            ("value", (i + 1).to_string()),
+                            ("description", (*description).into()),
+                        ];
+                        xml.empty("Item", &attributes);
+                    }
+                });
+            });
+        }
+    });
+}
+
+fn model_variables<M: Model>(xml: &mut Xml, layout: &Layout<M>) {
+    let mut model = M::default();
+    xml.element("ModelVariables", &[], |xml| {
+        for (variable, reference) in layout.variables.iter().zip(&layout.references) {
+            let given = matches!(variable.causality, Causality::Input | Causality::Parameter);
+            let mut attributes = vec![
+                ("name", variable.name.clone()),
+                ("valueReference", reference.index.to_string()),
+                ("description", variable.description.clone()),
+                ("causality", causality(variable.causality).into()),
+                ("variability", variability(variable.variability).into()),
+            ];
+            match variable.causality {
+                Causality::Parameter => attributes.push(("initial", "exact".into())),
+                Causality::Output | Causality::Local => attributes.push(("initial", "calculated".into())),
+                // An input has no attribute `initial`: its start value is always exact.
+                Causality::Input => {}
+            }
+            xml.element("ScalarVariable", &attributes, |xml| {
+                let (name, attributes) = type_element(variable, &mut model, given);
+                xml.empty(name, &attributes);
+            });
+        }
+    });
+}
+
+/// `<Real>`, `<Integer>`, … of a variable, with its start value if it is given rather than computed.
+fn type_element<M>(variable: &Variable<M>, model: &mut M, given: bool) -> (&'static str, Attributes<'static>) {
+    let mut attributes: Attributes<'static> = Vec::new();
+    let integral = |bound: f64| format!("{bound:.0}");
+    let (name, start) = match &variable.access {
+        Access::Real(lens) => {
+            attributes.extend(variable.unit.as_ref().map(|unit| ("unit", unit.name.clone())));
+            attributes.extend(variable.display_unit.as_ref().map(|display| ("displayUnit", display.name.clone())));
+            attributes.extend(variable.min.map(|v| ("min", number(v))));
+            attributes.extend(variable.max.map(|v| ("max", number(v))));
+            attributes.extend(variable.nominal.map(|v| ("nominal", number(v))));
+            ("Real", number(*lens(model)))
+        }
+        Access::Integer { get, .. } => {
+            attributes.extend(variable.min.map(|v| ("min", integral(v))));
+            attributes.extend(variable.max.map(|v| ("max", integral(v))));
+            ("Integer", get(model).to_string())
+        }
+        Access::Enumeration { get, kind, .. } => {
+            attributes.push(("declaredType", kind.name.into()));
+            ("Enumeration", get(model).to_string())
+        }
+        Access::Boolean(field) => ("Boolean", field(model).to_string()),
+        Access::String(field) => ("String", field(model).clone()),
+    };
+    if given {
+        attributes.push(("start", start));
+    }
+    (name, attributes)
+}
+
+fn model_structure<M>(xml: &mut Xml, layout: &Layout<M>) {
+    let index_of: std::collections::HashMap<&str, usize> =
+        layout.variables.iter().enumerate().map(|(i, v)| (v.name.as_str(), i + 1)).collect();
+    let outputs = || layout.variables.iter().enumerate().filter(|(_, v)| v.causality == Causality::Output);
+    xml.element("ModelStructure", &[], |xml| {
+        if outputs().next().is_none() {
+            return;
+        }
+        let direct = |variable: &Variable<M>| {
+            let mut inputs: Vec<(usize, &str)> = variable
+                .depends_on
+                .iter()
+                .filter_map(|(name, kind)| Some((*index_of.get(name.as_str())?, dependency_kind(*kind))))
+                .collect();
+            inputs.sort_unstable();
+            inputs
+        };
+        xml.element("Outputs", &[], |xml| {
+            for (i, variable) in outputs() {
+                unknown(xml, i + 1, &direct(variable));
+            }
+        });
+        // In initialization mode an output follows from the parameters and the inputs it directly depends on.
+        let parameters: Vec<usize> = layout
+            .variables
+            .iter()
+            .enumerate()
+            .filter(|(_, v)| v.causality == Causality::Parameter)
+            .map(|(i, _)| i + 1)
+            .collect();
+        xml.element("InitialUnknowns", &[], |xml| {
+            for (i, variable) in outputs() {
+                let mut knowns: Vec<(usize, &str)> = parameters.iter().map(|p| (*p, "dependent")).collect();
+                knowns.extend(direct(variable).iter().map(|(input, _)| (*input, "dependent")));
+                knowns.sort_unstable();
+                unknown(xml, i + 1, &knowns);
+            }
+        });
+    });
+}
+
+fn unknown(xml: &mut Xml, index: usize, knowns: &[(usize, &str)]) {
+    let join = |items: Vec<String>| items.join(" ");
+    let mut attributes =
+        vec![("index", index.to_string()), ("dependencies", join(knowns.iter().map(|(i, _)| i.to_string()).collect()))];
+    if knowns.iter().any(|(_, kind)| *kind != "dependent") {
+        attributes.push(("dependenciesKind", join(knowns.iter().map(|(_, kind)| (*kind).to_owned()).collect())));
+    }
+    xml.empty("Unknown", &attributes);
+}
+
+fn causality(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Local => "local",
+        Causality::Parameter => "parameter",
+    }
+}
+
+fn variability(variability: Variability) -> &'static str {
+    match variability {
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    }
+}
+
+fn dependency_kind(kind: DependencyKind) -> &'static str {
+    match kind {
+        DependencyKind::Dependent => "dependent",
+        DependencyKind::Fixed => "fixed",
+    }
+}
+
+/// Shortest text that reads back as the same number: `0.5`, `1e-7`.
+fn number(value: f64) -> String {
+    format!("{value:?}")
+}

@@ -1,0 +1,191 @@
+//! A C client of the example libraries: loads them as a host does and calls the C functions by their symbols.
+#![allow(dead_code)] // Each test binary uses a part.
+#![allow(clippy::too_many_arguments)] // As the standard has it.
+
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::path::PathBuf;
+use std::ptr::{null, null_mut};
+use std::sync::{Arc, Mutex};
+
+use libloading::Library;
+
+pub const OK: c_int = 0;
+pub const WARNING: c_int = 1;
+pub const DISCARD: c_int = 2;
+pub const ERROR: c_int = 3;
+
+/// Path of an example's library: cargo builds examples before it runs tests.
+pub fn example(name: &str) -> PathBuf {
+    let exe = std::env::current_exe().unwrap();
+    let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    exe.parent().unwrap().parent().unwrap().join("examples").join(file)
+}
+
+type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
+
+#[repr(C)]
+pub struct Callbacks {
+    pub logger: Option<Logger>,
+    pub allocate_memory: *const c_void,
+    pub free_memory: *const c_void,
+    pub step_finished: *const c_void,
+    pub environment: *mut c_void,
+}
+
+/// What the logger was told: status, category, message.
+pub type Log = Arc<Mutex<Vec<(c_int, String, String)>>>;
+
+/// Variadic functions cannot be defined in Rust; the callee may ignore the variadic part, and none is passed.
+unsafe extern "C" fn record(
+    environment: *mut c_void,
+    _instance: *const c_char,
+    status: c_int,
+    category: *const c_char,
+    message: *const c_char,
+) {
+    let log = unsafe { &*environment.cast::<Mutex<Vec<(c_int, String, String)>>>() };
+    let text = |s: *const c_char| unsafe { CStr::from_ptr(s) }.to_str().unwrap().to_owned();
+    log.lock().unwrap().push((status, text(category), text(message)));
+}
+
+pub struct Fmu {
+    pub library: Library,
+}
+
+macro_rules! functions {
+    ($($name:ident($($arg:ident: $type:ty),*) -> $result:ty;)*) => {
+        #[allow(non_snake_case)]
+        impl Fmu { $(
+            pub fn $name(&self, $($arg: $type),*) -> $result {
+                type F = unsafe extern "C" fn($($type),*) -> $result;
+                unsafe {
+                    let function: libloading::Symbol<'_, F> = self.library.get(stringify!($name)).unwrap();
+                    function($($arg),*)
+                }
+            }
+        )* }
+    };
+}
+
+type C = *mut c_void;
+
+functions! {
+    fmi2GetTypesPlatform() -> *const c_char;
+    fmi2GetVersion() -> *const c_char;
+    fmi2Instantiate(name: *const c_char, kind: c_int, guid: *const c_char, resources: *const c_char, callbacks: *const Callbacks, visible: c_int, logging: c_int) -> C;
+    fmi2FreeInstance(c: C) -> ();
+    fmi2SetDebugLogging(c: C, on: c_int, n: usize, categories: *const *const c_char) -> c_int;
+    fmi2SetupExperiment(c: C, tolerance_defined: c_int, tolerance: f64, start: f64, stop_defined: c_int, stop: f64) -> c_int;
+    fmi2EnterInitializationMode(c: C) -> c_int;
+    fmi2ExitInitializationMode(c: C) -> c_int;
+    fmi2Terminate(c: C) -> c_int;
+    fmi2Reset(c: C) -> c_int;
+    fmi2GetReal(c: C, vr: *const u32, n: usize, value: *mut f64) -> c_int;
+    fmi2GetInteger(c: C, vr: *const u32, n: usize, value: *mut c_int) -> c_int;
+    fmi2GetBoolean(c: C, vr: *const u32, n: usize, value: *mut c_int) -> c_int;
+    fmi2GetString(c: C, vr: *const u32, n: usize, value: *mut *const c_char) -> c_int;
+    fmi2SetReal(c: C, vr: *const u32, n: usize, value: *const f64) -> c_int;
+    fmi2SetInteger(c: C, vr: *const u32, n: usize, value: *const c_int) -> c_int;
+    fmi2SetBoolean(c: C, vr: *const u32, n: usize, value: *const c_int) -> c_int;
+    fmi2SetString(c: C, vr: *const u32, n: usize, value: *const *const c_char) -> c_int;
+    fmi2GetFMUstate(c: C, state: *mut C) -> c_int;
+    fmi2SetFMUstate(c: C, state: C) -> c_int;
+    fmi2FreeFMUstate(c: C, state: *mut C) -> c_int;
+    fmi2SerializedFMUstateSize(c: C, state: C, size: *mut usize) -> c_int;
+    fmi2SerializeFMUstate(c: C, state: C, bytes: *mut u8, size: usize) -> c_int;
+    fmi2DeSerializeFMUstate(c: C, bytes: *const u8, size: usize, state: *mut C) -> c_int;
+    fmi2GetDirectionalDerivative(c: C, unknowns: *const u32, nu: usize, knowns: *const u32, nk: usize, seed: *const f64, value: *mut f64) -> c_int;
+    fmi2SetRealInputDerivatives(c: C, vr: *const u32, n: usize, order: *const c_int, value: *const f64) -> c_int;
+    fmi2GetRealOutputDerivatives(c: C, vr: *const u32, n: usize, order: *const c_int, value: *mut f64) -> c_int;
+    fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> c_int;
+    fmi2CancelStep(c: C) -> c_int;
+    fmi2GetStatus(c: C, kind: c_int, value: *mut c_int) -> c_int;
+    fmi2GetRealStatus(c: C, kind: c_int, value: *mut f64) -> c_int;
+    fmi2GetIntegerStatus(c: C, kind: c_int, value: *mut c_int) -> c_int;
+    fmi2GetBooleanStatus(c: C, kind: c_int, value: *mut c_int) -> c_int;
+    fmi2GetStringStatus(c: C, kind: c_int, value: *mut *const c_char) -> c_int;
+}
+
+impl Fmu {
+    pub fn load(name: &str) -> Self {
+        // SAFETY: our own library.
+        Self { library: unsafe { Library::new(example(name)) }.unwrap() }
+    }
+
+    /// An instance with a logger that writes into the returned log.
+    pub fn instantiate(&self, guid: &str) -> Slave<'_> {
+        let log = Log::default();
+        let callbacks = callbacks(&log);
+        let guid = CString::new(guid).unwrap();
+        let component = self.fmi2Instantiate(c"test".as_ptr(), 1, guid.as_ptr(), null(), &raw const callbacks, 0, 1);
+        assert!(!component.is_null(), "{log:?}");
+        Slave { fmu: self, component, log }
+    }
+}
+
+pub fn callbacks(log: &Log) -> Callbacks {
+    // SAFETY: a variadic callee that reads no variadic arguments may be a function with the fixed ones on all platforms
+    // whose C calling convention passes the fixed arguments alike, which those that FMI knows do.
+    let logger = unsafe { std::mem::transmute::<*const (), Logger>(record as *const ()) };
+    Callbacks {
+        logger: Some(logger),
+        allocate_memory: null(),
+        free_memory: null(),
+        step_finished: null(),
+        environment: Arc::as_ptr(log).cast_mut().cast(),
+    }
+}
+
+/// An instance, freed at the end.
+pub struct Slave<'f> {
+    pub fmu: &'f Fmu,
+    pub component: *mut c_void,
+    pub log: Log,
+}
+
+impl Drop for Slave<'_> {
+    fn drop(&mut self) {
+        self.fmu.fmi2FreeInstance(self.component);
+    }
+}
+
+impl Slave<'_> {
+    pub fn initialize(&self) {
+        assert_eq!(self.fmu.fmi2SetupExperiment(self.component, 0, 0.0, 0.0, 0, 0.0), OK);
+        assert_eq!(self.fmu.fmi2EnterInitializationMode(self.component), OK);
+        assert_eq!(self.fmu.fmi2ExitInitializationMode(self.component), OK, "{:?}", self.log);
+    }
+
+    pub fn get(&self, reference: u32) -> f64 {
+        let mut value = f64::NAN;
+        assert_eq!(self.fmu.fmi2GetReal(self.component, &raw const reference, 1, &raw mut value), OK, "{:?}", self.log);
+        value
+    }
+
+    pub fn set(&self, reference: u32, value: f64) -> c_int {
+        self.fmu.fmi2SetReal(self.component, &raw const reference, 1, &raw const value)
+    }
+
+    pub fn step(&self, time: f64, size: f64) -> c_int {
+        self.fmu.fmi2DoStep(self.component, time, size, 1)
+    }
+
+    /// The last message logged.
+    pub fn message(&self) -> String {
+        self.log.lock().unwrap().last().map(|(_, _, message)| message.clone()).unwrap_or_default()
+    }
+
+    pub fn save(&self) -> *mut c_void {
+        let mut state = null_mut();
+        assert_eq!(self.fmu.fmi2GetFMUstate(self.component, &raw mut state), OK);
+        state
+    }
+
+    pub fn serialize(&self, state: *mut c_void) -> Vec<u8> {
+        let mut size = 0;
+        assert_eq!(self.fmu.fmi2SerializedFMUstateSize(self.component, state, &raw mut size), OK);
+        let mut bytes = vec![0; size];
+        assert_eq!(self.fmu.fmi2SerializeFMUstate(self.component, state, bytes.as_mut_ptr(), size), OK);
+        bytes
+    }
+}
