@@ -1,0 +1,109 @@
+//! What goes into the plant and what comes out.
+
+use serde::{Deserialize, Serialize};
+
+/// Inputs of the plant, or their time derivatives, or a direction of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Inputs {
+    /// Commanded hub torques τ̄_i \[N·m\]. FMI names `tau1_cmd`, `tau2_cmd`.
+    pub torque_command: [f64; 2],
+    /// Commanded force on the object v \[N\]. FMI name `u_cmd`.
+    pub force_command: f64,
+    /// External disturbance torques on the hubs \[N·m\], added to the built-in Δf_i. FMI names `delta_f1`, `delta_f2`.
+    pub hub_disturbance: [f64; 2],
+    /// External disturbance force on the object \[N\], added to the built-in ΔF. FMI name `delta_F`.
+    pub object_disturbance: f64,
+}
+
+impl Inputs {
+    /// No input, and no change of any input.
+    pub const ZERO: Self =
+        Self { torque_command: [0.0; 2], force_command: 0.0, hub_disturbance: [0.0; 2], object_disturbance: 0.0 };
+
+    /// Commands in the order of the forces: torque 1, torque 2, force.
+    pub(crate) fn commands(&self) -> [f64; 3] {
+        [self.torque_command[0], self.torque_command[1], self.force_command]
+    }
+
+    /// External disturbances in the order of the forces.
+    pub(crate) fn disturbances(&self) -> [f64; 3] {
+        [self.hub_disturbance[0], self.hub_disturbance[1], self.object_disturbance]
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.commands().iter().chain(&self.disturbances()).all(|value| value.is_finite())
+    }
+}
+
+/// The twelve measured outputs (or their time derivatives). They depend on the state alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Measured {
+    /// Hub angles θ_i \[rad\].
+    pub theta: [f64; 2],
+    /// Hub angular velocities \[rad/s\].
+    pub theta_dot: [f64; 2],
+    /// Object position `y_M` \[m\].
+    pub y_object: f64,
+    /// Object velocity \[m/s\].
+    pub y_object_dot: f64,
+    /// Elastic root moments EI_i w_i''(0) \[N·m\], without the Kelvin–Voigt part: what a strain gauge shows.
+    pub root_moment: [f64; 2],
+    /// Elastic tip shears EI_i w_i'''(l) \[N\], without the Kelvin–Voigt part.
+    pub tip_shear: [f64; 2],
+    /// Rates of the elastic tip shears \[N/s\].
+    pub tip_shear_dot: [f64; 2],
+}
+
+/// The outputs that follow the inputs at once (or their time derivatives, or their change along a direction of inputs).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Direct {
+    /// Hub torques τ_i that the actuators deliver \[N·m\].
+    pub torque: [f64; 2],
+    /// Force u that the object's actuator delivers \[N\].
+    pub force: f64,
+    /// Multipliers λ_i \[N\], eqs. (13) and (14).
+    pub lambda: [f64; 2],
+    /// Contact forces f_i = (−1)^i λ_i \[N\], positive in compression.
+    pub contact_force: [f64; 2],
+}
+
+impl Direct {
+    /// Whether both arms press on the object: both contact forces strictly positive. Arms that just touch it (the start
+    /// at rest, force zero) do not press.
+    #[must_use]
+    pub fn in_contact(&self) -> bool {
+        self.contact_force.iter().all(|force| *force > 0.0)
+    }
+}
+
+/// What the plant does to itself through the built-in uncertainties (or its time derivatives).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Uncertainty {
+    /// Built-in Δf_i on the hubs \[N·m\].
+    pub delta_f: [f64; 2],
+    /// Built-in ΔF on the object \[N\].
+    pub delta_force: f64,
+    /// Rates of the elastic root moments d/dt(EI_i w_i''(0)) \[N·m/s\], to which Δf_i is proportional.
+    pub root_moment_dot: [f64; 2],
+}
+
+/// Time derivatives of all outputs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rates {
+    /// Of the measured outputs.
+    pub measured: Measured,
+    /// Of the outputs that follow the inputs at once.
+    pub direct: Direct,
+    /// Of the built-in uncertainties.
+    pub uncertainty: Uncertainty,
+    /// Of the deflections, by arm and point \[m/s\].
+    pub deflection: [[f64; crate::DEFLECTION_POINTS]; 2],
+    /// Of the tip deflections \[m/s\].
+    pub tip_deflection: [f64; 2],
+    /// Of the constraints φ_i, zero up to rounding \[m/s\].
+    pub constraint: [f64; 2],
+    /// Of the energy \[W\].
+    pub energy: f64,
+    /// Of the supplied energy \[W\]: the power of actuators and external disturbances.
+    pub supplied_energy: f64,
+}
