@@ -1,0 +1,494 @@
+//! Gaussian radial-basis-function networks, Ŵᵀ Y(X) of (35) and Ûᵀ Y(Z) of (53).
+//!
+//! Basis function j is `Yⱼ(X) = exp(−‖x − cⱼ‖²/b²)`, where x is the input with every component divided by its scale.
+//! The centres fill the box |x| ≤ 1, equally spaced along each axis, in one of two layouts:
+//!
+//! * [`Layout::Grid`]: the full tensor grid, n nodes per axis. For the three inputs of the posture networks.
+//! * [`Layout::Star`]: a node at the origin and r nodes on both sides of it along each axis, 1 + 2rD in all. For the
+//!   seven inputs of the object network, where a grid of only five nodes per axis would have 78125.
+//!
+//! Both have their nodes densest where the networks must work in the end: at the origin, which is the target (zero
+//! errors, at rest). There a network acts on its loop as a leaky integrator of the sliding variable s with gain
+//! `a‖Y‖²` and forgetting rate aσ, so a lasting disturbance d leaves `s ≈ d σ/‖Y‖²`; the star is there for that reason
+//! and not a low-discrepancy set, whose nodes in seven dimensions nearly all lie in the corners.
+//!
+//! A Gaussian of the whole vector is the product of one-dimensional ones, and along an equally spaced axis those are a
+//! common factor times powers of another: `exp(−(x−c)²/b²) = exp(−x²/b²) exp(2xc/b²) exp(−c²/b²)`. So an evaluation needs
+//! two exponentials per axis, not one per node.
+//!
+//! Far outside the box every activation tends to zero and nothing else happens: values below 10⁻³⁰ on an axis count as
+//! zero, which keeps denormal numbers out of the products.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Largest number of nodes along one axis.
+pub const MAX_PER_AXIS: usize = 9;
+
+/// Narrowest and widest Gaussians in normalised units. Narrower ones would underflow inside the box.
+pub const WIDTHS: std::ops::RangeInclusive<f64> = 0.1..=10.0;
+
+/// Activations along one axis that are smaller count as zero.
+const NEGLIGIBLE: f64 = 1e-30;
+
+/// Where the centres are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Layout {
+    /// Tensor grid with this many nodes per axis, 1 ≤ n ≤ 9; n = 1 is a single node at the origin.
+    Grid(usize),
+    /// A node at the origin and this many on each side of it along every axis, 0 ≤ r ≤ 4.
+    Star(usize),
+}
+
+impl Layout {
+    /// Nodes along one axis.
+    const fn per_axis(self) -> usize {
+        match self {
+            Self::Grid(n) => n,
+            Self::Star(rings) => 2 * rings + 1,
+        }
+    }
+
+    /// Whether the number of nodes per axis is in its range.
+    const fn is_possible(self) -> bool {
+        match self {
+            Self::Grid(n) => 1 <= n && n <= MAX_PER_AXIS,
+            Self::Star(rings) => rings <= MAX_PER_AXIS / 2,
+        }
+    }
+
+    /// Number of nodes in `dimensions` dimensions.
+    #[must_use]
+    pub fn nodes(self, dimensions: usize) -> usize {
+        match self {
+            Self::Grid(n) => std::iter::repeat_n(n, dimensions).product(),
+            Self::Star(rings) => 1 + 2 * rings * dimensions,
+        }
+    }
+}
+
+/// Equally spaced Gaussians on [−1, 1].
+#[derive(Debug, Clone, Copy)]
+struct Axis {
+    nodes: usize,
+    /// Distance of neighbouring centres Δ.
+    spacing: f64,
+    /// 1/b².
+    sharpness: f64,
+    /// Beyond this |x| every Gaussian is negligible.
+    reach: f64,
+    /// exp(−c²/b²) of the centres.
+    heights: AxisValues,
+}
+
+/// The activations along one axis.
+type AxisValues = [f64; MAX_PER_AXIS];
+
+impl Axis {
+    fn new(nodes: usize, width: f64) -> Self {
+        let spacing = if nodes > 1 { 2.0 / (nodes - 1) as f64 } else { 0.0 };
+        let mut axis = Self {
+            nodes,
+            spacing,
+            sharpness: width.powi(-2),
+            reach: 1.0 + width * (-NEGLIGIBLE.ln()).sqrt(),
+            heights: [0.0; MAX_PER_AXIS],
+        };
+        for node in 0..nodes {
+            axis.heights[node] = (-axis.centre(node).powi(2) * axis.sharpness).exp();
+        }
+        axis
+    }
+
+    fn centre(&self, node: usize) -> f64 {
+        (node as f64 - 0.5 * (self.nodes - 1) as f64) * self.spacing
+    }
+
+    /// exp(−(x − cⱼ)²/b²) of the first `N` = `self.nodes` nodes.
+    ///
+    /// With |x| clamped to the reach and b ≥ 0.1 no exponent exceeds 340, so nothing overflows.
+    fn values<const N: usize>(&self, x: f64) -> [f64; N] {
+        let x = x.clamp(-self.reach, self.reach);
+        let peak = (-x * x * self.sharpness).exp();
+        // exp(xΔ/b²): the centres are even multiples of Δ/2 when N is odd, odd ones when it is even.
+        let half_step = (x * self.spacing * self.sharpness).exp();
+        let (up, down) = (half_step * half_step, (half_step * half_step).recip());
+        let mut powers = [1.0; N];
+        let middle = N / 2;
+        if N.is_multiple_of(2) {
+            powers[middle] = half_step;
+            powers[middle - 1] = half_step.recip();
+        }
+        for node in middle + 1..N {
+            powers[node] = powers[node - 1] * up;
+            powers[N - 1 - node] = powers[N - node] * down;
+        }
+        std::array::from_fn(|node| {
+            let value = peak * self.heights[node] * powers[node];
+            if value > NEGLIGIBLE { value } else { 0.0 }
+        })
+    }
+}
+
+/// A network of `D` inputs with its weights.
+///
+/// The activations of the last [`activate`](Self::activate) are kept, so that the output, its gradient and the update
+/// of the weights share one evaluation of the basis. They are no state: serialised networks come back without them.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+#[serde(try_from = "Stored", into = "Stored")]
+pub struct Network<const D: usize> {
+    layout: Layout,
+    width: f64,
+    axis: Axis,
+    weights: Vec<f64>,
+    point: [f64; D],
+    /// One-dimensional activations at the point.
+    axes: [AxisValues; D],
+    activations: Vec<f64>,
+}
+
+/// What is stored of a network.
+#[derive(Serialize, Deserialize)]
+struct Stored {
+    layout: Layout,
+    width: f64,
+    weights: Vec<f64>,
+}
+
+/// A stored network that is none.
+#[derive(Debug, Error)]
+#[error("stored network has an impossible layout, width or number of weights")]
+struct StoredNetworkError;
+
+impl<const D: usize> From<Network<D>> for Stored {
+    fn from(network: Network<D>) -> Self {
+        Self { layout: network.layout, width: network.width, weights: network.weights }
+    }
+}
+
+impl<const D: usize> TryFrom<Stored> for Network<D> {
+    type Error = StoredNetworkError;
+
+    fn try_from(Stored { layout, width, weights }: Stored) -> Result<Self, StoredNetworkError> {
+        if !layout.is_possible() || !WIDTHS.contains(&width) || weights.len() != layout.nodes(D) {
+            return Err(StoredNetworkError);
+        }
+        Ok(Self { weights, ..Self::new(layout, width) })
+    }
+}
+
+impl<const D: usize> Network<D> {
+    /// A network with zero weights and Gaussians of `width` b > 0 in normalised units.
+    #[must_use]
+    pub fn new(layout: Layout, width: f64) -> Self {
+        let nodes = layout.nodes(D);
+        Self {
+            layout,
+            width,
+            axis: Axis::new(layout.per_axis(), width),
+            weights: vec![0.0; nodes],
+            // Unlike any point, so that nothing counts as evaluated.
+            point: [f64::NAN; D],
+            axes: [[0.0; MAX_PER_AXIS]; D],
+            activations: vec![0.0; nodes],
+        }
+    }
+
+    /// Sets all weights to zero.
+    pub fn reset(&mut self) {
+        self.weights.fill(0.0);
+    }
+
+    /// The weights Ŵ, one per node.
+    #[must_use]
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Centre cⱼ of a node in normalised units.
+    #[must_use]
+    pub fn centre(&self, node: usize) -> [f64; D] {
+        let mut centre = [0.0; D];
+        match self.layout {
+            Layout::Grid(n) => {
+                let mut index = node;
+                for component in centre.iter_mut().rev() {
+                    *component = self.axis.centre(index % n);
+                    index /= n;
+                }
+            }
+            Layout::Star(rings) => {
+                if let Some(index) = node.checked_sub(1) {
+                    let (axis, position) = (index / (2 * rings), index % (2 * rings));
+                    // The node in the middle of the axis is the common one at the origin.
+                    centre[axis] = self.axis.centre(position + usize::from(position >= rings));
+                }
+            }
+        }
+        centre
+    }
+
+    /// Evaluates the basis at the normalised input `x`.
+    ///
+    /// Only the components that have changed since the last time are evaluated.
+    pub fn activate(&mut self, x: [f64; D]) {
+        // Known sizes let the compiler unroll.
+        match self.layout {
+            Layout::Grid(1) => self.fill_grid::<1>(x),
+            Layout::Grid(2) => self.fill_grid::<2>(x),
+            Layout::Grid(3) => self.fill_grid::<3>(x),
+            Layout::Grid(4) => self.fill_grid::<4>(x),
+            Layout::Grid(5) => self.fill_grid::<5>(x),
+            Layout::Grid(6) => self.fill_grid::<6>(x),
+            Layout::Grid(7) => self.fill_grid::<7>(x),
+            Layout::Grid(8) => self.fill_grid::<8>(x),
+            Layout::Grid(_) => self.fill_grid::<9>(x),
+            Layout::Star(0) => self.fill_star::<1>(x),
+            Layout::Star(1) => self.fill_star::<3>(x),
+            Layout::Star(2) => self.fill_star::<5>(x),
+            Layout::Star(3) => self.fill_star::<7>(x),
+            Layout::Star(_) => self.fill_star::<9>(x),
+        }
+    }
+
+    /// Evaluates the `N` Gaussians of every axis.
+    fn fill_axes<const N: usize>(&mut self, x: [f64; D]) {
+        for ((values, old), new) in self.axes.iter_mut().zip(self.point).zip(x) {
+            if old != new {
+                values[..N].copy_from_slice(&self.axis.values::<N>(new));
+            }
+        }
+        self.point = x;
+    }
+
+    /// Tensor product of the axes, the last one running fastest; `N` nodes per axis.
+    fn fill_grid<const N: usize>(&mut self, x: [f64; D]) {
+        self.fill_axes::<N>(x);
+        let activations = self.activations.as_mut_slice();
+        activations[0] = 1.0;
+        let mut filled = 1;
+        for axis in &self.axes {
+            let axis: [f64; N] = std::array::from_fn(|node| axis[node]);
+            // From the back, so that no product is overwritten before it is expanded.
+            for node in (0..filled).rev() {
+                let product = activations[node];
+                let products = axis.map(|value| product * value);
+                activations[node * N..][..N].copy_from_slice(&products);
+            }
+            filled *= N;
+        }
+    }
+
+    /// The origin, then axis by axis the nodes from −1 to 1 without the origin; `N` nodes per axis.
+    fn fill_star<const N: usize>(&mut self, x: [f64; D]) {
+        self.fill_axes::<N>(x);
+        let middle = N / 2;
+        // Products of the middle values of all axes before and after each axis: no division, so zeros are harmless.
+        let mut others = [1.0; D];
+        let mut product = 1.0;
+        for (other, axis) in others.iter_mut().zip(&self.axes) {
+            *other = product;
+            product *= axis[middle];
+        }
+        let (origin, nodes) = self.activations.split_at_mut(1);
+        origin[0] = product;
+        product = 1.0;
+        for (other, axis) in others.iter_mut().zip(&self.axes).rev() {
+            *other *= product;
+            product *= axis[middle];
+        }
+        if middle == 0 {
+            return;
+        }
+        for ((nodes, other), axis) in nodes.chunks_exact_mut(2 * middle).zip(others).zip(&self.axes) {
+            for ring in 0..middle {
+                nodes[ring] = other * axis[ring];
+                nodes[middle + ring] = other * axis[middle + 1 + ring];
+            }
+        }
+    }
+
+    /// Ŵᵀ Y at the last activation.
+    #[must_use]
+    pub fn output(&self) -> f64 {
+        dot(&self.weights, &self.activations)
+    }
+
+    /// ‖Y‖² at the last activation: the gain with which the network learns there.
+    #[must_use]
+    pub fn learning_gain(&self) -> f64 {
+        dot(&self.activations, &self.activations)
+    }
+
+    /// ‖Ŵ‖.
+    #[must_use]
+    pub fn norm(&self) -> f64 {
+        dot(&self.weights, &self.weights).sqrt()
+    }
+
+    /// Gradient of Ŵᵀ Y with respect to the normalised input, at the last activation.
+    #[must_use]
+    pub fn gradient(&self) -> [f64; D] {
+        let mut gradient = [0.0; D];
+        for (node, (weight, activation)) in self.weights.iter().zip(&self.activations).enumerate() {
+            let pull = -2.0 * self.axis.sharpness * weight * activation;
+            for ((slope, x), c) in gradient.iter_mut().zip(self.point).zip(self.centre(node)) {
+                // A point so far out that this overflows activates nothing.
+                *slope += if pull == 0.0 { 0.0 } else { pull * (x - c) };
+            }
+        }
+        gradient
+    }
+
+    /// Ŵ ← decay·Ŵ + weight·Y, with the Y of the last activation.
+    pub fn adapt(&mut self, decay: f64, weight: f64) {
+        for (w, y) in self.weights.iter_mut().zip(&self.activations) {
+            *w = decay * *w + weight * y;
+        }
+    }
+}
+
+/// Inner product with four running sums, which the compiler can keep in vector registers.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    const LANES: usize = 4;
+    let (chunks_a, chunks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; LANES];
+    for (x, y) in chunks_a.zip(chunks_b) {
+        for lane in 0..LANES {
+            sums[lane] += x[lane] * y[lane];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The definition, node by node.
+    fn gaussian<const D: usize>(x: [f64; D], centre: [f64; D], width: f64) -> f64 {
+        let distance2: f64 = x.iter().zip(centre).map(|(x, c)| (x - c).powi(2)).sum();
+        (-distance2 / width.powi(2)).exp()
+    }
+
+    fn assert_definition<const D: usize>(layout: Layout, width: f64, x: [f64; D]) {
+        let mut network = Network::<D>::new(layout, width);
+        network.activate(x);
+        for (node, &activation) in network.activations.iter().enumerate() {
+            let expected = gaussian(x, network.centre(node), width);
+            // Exponents of up to 340 cost as many ulp; negligible factors are flushed to zero.
+            assert!((activation - expected).abs() < 1e-12 * expected + 1e-29, "{layout:?} {width} {x:?} {node}");
+        }
+    }
+
+    fn weighted<const D: usize>(layout: Layout, width: f64) -> Network<D> {
+        let mut network = Network::<D>::new(layout, width);
+        for (node, weight) in network.weights.iter_mut().enumerate() {
+            *weight = (1.7 * node as f64).sin();
+        }
+        network
+    }
+
+    #[test]
+    fn layouts_have_the_documented_sizes_and_centres() {
+        assert_eq!(Layout::Grid(5).nodes(3), 125);
+        assert_eq!(Layout::Star(2).nodes(7), 29);
+        let grid = Network::<3>::new(Layout::Grid(3), 1.0);
+        assert_eq!(grid.centre(0), [-1.0, -1.0, -1.0]);
+        assert_eq!(grid.centre(13), [0.0; 3]);
+        assert_eq!(grid.centre(14), [0.0, 0.0, 1.0]);
+        let star = Network::<2>::new(Layout::Star(2), 1.0);
+        let centres: Vec<_> = (0..9).map(|node| star.centre(node)).collect();
+        assert_eq!(
+            centres,
+            [
+                [0.0, 0.0],
+                [-1.0, 0.0],
+                [-0.5, 0.0],
+                [0.5, 0.0],
+                [1.0, 0.0],
+                [0.0, -1.0],
+                [0.0, -0.5],
+                [0.0, 0.5],
+                [0.0, 1.0],
+            ]
+        );
+    }
+
+    #[test]
+    fn extreme_inputs_activate_nothing_and_give_no_nan() {
+        for x in [1e3, -1e9, 1e300, f64::MAX, f64::MIN] {
+            let mut grid = weighted::<3>(Layout::Grid(9), 0.1);
+            grid.activate([x, 0.0, 0.3]);
+            assert_eq!(grid.output(), 0.0);
+            assert_eq!(grid.gradient(), [0.0; 3]);
+            let mut star = weighted::<7>(Layout::Star(4), 10.0);
+            star.activate([x; 7]);
+            assert_eq!(star.output(), 0.0);
+            assert_eq!(star.gradient(), [0.0; 7]);
+        }
+    }
+
+    #[test]
+    fn activations_survive_serialisation_by_recomputation() {
+        let mut network = weighted::<3>(Layout::Grid(4), 0.6);
+        network.activate([0.1, -0.2, 0.3]);
+        let text = serde_json::to_string(&network).unwrap();
+        let mut copy: Network<3> = serde_json::from_str(&text).unwrap();
+        copy.activate([0.1, -0.2, 0.3]);
+        assert_eq!(copy.output(), network.output());
+    }
+
+    #[test]
+    fn impossible_stored_networks_are_refused() {
+        let good = Network::<3>::new(Layout::Grid(2), 0.5);
+        let text = serde_json::to_string(&good).unwrap();
+        assert!(serde_json::from_str::<Network<3>>(&text).is_ok());
+        assert!(serde_json::from_str::<Network<7>>(&text).is_err());
+        for (part, instead) in [("2", "200"), ("0.5", "0.0"), ("[0.0,", "[")] {
+            assert!(text.contains(part));
+            assert!(serde_json::from_str::<Network<3>>(&text.replacen(part, instead, 1)).is_err(), "{instead}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn grid_activations_are_the_gaussians(
+            n in 1_usize..=9, width in 0.1..3.0, x in prop::array::uniform3(-2.5..2.5),
+        ) {
+            assert_definition::<3>(Layout::Grid(n), width, x);
+        }
+
+        #[test]
+        fn star_activations_are_the_gaussians(
+            rings in 0_usize..=4, width in 0.1..3.0, x in prop::array::uniform7(-2.5..2.5),
+        ) {
+            assert_definition::<7>(Layout::Star(rings), width, x);
+        }
+
+        /// Central differences of step 1e-5: truncation ~1e-10 times the third derivative (≤ ~1e3 at these widths).
+        #[test]
+        fn gradients_agree_with_differences(
+            width in 0.4..2.0, x in prop::array::uniform3(-1.5..1.5), rings in 1_usize..=4, n in 2_usize..=5,
+        ) {
+            fn check<const D: usize>(mut network: Network<D>, x: [f64; D]) {
+                network.activate(x);
+                let gradient = network.gradient();
+                for (axis, slope) in gradient.into_iter().enumerate() {
+                    let mut at = |step: f64| {
+                        let mut moved = x;
+                        moved[axis] += step;
+                        network.activate(moved);
+                        network.output()
+                    };
+                    let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
+                    assert!((slope - difference).abs() < 1e-6, "{slope} {difference}");
+                }
+            }
+            check(weighted::<3>(Layout::Grid(n), width), x);
+            check(weighted::<3>(Layout::Star(rings), width), x);
+        }
+    }
+}
