@@ -1,0 +1,197 @@
+//! `dualarm compare`, the main job.
+
+use std::num::NonZero;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::ProgressBar;
+
+use super::package::say;
+use super::progress::Progress;
+use super::simulate::{CouplingName, setting_failure};
+use super::{Failure, print};
+use crate::figures::{self, NamedFigure, Outcome, raster};
+use crate::files;
+use crate::fmi::Fmu;
+use crate::grid::TimeGrid;
+use crate::master::Master;
+use crate::metrics::Metrics;
+use crate::package::{package, repository};
+use crate::record::{Every, Pick, Table};
+use crate::report;
+use crate::scenario::{self, Scenario};
+
+/// Arguments of `dualarm compare`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// Folder for report, figures and data
+    #[arg(long, short, default_value = "results", value_name = "FOLDER")]
+    out: PathBuf,
+    /// Folder for the packaged FMUs
+    #[arg(long, default_value = "dist", value_name = "FOLDER")]
+    fmus: PathBuf,
+    /// Use the FMUs that are already in that folder
+    #[arg(long)]
+    no_package: bool,
+    /// How signals are exchanged
+    #[arg(long, value_enum, default_value_t)]
+    coupling: CouplingName,
+    /// Communication step size in s
+    #[arg(long, default_value_t = STEP, value_name = "SECONDS", allow_hyphen_values = true)]
+    step: f64,
+    /// Stop time in s
+    #[arg(long, default_value_t = STOP, value_name = "SECONDS", allow_hyphen_values = true)]
+    stop: f64,
+}
+
+const STEP: f64 = 1e-4;
+/// Twice the time PD needs to settle.
+const STOP: f64 = 8.0;
+/// Between two rows of a CSV file, in s. Metrics and figures use every step.
+const CSV_INTERVAL: f64 = 1e-3;
+
+impl Default for Arguments {
+    fn default() -> Self {
+        Self {
+            out: "results".into(),
+            fmus: "dist".into(),
+            no_package: false,
+            coupling: CouplingName::default(),
+            step: STEP,
+            stop: STOP,
+        }
+    }
+}
+
+pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
+    let grid = TimeGrid::new(0.0, arguments.stop, arguments.step).map_err(Failure::usage)?;
+    if !arguments.no_package {
+        package(repository(), &arguments.fmus, quiet, &mut |doing| say(quiet, doing))?;
+    }
+    let begin = Instant::now();
+    let outcomes = simulate_all(arguments, &grid, quiet)?;
+    let figures = figures::all(&outcomes);
+    write_results(arguments, &grid, &outcomes, &figures, quiet)?;
+    if !quiet {
+        let (forces, efforts) = report::tables(&outcomes);
+        let (report, seconds) = (arguments.out.join("report.md"), begin.elapsed().as_secs_f64());
+        print(&format!(
+            "{}\n{}\n{} with {} figures, in {seconds:.1} s\n",
+            forces.to_terminal(),
+            efforts.to_terminal(),
+            report.display(),
+            figures.len()
+        ));
+    }
+    Ok(())
+}
+
+/// Runs the scenarios, each in a thread of its own with its own instances.
+fn simulate_all(arguments: &Arguments, grid: &TimeGrid, quiet: bool) -> Result<Vec<Outcome>, Failure> {
+    let plant = Fmu::open(arguments.fmus.join(scenario::PLANT))?;
+    let progress = Progress::new(quiet);
+    let bars = scenario::PAPER.map(|scenario| progress.bar(scenario.title, grid.steps()));
+    thread::scope(|scope| {
+        let runs: Vec<_> = scenario::PAPER
+            .iter()
+            .zip(&bars)
+            .map(|(scenario, bar)| {
+                let plant = plant.clone();
+                scope.spawn(move || simulate(scenario, plant, arguments, grid, bar))
+            })
+            .collect();
+        runs.into_iter().map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+    })
+}
+
+fn simulate(
+    scenario: &Scenario,
+    plant: Fmu,
+    arguments: &Arguments,
+    grid: &TimeGrid,
+    bar: &ProgressBar,
+) -> Result<Outcome, Failure> {
+    let controller = Fmu::open(arguments.fmus.join(scenario.fmu))?;
+    let mut master = Master::new(&[plant, controller], arguments.coupling.into())?;
+    for setting in scenario.settings() {
+        master.apply(&setting).map_err(setting_failure)?;
+    }
+    master.initialize(grid)?;
+    let limits = scenario::actuator_limits(master.instance(0));
+    let columns = master.record(|_| true);
+    // Every step of the signals that are drawn and judged; everything else only as often as the CSV file wants it.
+    let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
+    let mut all = Every::new(CSV_INTERVAL, Table::new(columns));
+    master.run(grid, 0.0, &mut (&mut drawn, &mut all), &mut |done| bar.set_position(done))?;
+    bar.finish();
+    master.finish()?;
+
+    all.sink.write_csv(arguments.out.join(format!("{}.csv", scenario.key)))?;
+    let metrics = Metrics::of(&drawn.sink, limits).ok_or_else(|| Failure {
+        code: 1,
+        message: format!("{} and {} do not offer the outputs a comparison needs", scenario::PLANT, scenario.fmu),
+    })?;
+    Ok(Outcome { scenario: *scenario, table: drawn.sink, metrics })
+}
+
+fn write_results(
+    arguments: &Arguments,
+    grid: &TimeGrid,
+    outcomes: &[Outcome],
+    figures: &[NamedFigure],
+    quiet: bool,
+) -> Result<(), Failure> {
+    let out = &arguments.out;
+    let results = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics));
+    files::write(out.join("metrics.csv"), report::metrics_csv(results))?;
+    files::write(out.join("metrics.md"), report::metrics_markdown(outcomes))?;
+    draw_all(&out.join("figures"), figures, quiet)?;
+    let coupling = match arguments.coupling {
+        CouplingName::Jacobi => "Jacobi",
+        CouplingName::GaussSeidel => "Gauss–Seidel",
+    };
+    let setup = format!(
+        "`DualArmPlant.fmu` with each of the three controller FMUs, co-simulated by `dualarm` {} through their FMI 2.0 \
+         interface: step {} ms, {coupling} coupling, {} s, parameters of the paper.",
+        env!("CARGO_PKG_VERSION"),
+        grid.step() * 1e3,
+        grid.stop()
+    );
+    files::write(out.join("report.md"), report::report(outcomes, figures, &setup))?;
+    Ok(())
+}
+
+/// Draws all figures as SVG and PNG, on all processors.
+fn draw_all(folder: &Path, figures: &[NamedFigure], quiet: bool) -> Result<(), Failure> {
+    let bar = Progress::new(quiet).bar("figures", figures.len() as u64);
+    let next = AtomicUsize::new(0);
+    let failure = Mutex::new(None);
+    thread::scope(|scope| {
+        for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
+            scope.spawn(|| {
+                while let Some(figure) = figures.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    if let Err(error) = draw(folder, figure) {
+                        failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
+                        return;
+                    }
+                    bar.inc(1);
+                }
+            });
+        }
+    });
+    bar.finish_and_clear();
+    failure.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
+}
+
+fn draw(folder: &Path, figure: &NamedFigure) -> Result<(), Failure> {
+    let svg = figure.figure.to_svg();
+    let png = raster::to_png(&svg)
+        .map_err(|reason| Failure { code: 1, message: format!("cannot draw {}: {reason}", figure.name) })?;
+    files::write(folder.join(format!("{}.svg", figure.name)), svg)?;
+    files::write(folder.join(format!("{}.png", figure.name)), png)?;
+    Ok(())
+}

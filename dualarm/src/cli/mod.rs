@@ -1,0 +1,90 @@
+//! The command line: arguments, exit codes, error messages.
+
+mod compare;
+mod package;
+mod progress;
+mod simulate;
+
+use std::fmt;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// What a user reads below the help text.
+const AFTER_HELP: &str = "\
+Examples:
+  dualarm                                    package, run, compare; see results/report.md
+  dualarm package                            write the four FMUs to dist/
+  dualarm simulate --controller pds -o pds.csv
+  dualarm simulate --controller nabfc --coupling jacobi --step 1e-3 --set DualArmPlant.M=0.4
+  dualarm simulate plant.fmu my_controller.fmu --stop 2 -o out.csv
+
+Exit codes: 0 success, 1 a simulation or a file failed, 2 wrong usage";
+
+/// Packages the dual-arm grasp FMUs, co-simulates any FMI 2.0 FMUs, compares the paper's controllers.
+#[derive(Debug, Parser)]
+#[command(name = "dualarm", version, after_help = AFTER_HELP)]
+struct Arguments {
+    /// What to do; without it: compare
+    #[command(subcommand)]
+    command: Option<Command>,
+    /// Only print errors
+    #[arg(long, short, global = true)]
+    quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Build the FMUs from this repository and write them to a folder
+    Package(package::Arguments),
+    /// Co-simulate FMUs, connected by equal names
+    Simulate(simulate::Arguments),
+    /// Package the FMUs, run the paper's three scenarios, write tables, figures and a report
+    Compare(compare::Arguments),
+}
+
+/// Why the program ends early: exit code and message.
+#[derive(Debug)]
+struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    /// The user asked for something that cannot be.
+    fn usage(message: impl fmt::Display) -> Self {
+        Self { code: 2, message: message.to_string() }
+    }
+}
+
+/// A simulation, a build or a file failed.
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self { code: 1, message: error.to_string() }
+    }
+}
+
+/// Prints to standard output. A reader that has gone (`| head`) is no failure.
+fn print(text: &str) {
+    let _ = io::stdout().write_all(text.as_bytes());
+}
+
+/// Runs the program with the process's arguments.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let quiet = arguments.quiet;
+    let result = match arguments.command.unwrap_or(Command::Compare(compare::Arguments::default())) {
+        Command::Package(arguments) => package::run(&arguments, quiet),
+        Command::Simulate(arguments) => simulate::run(arguments, quiet),
+        Command::Compare(arguments) => compare::run(&arguments, quiet),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {}", failure.message);
+            ExitCode::from(failure.code)
+        }
+    }
+}

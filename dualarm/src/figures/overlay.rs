@@ -1,0 +1,147 @@
+//! The three controllers in one picture: forces, angles, control signals, and the picture of the README.
+
+use plotters::style::RGBColor;
+
+use super::chart::{Curve, Figure, Mark, Panel, Target, palette};
+use super::paper::{SUBSCRIPTS, angle_target, below_each_other, control_label, force_target, points, with_close_up};
+use super::text::number;
+use super::{NamedFigure, Outcome};
+
+/// File name of the README's picture.
+pub const HERO: &str = "grasp";
+
+/// The overlays; none without outcomes.
+#[must_use]
+pub fn figures(outcomes: &[Outcome]) -> Vec<NamedFigure> {
+    if outcomes.is_empty() {
+        return Vec::new();
+    }
+    vec![hero(outcomes), forces(outcomes), angles(outcomes), controls(outcomes)]
+}
+
+fn color(index: usize) -> RGBColor {
+    palette::ALL[index % palette::ALL.len()]
+}
+
+/// One curve per controller.
+fn curves(outcomes: &[Outcome], signal: &str, scale: f64) -> Vec<Curve> {
+    outcomes
+        .iter()
+        .enumerate()
+        .map(|(index, outcome)| Curve {
+            name: outcome.scenario.title.into(),
+            color: color(index),
+            dotted: false,
+            points: points(&outcome.table, signal, scale),
+        })
+        .collect()
+}
+
+/// The span all runs cover, but no more calm than half of it.
+fn x_range(outcomes: &[Outcome]) -> (f64, f64) {
+    let bound = |time: Option<&f64>| time.copied().unwrap_or(0.0);
+    let start = outcomes.iter().map(|outcome| bound(outcome.table.times().first())).fold(f64::INFINITY, f64::min);
+    let stop = outcomes.iter().map(|outcome| bound(outcome.table.times().last())).fold(0.0, f64::max);
+    let settled =
+        outcomes.iter().map(|outcome| outcome.metrics.settling_2().unwrap_or(f64::INFINITY)).fold(0.0, f64::max);
+    (start, stop.min(start + (1.25 * settled).ceil()))
+}
+
+/// The contact forces of both arms side by side, with the moment each controller has settled.
+fn hero(outcomes: &[Outcome]) -> NamedFigure {
+    let panel = |arm: usize| {
+        let table = &outcomes[0].table;
+        let target = force_target(table).into_iter().map(|target| {
+            // Only the right panel has room for labels.
+            let labels = if arm == 2 { target.labels } else { Vec::new() };
+            Target { labels, ..target }
+        });
+        let marks = outcomes.iter().enumerate().filter_map(|(index, outcome)| {
+            let force = &outcome.metrics.forces[arm - 1];
+            let settling = force.settling_2?;
+            let start = outcome.table.times()[0];
+            let values = points(&outcome.table, &format!("contact_force{arm}"), 1.0);
+            let settled = values.iter().find(|(time, _)| *time >= start + settling)?;
+            Some(Mark {
+                point: *settled,
+                color: color(index),
+                name: outcome.scenario.title.into(),
+                text: format!("{} s", number(settling, 2)),
+            })
+        });
+        Panel {
+            heading: Some(format!("Arm {arm}")),
+            x_label: Some("Time (s)".into()),
+            y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
+            x_range: x_range(outcomes),
+            y_include: vec![0.0, 1.3 * outcomes[0].metrics.forces[arm - 1].target],
+            first_on_top: true,
+            curves: curves(outcomes, &format!("contact_force{arm}"), 1.0),
+            targets: target.collect(),
+            marks: marks.collect(),
+            ..Panel::default()
+        }
+    };
+    let caption = "Contact forces of both arms and the time each controller needs to stay within ±2 % of the target";
+    NamedFigure {
+        name: HERO.into(),
+        caption: caption.into(),
+        figure: Figure {
+            title: "Contact force without a force sensor: time until it stays within ±2 % of the target".into(),
+            size: (1200, 440),
+            rows: vec![vec![panel(1), panel(2)]],
+        },
+    }
+}
+
+fn forces(outcomes: &[Outcome]) -> NamedFigure {
+    let panel = |arm: usize| Panel {
+        y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
+        x_range: x_range(outcomes),
+        y_include: vec![0.0],
+        first_on_top: true,
+        curves: curves(outcomes, &format!("contact_force{arm}"), 1.0),
+        targets: force_target(&outcomes[0].table),
+        ..Panel::default()
+    };
+    stacked("overlay-forces", "Contact forces", vec![vec![panel(1)], vec![panel(2)]], 560)
+}
+
+fn angles(outcomes: &[Outcome]) -> NamedFigure {
+    let panel = |arm: usize| Panel {
+        y_label: format!("Hub angle θ{} (°)", SUBSCRIPTS[arm]),
+        x_range: x_range(outcomes),
+        y_include: vec![0.0],
+        first_on_top: true,
+        curves: curves(outcomes, &format!("theta{arm}"), 1_f64.to_degrees()),
+        targets: angle_target(&outcomes[0].table, arm),
+        ..Panel::default()
+    };
+    stacked("overlay-angles", "Hub angles", vec![vec![panel(1)], vec![panel(2)]], 560)
+}
+
+fn controls(outcomes: &[Outcome]) -> NamedFigure {
+    let row = |signal: &str| {
+        with_close_up(Panel {
+            y_label: control_label(signal),
+            x_range: x_range(outcomes),
+            y_include: vec![0.0],
+            first_on_top: true,
+            curves: curves(outcomes, signal, 1.0),
+            ..Panel::default()
+        })
+    };
+    stacked("overlay-controls", "Control signals, actuator outputs", ["tau1", "tau2", "u"].map(row).into(), 700)
+}
+
+fn stacked(name: &str, subject: &str, rows: Vec<Vec<Panel>>, height: u32) -> NamedFigure {
+    NamedFigure {
+        name: name.into(),
+        caption: format!("{subject} of the three controllers"),
+        figure: Figure {
+            title: format!("{subject} — three controllers"),
+            size: (720, height),
+            rows: below_each_other(rows),
+        },
+    }
+}

@@ -1,0 +1,149 @@
+//! Communication points of a run with a fixed step.
+
+/// The communication points `start + i·step`, computed (never accumulated), and `stop` as the last one. When the
+/// duration is no multiple of the step, the last step is shorter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeGrid {
+    start: f64,
+    stop: f64,
+    step: f64,
+    steps: u64,
+}
+
+/// Why there is no such grid.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GridError {
+    /// The step is zero, negative or not a number.
+    #[error("the step size must be a positive number of seconds, not {0}")]
+    Step(f64),
+    /// The stop time does not lie behind the start time.
+    #[error("the stop time ({stop} s) must lie behind the start time ({start} s)")]
+    Stop {
+        /// Start time in s.
+        start: f64,
+        /// Stop time in s.
+        stop: f64,
+    },
+    /// Time would not advance in floating point.
+    #[error("a step of {step} s is too small for times up to {stop} s: time would not advance")]
+    TooFine {
+        /// Step size in s.
+        step: f64,
+        /// Stop time in s.
+        stop: f64,
+    },
+}
+
+impl TimeGrid {
+    /// A duration counts as a multiple of the step if it is one up to this fraction of a step (per step): decimal
+    /// fractions such as 1e-4 are not exact in binary.
+    const ROUNDING: f64 = 1e-9;
+
+    /// The grid from `start` to `stop` with steps of `step` (all in s).
+    ///
+    /// # Errors
+    /// When the step is not positive, the stop time not behind the start time, or time would not advance.
+    pub fn new(start: f64, stop: f64, step: f64) -> Result<Self, GridError> {
+        if !(step > 0.0 && step.is_finite()) {
+            return Err(GridError::Step(step));
+        }
+        if !(start.is_finite() && stop.is_finite() && stop > start) {
+            return Err(GridError::Stop { start, stop });
+        }
+        let count = (stop - start) / step;
+        // Neighbouring points must differ by clearly more than their rounding.
+        if count > 1e15 || start.abs().max(stop.abs()) * f64::EPSILON * 1e3 > step {
+            return Err(GridError::TooFine { step, stop });
+        }
+        let whole = count.round();
+        let is_multiple = whole >= 1.0 && (count - whole).abs() <= Self::ROUNDING * whole.max(1.0);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 1 ≤ count ≤ 1e15
+        let steps = if is_multiple { whole } else { count.ceil() } as u64;
+        Ok(Self { start, stop, step, steps })
+    }
+
+    /// Number of steps.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// Start time in s.
+    #[must_use]
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Stop time in s.
+    #[must_use]
+    pub fn stop(&self) -> f64 {
+        self.stop
+    }
+
+    /// Size in s of every step but perhaps the last.
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// The communication point before step `index` (and, for `index` = number of steps, the stop time).
+    #[must_use]
+    pub fn time(&self, index: u64) -> f64 {
+        if index >= self.steps { self.stop } else { self.start + index as f64 * self.step }
+    }
+
+    /// Size of step `index`: always the same bits, so that slaves can reuse what they computed for it, except for a
+    /// shorter last step.
+    #[must_use]
+    pub fn size(&self, index: u64) -> f64 {
+        if index + 1 == self.steps && self.has_shorter_last_step() { self.stop - self.time(index) } else { self.step }
+    }
+
+    /// Whether the last step is shorter than the others.
+    #[must_use]
+    pub fn has_shorter_last_step(&self) -> bool {
+        let last = self.stop - self.time(self.steps - 1);
+        (self.step - last) > Self::ROUNDING * self.steps as f64 * self.step
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_do_not_accumulate_and_end_at_the_stop_time() {
+        let grid = TimeGrid::new(0.0, 5.0, 1e-4).unwrap();
+        assert_eq!(grid.steps(), 50_000);
+        assert!(!grid.has_shorter_last_step());
+        assert_eq!(grid.time(30_000).to_bits(), (30_000.0 * 1e-4_f64).to_bits());
+        assert_eq!(grid.time(50_000).to_bits(), 5.0_f64.to_bits());
+        assert!((0..50_000).all(|index| grid.size(index).to_bits() == 1e-4_f64.to_bits()));
+    }
+
+    #[test]
+    fn the_last_step_is_shorter_when_it_must_be() {
+        let grid = TimeGrid::new(1.0, 2.05, 0.1).unwrap();
+        assert_eq!(grid.steps(), 11);
+        assert!(grid.has_shorter_last_step());
+        assert!((grid.size(10) - 0.05).abs() < 1e-15);
+        assert_eq!(grid.size(9).to_bits(), 0.1_f64.to_bits());
+        assert!((grid.time(10) + grid.size(10) - 2.05).abs() < 1e-15);
+
+        let one = TimeGrid::new(0.0, 0.3, 1.0).unwrap();
+        assert_eq!((one.steps(), one.size(0).to_bits()), (1, 0.3_f64.to_bits()));
+    }
+
+    #[test]
+    fn impossible_grids_are_refused() {
+        for step in [0.0, -1e-4, f64::NAN, f64::INFINITY] {
+            assert!(matches!(TimeGrid::new(0.0, 1.0, step), Err(GridError::Step(_))), "{step}");
+        }
+        for stop in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(matches!(TimeGrid::new(0.0, stop, 0.1), Err(GridError::Stop { .. })), "{stop}");
+        }
+        assert!(matches!(TimeGrid::new(1e6, 1e6 + 1.0, 1e-9), Err(GridError::TooFine { .. })));
+        assert!(matches!(TimeGrid::new(0.0, 1.0, 1e-300), Err(GridError::TooFine { .. })));
+    }
+}

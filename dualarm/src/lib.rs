@@ -1,0 +1,23 @@
+//! `dualarm`: packages the dual-arm grasp FMUs, co-simulates any FMI 2.0 FMUs and compares the paper's controllers.
+//!
+//! No model is linked in. FMUs are loaded at run time through their C interface, as any other importer would:
+//!
+//! * [`fmi`] is the importer, [`master`] steps FMUs together on a [`grid`], with [`wiring`] by equal names and
+//!   [`settings`] by name; [`record`] keeps the results.
+//! * [`mod@package`] builds the project's own FMUs, [`scenario`] names them, [`metrics`] judges a run, [`figures`] and
+//!   [`report`] show it.
+//! * [`cli`] is the command line, [`files`] writes files whole or not at all.
+
+pub mod cli;
+pub mod figures;
+pub mod files;
+pub mod fmi;
+pub mod grid;
+pub mod master;
+pub mod metrics;
+pub mod package;
+pub mod record;
+pub mod report;
+pub mod scenario;
+pub mod settings;
+pub mod wiring;

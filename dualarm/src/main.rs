@@ -1,0 +1,5 @@
+//! The `dualarm` command; see `dualarm --help`.
+
+fn main() -> std::process::ExitCode {
+    dualarm::cli::main()
+}

@@ -1,0 +1,85 @@
+//! The scenarios of the paper, and the controllers a user can name: which FMU, which settings, what the paper states.
+
+use crate::fmi::Instance;
+use crate::metrics::Limits;
+use crate::settings::Setting;
+
+/// File name of the plant.
+pub const PLANT: &str = "DualArmPlant.fmu";
+
+/// A controller with its settings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Scenario {
+    /// What the user types.
+    pub key: &'static str,
+    /// What figures and tables say.
+    pub title: &'static str,
+    /// File name of the controller.
+    pub fmu: &'static str,
+    /// Names and values to set.
+    settings: &'static [(&'static str, &'static str)],
+    /// How long the paper says the contact force takes, or an empty text.
+    pub paper: &'static str,
+}
+
+/// Neuro-adaptive boundary force control.
+pub const NABFC: Scenario =
+    Scenario { key: "nabfc", title: "NABFC", fmu: "NabfcController.fmu", settings: &[], paper: "less than 0.5 s" };
+/// The same with the faster gains.
+pub const NABFC_FAST: Scenario =
+    Scenario { key: "nabfc-fast", title: "NABFC, fast preset", settings: &[("preset", "fast")], paper: "", ..NABFC };
+/// Proportional-derivative control with strain feedback.
+pub const PDS: Scenario =
+    Scenario { key: "pds", title: "PDS", fmu: "PdsController.fmu", settings: &[], paper: "almost 2 s" };
+/// Proportional-derivative control.
+pub const PD: Scenario =
+    Scenario { key: "pd", title: "PD", fmu: "PdController.fmu", settings: &[], paper: "much longer" };
+
+/// All controllers a user can name.
+pub const CONTROLLERS: &[Scenario] = &[NABFC, NABFC_FAST, PDS, PD];
+/// The scenarios of the paper, in its order.
+pub const PAPER: [Scenario; 3] = [NABFC, PDS, PD];
+
+impl Scenario {
+    /// The controller a user names.
+    #[must_use]
+    pub fn find(key: &str) -> Option<&'static Self> {
+        CONTROLLERS.iter().find(|scenario| scenario.key == key)
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> impl Iterator<Item = Setting> {
+        self.settings.iter().map(|(name, value)| Setting::new(*name, *value))
+    }
+}
+
+/// Output limits of the plant's two motors and of the actuator at the object, from its parameters: `k_l·(k_m − m_l)`
+/// and `k_r·(k_M − m_r)`, eqs. (18) to (20). `None` for an FMU without these parameters or with ideal actuators.
+#[must_use]
+pub fn actuator_limits(plant: &mut Instance) -> [Option<Limits>; 3] {
+    [limits_of(plant, 1), limits_of(plant, 1), limits_of(plant, 2)]
+}
+
+fn limits_of(plant: &mut Instance, channel: u8) -> Option<Limits> {
+    let description = plant.description();
+    let model = description.variable("actuator_model");
+    let ideal = model.and_then(|model| {
+        let ideal = description.items(model).iter().find(|item| item.name == "ideal")?;
+        Some((model.value_reference, ideal.value))
+    });
+    let mut references = [0; 6];
+    for (reference, name) in references.iter_mut().zip(["k_M", "k_m", "m_r", "m_l", "k_r", "k_l"]) {
+        *reference = description.variable(&format!("{name}{channel}"))?.value_reference;
+    }
+    if let Some((reference, ideal)) = ideal {
+        let mut model = [0];
+        plant.get_integer(&[reference], &mut model).ok()?;
+        if model[0] == ideal {
+            return None;
+        }
+    }
+    let mut values = [0.0; 6];
+    plant.get_real(&references, &mut values).ok()?;
+    let [k_max, k_min, m_r, m_l, k_r, k_l] = values;
+    Some(Limits { low: k_l * (k_min - m_l), high: k_r * (k_max - m_r) })
+}

@@ -1,0 +1,177 @@
+//! The command line: bad input gives one clear message and a non-zero exit code, and leaves nothing half-written.
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use support::{package, package_as};
+use tempfile::TempDir;
+
+/// A folder with `Lag.fmu` and `Gain.fmu`.
+fn fixtures() -> Option<TempDir> {
+    let folder = tempfile::tempdir().unwrap();
+    package(folder.path(), "Lag")?;
+    package(folder.path(), "Gain")?;
+    Some(folder)
+}
+
+fn dualarm(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_dualarm")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+/// Runs the loop of `Lag` and `Gain` with more arguments.
+fn simulate(folder: &Path, arguments: &[&str]) -> Output {
+    dualarm(folder, &[&["simulate", "Lag.fmu", "Gain.fmu"], arguments].concat())
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[track_caller]
+fn assert_fails(output: &Output, code: i32, expected: &str) {
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+    assert_eq!(message.matches("error:").count(), 1, "one message: {message:?}");
+    assert!(output.stdout.is_empty(), "nothing on standard output");
+}
+
+#[test]
+fn a_run_writes_its_rows_and_says_what_it_did() {
+    let Some(folder) = fixtures() else { return };
+    let run = simulate(folder.path(), &["--set", "K=3", "--step", "0.1", "--stop", "1", "-o", "out/a.csv"]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).starts_with("Lag + Gain: 4 signals connected, 10 steps of 0.1 s up to t = 1 s"));
+    let csv = fs::read_to_string(folder.path().join("out/a.csv")).unwrap();
+    let lines: Vec<_> = csv.lines().collect();
+    assert_eq!(lines[0], "time,y,Lag.steps,y_on,u,Gain.steps,u_on");
+    assert_eq!((lines.len(), lines[1]), (12, "0,0,0,0,3,0,1"));
+
+    let piped = simulate(folder.path(), &["--quiet", "--stop", "0.3", "--interval", "0", "--output", "-"]);
+    assert_eq!(text(&piped.stdout).lines().count(), 5);
+    assert!(piped.stderr.is_empty());
+    // A reader that leaves early is no failure.
+    let mut child = Command::new(env!("CARGO_BIN_EXE_dualarm"))
+        .current_dir(folder.path())
+        .args(["simulate", "Lag.fmu", "--step", "1e-4", "--interval", "0", "-o", "-"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success() && !text(&output.stderr).contains("error"), "{}", text(&output.stderr));
+
+    let jacobi = simulate(folder.path(), &["--coupling", "jacobi", "--quiet", "--set", "Lag.label=x=y"]);
+    assert!(jacobi.status.success() && jacobi.stdout.is_empty());
+}
+
+#[test]
+fn bad_numbers_and_names_are_usage_errors() {
+    let Some(folder) = fixtures() else { return };
+    let before = files(folder.path());
+    for (arguments, expected) in [
+        (["--step", "0"], "step size must be a positive number of seconds, not 0"),
+        (["--step", "-1e-4"], "step size must be a positive number of seconds, not -0.0001"),
+        (["--step", "NaN"], "step size must be a positive number of seconds, not NaN"),
+        (["--step", "fast"], "invalid value 'fast' for '--step <SECONDS>'"),
+        (["--step", "1e-300"], "too small"),
+        (["--stop", "0"], "stop time (0 s) must lie behind the start time (0 s)"),
+        (["--stop", "-1"], "must lie behind the start time"),
+        (["--interval", "-1"], "the interval must be 0 or more seconds"),
+        (["--coupling", "newton"], "invalid value 'newton'"),
+        (["--controller", "pd"], "cannot be used with"),
+        (["--set", "trouble_a=1"], "no variable \"trouble_a\"; did you mean trouble_at"),
+        (["--set", "T"], "expected name=value"),
+        (["--set", "T=fast"], "Lag.T needs a number, not \"fast\""),
+        (["--set", "y=1"], "Lag.y cannot be set: it is an output that the FMU computes"),
+        (["--set", "trouble=loud"], "needs one of warning, discard, error, fatal"),
+        (["--colour", "red"], "unexpected argument '--colour'"),
+    ] {
+        let output = simulate(folder.path(), &[&arguments[..], &["-o", "out.csv"]].concat());
+        assert_fails(&output, 2, expected);
+    }
+    assert_fails(
+        &dualarm(folder.path(), &["simulate", "--controller", "lqr"]),
+        2,
+        "[possible values: nabfc, nabfc-fast, pds, pd]",
+    );
+    assert_eq!(files(folder.path()), before);
+}
+
+#[test]
+fn failing_runs_leave_no_output() {
+    let Some(folder) = fixtures() else { return };
+    let before = files(folder.path());
+    let run = |setting: &str| simulate(folder.path(), &["--set", setting, "--set", "trouble=error", "-o", "out.csv"]);
+    assert_fails(
+        &run("Lag.T=-1"),
+        1,
+        "Lag.T=-1 is refused: Lag: fmi2SetReal returned fmi2Error: T = -1 must be positive",
+    );
+    assert_fails(&run("trouble_at=1"), 1, "at t = 1 s: Lag: fmi2DoStep returned fmi2Error: trouble at t = 1");
+    assert_eq!(files(folder.path()), before);
+
+    let warned = simulate(folder.path(), &["--set", "Lag.trouble_at=1.85", "--set", "trouble=warning"]);
+    assert!(warned.status.success());
+    assert!(text(&warned.stderr).contains("warning: Lag: trouble at t = 1.8"), "{}", text(&warned.stderr));
+}
+
+#[test]
+fn foreign_files_are_named() {
+    let Some(folder) = fixtures() else { return };
+    fs::write(folder.path().join("notes.fmu"), "no zip").unwrap();
+    let run = |file: &str| dualarm(folder.path(), &["simulate", "Lag.fmu", file]);
+    assert_fails(&run("notes.fmu"), 1, "notes.fmu is not an FMU: not a readable zip archive");
+    assert_fails(&run("none.fmu"), 1, "cannot read none.fmu: No such file");
+    assert_fails(
+        &dualarm(folder.path(), &["simulate"]),
+        1,
+        "there is no dist/DualArmPlant.fmu; run `dualarm package` first",
+    );
+
+    let other = tempfile::tempdir().unwrap();
+    let guid = package_as(other.path(), "Lag", |description| description.replace("{fixture}", "{x}")).unwrap();
+    assert_fails(&run(guid.to_str().unwrap()), 1, "refuses to be instantiated: GUID {x} is not {fixture}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn unwritable_places_are_named() {
+    let Some(folder) = fixtures() else { return };
+    fs::create_dir(folder.path().join("taken.csv")).unwrap();
+    let before = files(folder.path());
+    let run = |path: &str| simulate(folder.path(), &["-o", path]);
+    assert_fails(&run("taken.csv"), 1, "cannot write taken.csv: it is a folder");
+    assert_fails(&run("Lag.fmu/out.csv"), 1, "cannot write Lag.fmu/out.csv:");
+    assert_fails(&run("/proc/out.csv"), 1, "cannot write /proc/out.csv:");
+    assert_fails(&run("/dev/full"), 1, "cannot write /dev/full: No space left on device");
+    assert_eq!(files(folder.path()), before);
+
+    let compare = dualarm(folder.path(), &["compare", "--no-package", "--step", "0"]);
+    assert_fails(&compare, 2, "step size must be a positive number");
+    let compare = dualarm(folder.path(), &["compare", "--no-package"]);
+    assert_fails(&compare, 1, "cannot read dist/DualArmPlant.fmu");
+    assert_eq!(files(folder.path()), before);
+}
+
+#[test]
+fn help_shows_examples_and_exit_codes() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = dualarm(folder.path(), &["--help"]);
+    assert!(help.status.success());
+    for expected in ["Examples:", "Exit codes: 0 success, 1", "package", "simulate", "compare"] {
+        assert!(text(&help.stdout).contains(expected), "{expected}");
+    }
+    assert!(text(&dualarm(folder.path(), &["simulate", "--help"]).stdout).contains("--controller <NAME>"));
+}

@@ -1,0 +1,111 @@
+//! Developer commands of this workspace, started with `cargo xtask`.
+//!
+//! ```text
+//! cargo xtask test     every test there is: Rust, the packaged FMUs, Python, the code checks
+//! cargo xtask check    formatting, lints and documentation only
+//! ```
+//!
+//! Needs a stable Rust toolchain, a C toolchain (linker) and Python 3.9 or newer with `venv`; everything else is fetched
+//! by cargo and pip. It depends on the standard library only.
+
+mod cli;
+mod python;
+mod steps;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use cli::{Request, Selection};
+use steps::{Outcome, Runner, run};
+
+fn main() -> ExitCode {
+    match cli::parse(std::env::args().skip(1)) {
+        Ok(Request::Help) => {
+            print!("{}", cli::HELP);
+            ExitCode::SUCCESS
+        }
+        Ok(Request::Test { selection, pytest_args }) => test(selection, &pytest_args),
+        Ok(Request::Check) => check(),
+        Err(message) => {
+            eprintln!("error: {message}\n\nTry `cargo xtask --help`.");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// `cargo xtask test`: everything, or the Rust or the Python half of it.
+fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
+    let tree = Tree::find();
+    let mut steps = Runner::new(match selection {
+        Selection::All => 7,
+        Selection::Rust => 1,
+        Selection::Python => 3,
+    });
+    if selection != Selection::Python {
+        steps.step("Rust tests", || run(tree.cargo(&["test", "--workspace"])));
+    }
+    if selection != Selection::Rust {
+        steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package"])));
+        steps.step("Python environment", || python::prepare(&tree));
+        steps.step("Python tests", || run(python::pytest(&tree, pytest_args)));
+    }
+    // The code checks come last: a lint that a newer clippy brings must not hide what the tests say.
+    if selection == Selection::All {
+        add_checks(&mut steps, &tree);
+    }
+    steps.finish()
+}
+
+/// `cargo xtask check`: what can be said of the code without running it.
+fn check() -> ExitCode {
+    let mut steps = Runner::new(3);
+    add_checks(&mut steps, &Tree::find());
+    steps.finish()
+}
+
+fn add_checks(steps: &mut Runner, tree: &Tree) {
+    steps.step("Formatting", || tree.cargo_component("fmt", "rustfmt", &["--all", "--check"]));
+    steps.step("Lints", || {
+        tree.cargo_component("clippy", "clippy", &["--workspace", "--all-targets", "--", "-D", "warnings"])
+    });
+    steps.step("Documentation", || {
+        let mut doc = tree.cargo(&["doc", "--workspace", "--no-deps"]);
+        doc.env("RUSTDOCFLAGS", "-D warnings");
+        run(doc)
+    });
+}
+
+/// Where the workspace and its build directory are.
+struct Tree {
+    root: PathBuf,
+    target: PathBuf,
+}
+
+impl Tree {
+    fn find() -> Self {
+        // cargo sets CARGO_MANIFEST_DIR when it runs us; the compile-time value serves a directly started binary.
+        let manifest = std::env::var_os("CARGO_MANIFEST_DIR")
+            .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
+        let root = manifest.parent().unwrap_or(Path::new(".")).to_path_buf();
+        let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |dir| root.join(dir));
+        Self { root, target }
+    }
+
+    /// `cargo <args>` in the workspace root, with the cargo that runs us.
+    fn cargo(&self, args: &[&str]) -> Command {
+        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        command.args(args).current_dir(&self.root);
+        command
+    }
+
+    /// Runs the cargo subcommand of an optional toolchain component, or says that it is absent.
+    fn cargo_component(&self, subcommand: &str, component: &str, args: &[&str]) -> Outcome {
+        let present = self.cargo(&[subcommand, "--version"]).output().is_ok_and(|output| output.status.success());
+        if !present {
+            return Outcome::Skipped(format!("{component} is not installed (`rustup component add {component}`)"));
+        }
+        let mut command = self.cargo(&[subcommand]);
+        command.args(args);
+        run(command)
+    }
+}
