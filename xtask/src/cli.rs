@@ -14,6 +14,9 @@ Commands:
          --python  only the FMUs and the Python tests
   check  Run the code checks only: cargo fmt --check, cargo clippy, cargo doc, warnings denied.
          What needs a toolchain component that is not installed is skipped, and said so.
+  describe
+         Renew modelDescription/*.xml after a change of an FMU's variables. Look at the difference before
+         you commit it: it is what users of the FMUs will see.
   help   Print this text (also -h, --help).
 
 Environment:
@@ -25,6 +28,7 @@ Examples:
   cargo xtask test --rust
   cargo xtask test --python -- -k closed_loop -x    # some Python tests, stop at the first failure
   cargo xtask check
+  cargo xtask describe && git diff modelDescription
 ";
 
 /// A parsed command line.
@@ -41,6 +45,8 @@ pub enum Request {
     },
     /// Run the code checks.
     Check,
+    /// Renew the checked-in descriptions.
+    Describe,
 }
 
 /// Which half of the tests.
@@ -63,12 +69,18 @@ pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Request, String> 
     match command.as_str() {
         "help" | "-h" | "--help" => Ok(Request::Help),
         "test" => parse_test(args),
-        "check" => match args.next().as_deref() {
-            None => Ok(Request::Check),
-            Some("-h" | "--help") => Ok(Request::Help),
-            Some(other) => Err(format!("`check` takes no argument, got `{other}`")),
-        },
+        "check" => alone(Request::Check, "check", args),
+        "describe" => alone(Request::Describe, "describe", args),
         other => Err(format!("unknown command `{other}`")),
+    }
+}
+
+/// A command that takes no arguments.
+fn alone(request: Request, name: &str, mut args: impl Iterator<Item = String>) -> Result<Request, String> {
+    match args.next().as_deref() {
+        None => Ok(request),
+        Some("-h" | "--help") => Ok(Request::Help),
+        Some(other) => Err(format!("`{name}` takes no argument, got `{other}`")),
     }
 }
 
@@ -112,6 +124,7 @@ mod tests {
         assert_eq!(parsed(""), Ok(Request::Help));
         assert_eq!(parsed("--help"), Ok(Request::Help));
         assert_eq!(parsed("check"), Ok(Request::Check));
+        assert_eq!(parsed("describe"), Ok(Request::Describe));
         assert_eq!(parsed("test"), Ok(Request::Test { selection: Selection::All, pytest_args: vec![] }));
         assert_eq!(parsed("test --rust"), Ok(Request::Test { selection: Selection::Rust, pytest_args: vec![] }));
     }
@@ -127,14 +140,14 @@ mod tests {
 
     #[test]
     fn what_cannot_be_meant_is_refused() {
-        for line in ["tset", "test --fast", "test --rust --python", "test --rust -- -x", "check now"] {
+        for line in ["tset", "test --fast", "test --rust --python", "test --rust -- -x", "check now", "describe all"] {
             assert!(parsed(line).is_err(), "{line}");
         }
     }
 
     #[test]
     fn help_names_every_command_and_option() {
-        for word in ["test", "check", "help", "--rust", "--python", "PYTHON", "CARGO_TARGET_DIR"] {
+        for word in ["test", "check", "describe", "help", "--rust", "--python", "PYTHON", "CARGO_TARGET_DIR"] {
             assert!(HELP.contains(word), "{word}");
         }
     }

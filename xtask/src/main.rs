@@ -3,6 +3,7 @@
 //! ```text
 //! cargo xtask test     every test there is: Rust, the packaged FMUs, Python, the code checks
 //! cargo xtask check    formatting, lints and documentation only
+//! cargo xtask describe renews modelDescription/*.xml
 //! ```
 //!
 //! Needs a stable Rust toolchain, a C toolchain (linker) and Python 3.9 or newer with `venv`; everything else is fetched
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         }
         Ok(Request::Test { selection, pytest_args }) => test(selection, &pytest_args),
         Ok(Request::Check) => check(),
+        Ok(Request::Describe) => describe(),
         Err(message) => {
             eprintln!("error: {message}\n\nTry `cargo xtask --help`.");
             ExitCode::from(2)
@@ -60,6 +62,18 @@ fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
 fn check() -> ExitCode {
     let mut steps = Runner::new(3);
     add_checks(&mut steps, &Tree::find());
+    steps.finish()
+}
+
+/// `cargo xtask describe`: each model crate's program writes its descriptions.
+fn describe() -> ExitCode {
+    let tree = Tree::find();
+    let mut steps = Runner::new(2);
+    for (name, package) in [("Plant", "plant-fmu"), ("Controllers", "controller-fmu")] {
+        steps.step(name, || {
+            run(tree.cargo(&["run", "--quiet", "--package", package, "--", "--describe", "modelDescription"]))
+        });
+    }
     steps.finish()
 }
 

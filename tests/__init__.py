@@ -1,0 +1,1 @@
+"""Integration tests of the packaged FMUs and their exact oracle."""

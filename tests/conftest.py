@@ -1,0 +1,88 @@
+"""Fixtures: the packaged FMUs, unpacked once, and closed-loop runs that several tests look at."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from lxml import etree
+
+from .harness import CoSimulation, Fmu, Result
+
+ROOT = Path(__file__).resolve().parent.parent
+DIST = ROOT / "dist"
+
+
+def fmu_path(name: str) -> Path:
+    """The packaged FMU, or a failure that says how to make it."""
+    path = DIST / f"{name}.fmu"
+    if not path.is_file():
+        pytest.fail(f"dist/{name}.fmu does not exist: run `cargo run --release -- package`", pytrace=False)
+    return path
+
+
+def description(name: str) -> etree._Element:
+    """The root of a packaged modelDescription.xml."""
+    with zipfile.ZipFile(fmu_path(name)) as archive:
+        return etree.fromstring(archive.read("modelDescription.xml"))
+
+
+class Fmus(dict[str, Fmu]):
+    """The FMUs by name, each unpacked when it is first asked for."""
+
+    def __missing__(self, name: str) -> Fmu:
+        self[name] = Fmu(fmu_path(name))
+        return self[name]
+
+
+@pytest.fixture(scope="session")
+def fmus() -> Iterator[dict[str, Fmu]]:
+    """The four FMUs by name, each unpacked once."""
+    opened = Fmus()
+    yield opened
+    for fmu in opened.values():
+        fmu.close()
+
+
+@pytest.fixture(scope="session")
+def plant(fmus: dict[str, Fmu]) -> Fmu:
+    """The plant."""
+    return fmus["DualArmPlant"]
+
+
+@pytest.fixture(scope="session")
+def oracle() -> dict[str, Any]:
+    """The exact values, see `tests/oracle`."""
+    return json.loads((Path(__file__).parent / "oracle" / "values.json").read_text(encoding="utf-8"))
+
+
+ClosedLoop = Callable[..., Result]
+
+
+@pytest.fixture(scope="session")
+def closed_loop(fmus: dict[str, Fmu]) -> ClosedLoop:
+    """Runs plant and controller; equal requests are run once. Settings are start values by name."""
+    done: dict[tuple[Any, ...], Result] = {}
+
+    def run(
+        controller: str,
+        stop: float,
+        *,
+        step: float = 1e-4,
+        coupling: str = "gauss_seidel",
+        record: tuple[str, ...],
+        every: int = 1,
+        **settings: float | str,
+    ) -> Result:
+        key = (controller, stop, step, coupling, record, every, tuple(sorted(settings.items())))
+        if key not in done:
+            with CoSimulation([fmus["DualArmPlant"], fmus[controller]], coupling) as grasp:
+                grasp.set(**settings)
+                done[key] = grasp.run(stop, step, record, every)
+        return done[key]
+
+    return run
