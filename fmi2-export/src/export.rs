@@ -11,6 +11,11 @@
 #[macro_export]
 macro_rules! export {
     ($($model:ty),+ $(,)?) => {
+        #[cfg(panic = "abort")]
+        ::core::compile_error!(
+            "an FMU must not be built with panic = \"abort\": a panic would end the host; say panic = \"unwind\""
+        );
+
         /// The models this library serves.
         pub static FMUS: $crate::ffi::Library = $crate::ffi::Library::new(&[
             $({

@@ -1,11 +1,11 @@
 //! The declared variables, checked and indexed by value reference.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
+use crate::Model;
 use crate::access::{Access, EnumerationKind, Lens};
+use crate::problems::problems;
 use crate::variable::{Causality, Variability, Variable, Variables};
-use crate::{Info, Model};
 
 /// When the host may set a variable: one bit per phase.
 pub(crate) mod settable {
@@ -33,6 +33,13 @@ pub(crate) struct RealSlot<M> {
     pub max: f64,
     pub ramp: Option<Lens<M, f64>>,
     pub rate: Option<(Lens<M, f64>, u64)>,
+}
+
+impl<M> RealSlot<M> {
+    /// Whether the variable may have this value. NaN and infinities are never accepted.
+    pub fn accepts(&self, value: f64) -> bool {
+        self.min <= value && value <= self.max && value.is_finite()
+    }
 }
 
 /// A variable's base type and its value reference among those of that type.
@@ -174,101 +181,4 @@ fn when_settable<M>(variable: &Variable<M>) -> u8 {
         (Causality::Parameter, _) => before_stepping,
         (Causality::Output | Causality::Local, _) => 0,
     }
-}
-
-/// Everything that is wrong with the declarations.
-fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations: usize) -> Vec<String> {
-    let mut problems = Vec::new();
-    if !is_c_identifier(info.name) {
-        problems.push(format!("the name {:?} is not a C identifier", info.name));
-    }
-    if evaluations > 64 {
-        problems.push(format!("{evaluations} evaluations declared, at most 64 are possible"));
-    }
-    let mut model = M::default();
-    let mut seen = HashMap::new();
-    for variable in list {
-        let name = &variable.name;
-        if name.is_empty() || name.chars().any(char::is_control) {
-            problems.push(format!("variable name {name:?} is empty or has control characters"));
-        }
-        if seen.insert(name.as_str(), variable.causality).is_some() {
-            problems.push(format!("variable {name} is declared twice"));
-        }
-        if variable.description.is_empty() {
-            problems.push(format!("variable {name} has no description"));
-        }
-        if variable.evaluation.is_some_and(|e| e.0 >= evaluations)
-            || variable.rate.as_ref().is_some_and(|(_, e)| e.0 >= evaluations)
-        {
-            problems.push(format!("variable {name} names an evaluation of another model"));
-        }
-        let numeric = variable.unit.is_some() || variable.ramp.is_some() || variable.rate.is_some();
-        if numeric && !matches!(variable.access, Access::Real(_)) {
-            problems.push(format!("variable {name} is no Real: it can have no unit, ramp or rate"));
-        }
-        if variable.ramp.is_some() && variable.causality != Causality::Input {
-            problems.push(format!("variable {name} has a ramp, but is no input"));
-        }
-        if variable.rate.is_some() && variable.causality != Causality::Output {
-            problems.push(format!("variable {name} has a rate, but is no output"));
-        }
-        if let Some(start) = start_number(variable, &mut model) {
-            let (min, max) = (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
-            let given = matches!(variable.causality, Causality::Input | Causality::Parameter);
-            if given && !(start.is_finite() && min <= start && start <= max) {
-                problems.push(format!("start value {start} of variable {name} is not in [{min}, {max}]"));
-            }
-        }
-    }
-    for variable in list {
-        for (input, _) in &variable.depends_on {
-            if seen.get(input.as_str()) != Some(&Causality::Input) {
-                problems.push(format!("variable {} depends on {input}, which is not an input", variable.name));
-            }
-        }
-    }
-    unit_problems(list, &mut problems);
-    problems
-}
-
-fn unit_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
-    let mut units = HashMap::new();
-    let mut display_units = HashMap::new();
-    for variable in list {
-        if let Some(error) = &variable.unit_error {
-            problems.push(format!("variable {}: {error}", variable.name));
-        }
-        if let Some(unit) = &variable.unit
-            && *units.entry(unit.name()).or_insert(unit) != unit
-        {
-            problems.push(format!("unit {} is defined in two ways", unit.name()));
-        }
-        if let Some(display) = &variable.display_unit {
-            match &variable.unit {
-                None => problems.push(format!("variable {} has a display unit, but no unit", variable.name)),
-                Some(unit) => {
-                    let key = (unit.name(), display.name.as_str());
-                    if display_units.insert(key, display.factor).is_some_and(|factor| factor != display.factor) {
-                        problems.push(format!("display unit {} of {} is defined in two ways", key.1, key.0));
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Start value of a number.
-fn start_number<M>(variable: &Variable<M>, model: &mut M) -> Option<f64> {
-    match &variable.access {
-        Access::Real(lens) => Some(*lens(model)),
-        Access::Integer { get, .. } => Some(f64::from(get(model))),
-        _ => None,
-    }
-}
-
-fn is_c_identifier(name: &str) -> bool {
-    let mut characters = name.chars();
-    characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
-        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_')
 }

@@ -1,4 +1,4 @@
-//! Export a Rust struct as a complete FMI 2.0 co-simulation FMU.
+#![doc = include_str!("../README.md")]
 
 mod access;
 mod enumeration;
@@ -7,9 +7,11 @@ pub mod ffi;
 mod layout;
 mod logger;
 mod model;
+mod naming;
 #[cfg(feature = "package")]
 pub mod package;
 mod phase;
+mod problems;
 mod slave;
 mod snapshot;
 mod unit;

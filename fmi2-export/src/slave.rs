@@ -36,15 +36,6 @@ impl Refusal {
     }
 }
 
-impl From<Failure> for Refusal {
-    fn from(failure: Failure) -> Self {
-        match failure {
-            Failure::Discard(message) => Self::discard(message),
-            Failure::Error(message) => Self::error(message),
-        }
-    }
-}
-
 impl From<SnapshotError> for Refusal {
     fn from(error: SnapshotError) -> Self {
         Self::error(error.to_string())
@@ -93,7 +84,9 @@ struct State<M: Model> {
     /// As `fmi2SetupExperiment` gave it, once it has.
     experiment: Option<Experiment>,
     time: f64,
-    /// Evaluations whose results are out of date, a bit each.
+    /// Evaluations whose results are out of date, a bit each: all of them in a state that was read from bytes, since a
+    /// model need not serialise what it can compute.
+    #[serde(skip, default = "all")]
     stale: u64,
     /// In initialization mode: a parameter or an input has changed since the last `initialize`.
     uninitialized: bool,
@@ -102,13 +95,18 @@ struct State<M: Model> {
     model: M,
 }
 
+/// Every evaluation.
+fn all() -> u64 {
+    u64::MAX
+}
+
 impl<M: Model> State<M> {
     fn new() -> Self {
         Self {
             phase: Phase::Instantiated,
             experiment: None,
             time: 0.0,
-            stale: u64::MAX,
+            stale: all(),
             uninitialized: true,
             ramped: false,
             model: M::default(),
@@ -173,9 +171,13 @@ impl<M: Model> Slave<M> {
 
     fn initialize(&mut self) -> Result<(), Refusal> {
         let experiment = self.state.experiment.unwrap_or_default();
-        self.state.model.initialize(&experiment)?;
+        let before = self.state.model.clone();
+        if let Err(failure) = self.state.model.initialize(&experiment) {
+            self.state.model = before;
+            return Err(Refusal::error(failure.to_string()));
+        }
         self.state.uninitialized = false;
-        self.state.stale = u64::MAX;
+        self.state.stale = all();
         Ok(())
     }
 
@@ -207,18 +209,17 @@ impl<M: Model> Slave<M> {
             self.state.uninitialized |= inputs | parameters;
             return Ok(Status::Ok);
         }
-        if inputs {
-            self.state.stale |= self.layout.input_dependent;
-        }
         if parameters {
             if let Err(failure) = self.state.model.retuned() {
                 if let Some(old) = old {
                     self.state.model = old;
                 }
-                self.state.model.retuned()?;
-                return Err(Refusal::error(failure.to_string()));
+                let undone = self.state.model.retuned();
+                return Err(Refusal::error(undone.err().unwrap_or(failure).to_string()));
             }
-            self.state.stale = u64::MAX;
+            self.state.stale = all();
+        } else if inputs {
+            self.state.stale |= self.layout.input_dependent;
         }
         Ok(Status::Ok)
     }
@@ -279,6 +280,16 @@ impl<M: Model> Slave<M> {
         self.layout.reals.get(reference as usize).ok_or_else(|| no_such(reference))
     }
 
+    /// Why a real variable cannot have a value. Apart from the loop that checks, which is on the way of every step.
+    #[cold]
+    fn no_real_to_set(&self, reference: u32, value: f64) -> Refusal {
+        match self.real(reference) {
+            Ok(real) if real.slot.settable & self.state.phase.settable_bit() == 0 => self.not_settable(&real.slot),
+            Ok(real) => out_of_range(self.name(&real.slot), value, real.min, real.max),
+            Err(refusal) => refusal,
+        }
+    }
+
     /// Checks a step's start and size against the clock.
     fn check_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
         if !(size.is_finite() && size > 0.0) {
@@ -296,15 +307,37 @@ impl<M: Model> Slave<M> {
                  fmi2SetFMUstate leads back to an earlier time"
             )));
         }
-        if time + size <= time {
+        let end = time + size;
+        if end <= time {
             return Err(Refusal::error(format!(
                 "communicationStepSize {size:?} is too small to change the time {time:?}"
             )));
         }
+        if !end.is_finite() {
+            return Err(Refusal::error(format!(
+                "communicationStepSize {size:?} is too large: the step from {time:?} has no finite end"
+            )));
+        }
         if let Some(stop) = self.state.experiment.and_then(|e| e.stop_time)
-            && time + size > stop + tolerance + 16.0 * f64::EPSILON * stop.abs()
+            && end > stop + tolerance + 16.0 * f64::EPSILON * stop.abs()
         {
-            return Err(Refusal::error(format!("the step ends at {:?}, past the stop time {stop:?}", time + size)));
+            return Err(Refusal::error(format!("the step ends at {end:?}, past the stop time {stop:?}")));
+        }
+        Ok(())
+    }
+
+    /// Checks that no input leaves its range on its ramp.
+    fn check_ramps(&mut self, size: f64) -> Result<(), Refusal> {
+        for reference in &self.layout.ramps {
+            let real = &self.layout.reals[*reference as usize];
+            let Some(ramp) = &real.ramp else { continue };
+            let slope = *ramp(&mut self.state.model);
+            let end = *(real.lens)(&mut self.state.model) + slope * size;
+            if !real.accepts(end) {
+                let refusal = out_of_range(self.name(&real.slot), end, real.min, real.max);
+                let end = format!("; it would be at the end of this step, rising by {slope:?} per second");
+                return Err(Refusal::error(refusal.message + &end));
+            }
         }
         Ok(())
     }
@@ -315,7 +348,10 @@ impl<M: Model> Slave<M> {
             let real = &self.layout.reals[*reference as usize];
             if let Some(ramp) = &real.ramp {
                 let slope = std::mem::take(ramp(&mut self.state.model));
-                *(real.lens)(&mut self.state.model) += slope * size;
+                // Adding zero would turn −0 into +0.
+                if slope != 0.0 {
+                    *(real.lens)(&mut self.state.model) += slope * size;
+                }
             }
         }
         self.state.ramped = false;
@@ -342,19 +378,7 @@ impl<M: Model> AnySlave for Slave<M> {
 
     fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
         self.check(Call::SetupExperiment, "fmi2SetupExperiment")?;
-        if !experiment.start_time.is_finite() {
-            return Err(Refusal::error(format!("startTime is {:?}, it must be finite", experiment.start_time)));
-        }
-        if let Some(stop) = experiment.stop_time
-            && (stop.is_nan() || stop < experiment.start_time)
-        {
-            return Err(Refusal::error(format!("stopTime {stop:?} is before startTime {:?}", experiment.start_time)));
-        }
-        if let Some(tolerance) = experiment.tolerance
-            && !(tolerance.is_finite() && tolerance > 0.0)
-        {
-            return Err(Refusal::error(format!("tolerance is {tolerance:?}, it must be positive and finite")));
-        }
+        check_experiment(&experiment).map_err(Refusal::error)?;
         self.state.experiment = Some(experiment);
         self.state.time = experiment.start_time;
         Ok(Status::Ok)
@@ -386,8 +410,11 @@ impl<M: Model> AnySlave for Slave<M> {
     }
 
     fn reset(&mut self) -> Outcome {
-        self.state = State::new();
+        let old = std::mem::replace(&mut self.state, State::new());
+        // A failed model may have left anything there.
+        self.direction = None;
         self.strings.clear();
+        drop(old);
         Ok(Status::Ok)
     }
 
@@ -395,7 +422,10 @@ impl<M: Model> AnySlave for Slave<M> {
         self.check(Call::Get, "fmi2GetReal")?;
         let mut wanted = 0;
         for reference in references {
-            wanted |= self.real(*reference)?.slot.evaluation;
+            match self.layout.reals.get(*reference as usize) {
+                Some(real) => wanted |= real.slot.evaluation,
+                None => return Err(no_such(*reference)),
+            }
         }
         self.evaluate(wanted)?;
         for (reference, value) in references.iter().zip(values) {
@@ -451,15 +481,15 @@ impl<M: Model> AnySlave for Slave<M> {
     fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check(Call::Set, "fmi2SetReal")?;
         let (mut inputs, mut parameters) = (false, false);
+        let now = self.state.phase.settable_bit();
         for (reference, value) in references.iter().zip(values) {
-            let real = self.real(*reference)?;
-            self.check_settable(&real.slot)?;
-            // False for NaN as well.
-            if !(real.min <= *value && *value <= real.max && value.is_finite()) {
-                return Err(out_of_range(self.name(&real.slot), *value, real.min, real.max));
+            match self.layout.reals.get(*reference as usize) {
+                Some(real) if real.slot.settable & now != 0 && real.accepts(*value) => {
+                    inputs |= real.slot.causality == Causality::Input;
+                    parameters |= real.slot.causality == Causality::Parameter;
+                }
+                _ => return Err(self.no_real_to_set(*reference, *value)),
             }
-            inputs |= real.slot.causality == Causality::Input;
-            parameters |= real.slot.causality == Causality::Parameter;
         }
         let old = self.before_tuning(parameters);
         for (reference, value) in references.iter().zip(values) {
@@ -471,30 +501,7 @@ impl<M: Model> AnySlave for Slave<M> {
     }
 
     fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Outcome {
-        let accept = |variable: &Variable<M>, value: &i32| match &variable.access {
-            Access::Enumeration { kind, .. } => {
-                if usize::try_from(*value).is_ok_and(|v| (1..=kind.items.len()).contains(&v)) {
-                    Ok(())
-                } else {
-                    Err(format!(
-                        "{value} is no item of {}, they are numbered from 1 to {}",
-                        kind.name,
-                        kind.items.len()
-                    ))
-                }
-            }
-            access => {
-                let (min, max) = (variable.min, variable.max);
-                let number = f64::from(*value);
-                let fits = matches!(access, Access::Integer { fits, .. } if fits(*value));
-                if fits && min.is_none_or(|min| min <= number) && max.is_none_or(|max| number <= max) {
-                    Ok(())
-                } else {
-                    let bound = |b: Option<f64>| b.map_or("any".to_owned(), |b| b.to_string());
-                    Err(format!("{value} is out of range, the least is {}, the greatest {}", bound(min), bound(max)))
-                }
-            }
-        };
+        let accept = |variable: &Variable<M>, value: &i32| accept_integer(variable, *value);
         self.set_each(
             |l| &l.integers,
             "fmi2SetInteger",
@@ -624,6 +631,10 @@ impl<M: Model> AnySlave for Slave<M> {
             }
         }
         self.evaluate(0)?;
+        if self.state.phase == Phase::Error {
+            values.fill(0.0);
+            return Ok(Status::Ok);
+        }
         let layout = &self.layout;
         let direction = self.direction.get_or_insert_with(Default::default);
         for real in &layout.reals {
@@ -645,13 +656,16 @@ impl<M: Model> AnySlave for Slave<M> {
     fn do_step(&mut self, time: f64, size: f64, logger: &Logger) -> Outcome {
         self.check(Call::DoStep, "fmi2DoStep")?;
         self.check_step(time, size)?;
+        if self.state.ramped {
+            self.check_ramps(size)?;
+        }
         let mut status = Status::Ok;
         let mut warn = |message: std::fmt::Arguments<'_>| {
             status = Status::Warning;
             logger.log(Status::Warning, Category::Warning, message);
         };
         let result = self.state.model.step(&mut Step::new(time, size, &mut warn));
-        self.state.stale = u64::MAX;
+        self.state.stale = all();
         match result {
             Ok(()) => {
                 self.state.time = time + size;
@@ -660,12 +674,14 @@ impl<M: Model> AnySlave for Slave<M> {
                 }
                 Ok(status)
             }
-            Err(failure) => {
-                self.state.phase = match failure {
-                    Failure::Discard(_) => Phase::StepFailed,
-                    Failure::Error(_) => Phase::Error,
-                };
-                Err(failure.into())
+            // Only a step can be discarded.
+            Err(Failure::Discard(message)) => {
+                self.state.phase = Phase::StepFailed;
+                Err(Refusal::discard(message))
+            }
+            Err(Failure::Error(message)) => {
+                self.state.phase = Phase::Error;
+                Err(Refusal::error(message))
             }
         }
     }
@@ -690,19 +706,91 @@ impl<M: Model> AnySlave for Slave<M> {
 
     fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal> {
         let mut state: State<M> = snapshot::decode(self.guid, bytes)?;
-        if !state.time.is_finite() {
-            return Err(SnapshotError::Content("its time is not finite".into()).into());
-        }
-        // Evaluations fill in what serialisation may have skipped.
-        state.stale = u64::MAX;
+        self.check_decoded(&mut state).map_err(SnapshotError::Content)?;
         state.model.restored().map_err(|failure| SnapshotError::Content(failure.to_string()))?;
         Ok(Arc::new(state))
     }
 }
 
 impl<M: Model> Slave<M> {
+    /// Checks what a host could not have brought about: a checksum is no proof of where bytes come from. The state of the
+    /// model itself is the model's to check, in `restored`.
+    fn check_decoded(&self, state: &mut State<M>) -> Result<(), String> {
+        if !state.time.is_finite() {
+            return Err("its time is not finite".into());
+        }
+        match &state.experiment {
+            Some(experiment) => check_experiment(experiment)?,
+            None if matches!(state.phase, Phase::Instantiated | Phase::Error) => {}
+            None => return Err("it has been initialized without an experiment".into()),
+        }
+        for real in &self.layout.reals {
+            let value = *(real.lens)(&mut state.model);
+            if real.slot.settable != 0 && !real.accepts(value) {
+                return Err(out_of_range(self.name(&real.slot), value, real.min, real.max).message);
+            }
+            if let Some(ramp) = &real.ramp {
+                let slope = *ramp(&mut state.model);
+                if !slope.is_finite() {
+                    return Err(format!("the slope of {} is {slope:?}", self.name(&real.slot)));
+                }
+                state.ramped |= slope != 0.0;
+            }
+        }
+        for slot in self.layout.integers.iter().filter(|slot| slot.settable != 0) {
+            let variable = &self.layout.variables[slot.variable as usize];
+            if let Access::Integer { get, .. } = &variable.access {
+                let value = get(&mut state.model);
+                accept_integer(variable, value).map_err(|why| format!("{}: {why}", variable.name))?;
+            }
+        }
+        Ok(())
+    }
+
     fn own(snapshot: &Snapshot) -> Result<&State<M>, Refusal> {
         snapshot.downcast_ref().ok_or_else(|| Refusal::error("this FMU state belongs to another model"))
+    }
+}
+
+fn check_experiment(experiment: &Experiment) -> Result<(), String> {
+    let start = experiment.start_time;
+    if !start.is_finite() {
+        return Err(format!("startTime is {start:?}, it must be finite"));
+    }
+    if let Some(stop) = experiment.stop_time
+        && (stop.is_nan() || stop < start)
+    {
+        return Err(format!("stopTime {stop:?} is before startTime {start:?}"));
+    }
+    if let Some(tolerance) = experiment.tolerance
+        && !(tolerance.is_finite() && tolerance > 0.0)
+    {
+        return Err(format!("tolerance is {tolerance:?}, it must be positive and finite"));
+    }
+    Ok(())
+}
+
+/// Checks the value of an integer or an enumeration.
+fn accept_integer<M>(variable: &Variable<M>, value: i32) -> Result<(), String> {
+    match &variable.access {
+        Access::Enumeration { kind, .. } => {
+            if usize::try_from(value).is_ok_and(|v| (1..=kind.items.len()).contains(&v)) {
+                Ok(())
+            } else {
+                Err(format!("{value} is no item of {}, they are numbered from 1 to {}", kind.name, kind.items.len()))
+            }
+        }
+        access => {
+            let (min, max) = (variable.min, variable.max);
+            let number = f64::from(value);
+            let fits = matches!(access, Access::Integer { fits, .. } if fits(value));
+            if fits && min.is_none_or(|min| min <= number) && max.is_none_or(|max| number <= max) {
+                Ok(())
+            } else {
+                let bound = |b: Option<f64>| b.map_or("any".to_owned(), |b| b.to_string());
+                Err(format!("{value} is out of range, the least is {}, the greatest {}", bound(min), bound(max)))
+            }
+        }
     }
 }
 

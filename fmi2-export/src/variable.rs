@@ -243,14 +243,15 @@ impl<M: 'static> VariableBuilder<'_, M> {
         self.each(|v| v.display_unit = Some(DisplayUnit { name: name.to_owned(), factor }))
     }
 
-    /// The admissible range, both ends included. Values outside it are refused.
+    /// The admissible range, both ends included; an infinite end is none. Values outside it are refused.
     pub fn range(self, min: f64, max: f64) -> Self {
-        self.each(|v| (v.min, v.max) = (Some(min), Some(max)))
+        let (min, max) = (Some(min).filter(|v| *v != f64::NEG_INFINITY), Some(max).filter(|v| *v != f64::INFINITY));
+        self.each(|v| (v.min, v.max) = (min, max))
     }
 
     /// The least admissible value.
     pub fn min(self, min: f64) -> Self {
-        self.each(|v| v.min = Some(min))
+        self.each(|v| v.min = Some(min).filter(|v| *v != f64::NEG_INFINITY))
     }
 
     /// The order of magnitude of a number.

@@ -8,6 +8,7 @@ use uuid::Uuid;
 
 use crate::access::Access;
 use crate::layout::{DeclarationError, Layout};
+use crate::naming::is_structured;
 use crate::unit::BASE_UNITS;
 use crate::variable::{Causality, DependencyKind, Variability, Variable};
 use crate::{Model, Unit, logger};
@@ -90,7 +91,8 @@ fn render<M: Model>(layout: &Layout<M>, guid: &str) -> String {
         }
     }
     root.push(("generationTool", concat!("fmi2-export ", env!("CARGO_PKG_VERSION")).into()));
-    root.push(("variableNamingConvention", "structured".into()));
+    let structured = layout.variables.iter().all(|variable| is_structured(&variable.name));
+    root.push(("variableNamingConvention", if structured { "structured" } else { "flat" }.into()));
     root.push(("numberOfEventIndicators", "0".into()));
     xml.element("fmiModelDescription", &root, |xml| {
         co_simulation(xml, layout);

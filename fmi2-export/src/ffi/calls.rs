@@ -1,9 +1,12 @@
 //! The functions behind the C symbols that [`export!`](crate::export) defines.
 #![allow(clippy::missing_safety_doc)] // One rule for all of them: see the module `ffi`.
 
+use std::any::Any;
+use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::arguments::{place, slice, slice_mut, strings, text};
 use super::library::Library;
@@ -16,6 +19,12 @@ use crate::phase::Call;
 use crate::slave::{AnySlave, Outcome, Refusal};
 
 /// What an `fmi2Component` points to.
+struct Shared {
+    /// A call is running on the instance.
+    busy: AtomicBool,
+    instance: UnsafeCell<Instance>,
+}
+
 struct Instance {
     library: &'static Library,
     /// Which model of the library, for tidying up.
@@ -24,15 +33,43 @@ struct Instance {
     slave: Box<dyn AnySlave>,
 }
 
-/// Runs a call on an instance; refusals are logged, panics caught.
+impl Instance {
+    /// Tells of a step in the instance's life.
+    fn event(&self, status: Status, what: &str) -> Status {
+        self.logger.log(status, Category::Events, format_args!("{what}"));
+        status
+    }
+}
+
+/// Marks an instance as in use; `None` if it is no instance, or is in use already: by a logger that calls back, or by
+/// another thread.
+///
+/// # Safety
+/// If not null and aligned, `component` must come from `instantiate` and not have been freed.
+unsafe fn occupy<'c>(component: Component) -> Option<&'c Shared> {
+    let pointer = component.cast::<Shared>();
+    if !pointer.is_aligned() {
+        return None;
+    }
+    // SAFETY: aligned; the rest is the caller's promise.
+    let shared = unsafe { pointer.as_ref() }?;
+    (!shared.busy.swap(true, Ordering::Acquire)).then_some(shared)
+}
+
+/// Runs a call on an instance; refusals are logged, panics caught. Nothing is logged about a call from within another
+/// one, because the logger would call again.
 unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outcome) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
-    let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else { return Status::Error };
-    match catch_unwind(AssertUnwindSafe(|| run(instance))) {
+    let Some(shared) = (unsafe { occupy(component) }) else { return Status::Error };
+    // SAFETY: `busy` was false, so this is the only reference until it is false again.
+    let instance = unsafe { &mut *shared.instance.get() };
+    let status = match guarded(|| run(instance)) {
         Ok(Ok(status)) => status,
         Ok(Err(refusal)) => refused(instance, &refusal),
-        Err(panic) => panicked(instance, &*panic),
-    }
+        Err(message) => panicked(instance, &message),
+    };
+    shared.busy.store(false, Ordering::Release);
+    status
 }
 
 #[cold]
@@ -42,15 +79,35 @@ fn refused(instance: &Instance, refusal: &Refusal) -> Status {
 }
 
 #[cold]
-fn panicked(instance: &mut Instance, panic: &(dyn std::any::Any + Send)) -> Status {
-    let message = panic
-        .downcast_ref::<&str>()
-        .copied()
-        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
-        .unwrap_or("no message");
+fn panicked(instance: &mut Instance, message: &str) -> Status {
     instance.slave.poison();
     instance.logger.log(Status::Error, Category::Error, format_args!("internal error in the model: {message}"));
     Status::Error
+}
+
+/// Runs code that may panic; the message if it did.
+fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(run)).map_err(|panic| {
+        let message = panic
+            .downcast_ref::<&str>()
+            .copied()
+            .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+            .unwrap_or("no message")
+            .to_owned();
+        dispose(panic);
+        message
+    })
+}
+
+/// Drops what a panic has thrown: its destructor can panic, too, and throw something of the kind.
+fn dispose(mut thrown: Box<dyn Any + Send>) {
+    for _ in 0..8 {
+        match catch_unwind(AssertUnwindSafe(|| drop(thrown))) {
+            Ok(()) => return,
+            Err(next) => thrown = next,
+        }
+    }
+    std::mem::forget(thrown);
 }
 
 /// `fmi2GetTypesPlatform`: the C types are those of the standard header.
@@ -77,12 +134,15 @@ pub unsafe fn instantiate(
     // The default hook would write to the host's standard error, and touches thread-locals with destructors, which keep
     // a library from being unloaded. The message reaches the host through its logger.
     std::panic::set_hook(Box::new(|_| {}));
+    if !functions.is_aligned() {
+        return ptr::null_mut();
+    }
     // SAFETY: the host's promise. A copy, since the struct need not outlive this call.
     let Some(callbacks) = (unsafe { functions.as_ref() }).copied() else { return ptr::null_mut() };
     // SAFETY: the host's promise.
     let name = if instance_name.is_null() { c"" } else { unsafe { CStr::from_ptr(instance_name) } };
     let mut logger = Logger::new(&callbacks, name.to_owned(), logging_on != 0);
-    let result = catch_unwind(AssertUnwindSafe(|| {
+    let result = guarded(|| {
         if name.to_bytes().trim_ascii().is_empty() {
             return Err(Refusal::error("instanceName is a null pointer or empty"));
         }
@@ -92,14 +152,15 @@ pub unsafe fn instantiate(
         // SAFETY: the host's promise.
         let guid = unsafe { text(guid, "fmuGUID") }?;
         find_model(library, guid)
-    }));
+    });
     let reason = match result {
         Ok(Ok((model, slave))) => {
             logger.log(Status::Ok, Category::Events, format_args!("instantiated"));
-            return Box::into_raw(Box::new(Instance { library, model, logger, slave })).cast();
+            let instance = UnsafeCell::new(Instance { library, model, logger, slave });
+            return Box::into_raw(Box::new(Shared { busy: AtomicBool::new(false), instance })).cast();
         }
         Ok(Err(refusal)) => refusal.message,
-        Err(_) => "internal error during instantiation".into(),
+        Err(message) => format!("internal error in the model: {message}"),
     };
     // "If a null pointer is returned, then functions->logger is called with detailed information about the reason."
     logger.enable_all();
@@ -123,20 +184,21 @@ fn find_model(library: &'static Library, guid: &str) -> Result<(usize, Box<dyn A
     )))
 }
 
-/// `fmi2FreeInstance`.
+/// `fmi2FreeInstance`. An instance is not freed from within a call on it (by its logger).
 pub unsafe fn free_instance(component: Component) {
-    if component.is_null() {
+    // SAFETY: the host's promise.
+    if unsafe { occupy(component) }.is_none() {
         return;
     }
     // SAFETY: the host's promise: it came from `instantiate` and is not used again.
-    let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
+    let instance = unsafe { Box::from_raw(component.cast::<Shared>()) }.instance.into_inner();
+    let (library, model) = (instance.library, instance.model);
     // A panic in the model's destructor must not reach the host either.
-    let _ = catch_unwind(AssertUnwindSafe(move || {
-        let (library, model) = (instance.library, instance.model);
-        library.forget_all_of(component.addr());
-        drop(instance);
-        library.models[model].tidy();
-    }));
+    let _ = guarded(|| drop(instance));
+    for snapshot in library.forget_all_of(component.addr()) {
+        let _ = guarded(|| drop(snapshot));
+    }
+    library.models[model].tidy();
 }
 
 /// `fmi2SetDebugLogging`.
@@ -180,22 +242,30 @@ pub unsafe fn setup_experiment(
 
 /// `fmi2EnterInitializationMode`.
 pub unsafe fn enter_initialization_mode(component: Component) -> Status {
-    unsafe { call(component, |instance| instance.slave.enter_initialization()) }
+    unsafe {
+        call(component, |instance| {
+            instance.slave.enter_initialization().map(|status| instance.event(status, "initialization mode entered"))
+        })
+    }
 }
 
 /// `fmi2ExitInitializationMode`.
 pub unsafe fn exit_initialization_mode(component: Component) -> Status {
-    unsafe { call(component, |instance| instance.slave.exit_initialization()) }
+    unsafe {
+        call(component, |instance| {
+            instance.slave.exit_initialization().map(|status| instance.event(status, "initialized"))
+        })
+    }
 }
 
 /// `fmi2Terminate`.
 pub unsafe fn terminate(component: Component) -> Status {
-    unsafe { call(component, |instance| instance.slave.terminate()) }
+    unsafe { call(component, |instance| instance.slave.terminate().map(|status| instance.event(status, "terminated"))) }
 }
 
 /// `fmi2Reset`.
 pub unsafe fn reset(component: Component) -> Status {
-    unsafe { call(component, |instance| instance.slave.reset()) }
+    unsafe { call(component, |instance| instance.slave.reset().map(|status| instance.event(status, "reset"))) }
 }
 
 /// `fmi2GetReal`.
@@ -545,7 +615,7 @@ pub unsafe fn deserialize_fmu_state(
             let state = place(state, "FMUstate")?;
             let snapshot = instance.slave.decode(bytes)?;
             let owner = component.addr();
-            // "It is allowed to provide an FMUstate that was returned before": then it is replaced.
+            // As with `fmi2GetFMUstate`, a state that was returned before is replaced.
             if state.is_null() || !instance.library.replace(state.addr(), owner, snapshot.clone()) {
                 *state = ptr::without_provenance_mut(instance.library.keep(owner, snapshot));
             }

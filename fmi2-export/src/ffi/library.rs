@@ -95,10 +95,13 @@ impl<M: Model> sealed::Internal for Exported<M> {
     }
 }
 
+/// Owner and content of each saved state, by handle.
+type Snapshots = BTreeMap<usize, (usize, Snapshot)>;
+
 /// A loaded library: the models it serves and the states saved by `fmi2GetFMUstate`.
 pub struct Library {
     pub(crate) models: &'static [&'static dyn ExportedModel],
-    snapshots: Mutex<BTreeMap<usize, (usize, Snapshot)>>,
+    snapshots: Mutex<Snapshots>,
     next_handle: AtomicUsize,
 }
 
@@ -106,7 +109,7 @@ impl Library {
     /// For a static.
     #[must_use]
     pub const fn new(models: &'static [&'static dyn ExportedModel]) -> Self {
-        Self { models, snapshots: Mutex::new(BTreeMap::new()), next_handle: AtomicUsize::new(1) }
+        Self { models, snapshots: Mutex::new(Snapshots::new()), next_handle: AtomicUsize::new(1) }
     }
 
     /// The models this library serves.
@@ -124,13 +127,8 @@ impl Library {
 
     /// Puts another state under a known handle. False if the handle is not known.
     pub(crate) fn replace(&self, handle: usize, owner: usize, snapshot: Snapshot) -> bool {
-        match lock(&self.snapshots).get_mut(&handle) {
-            Some(entry) => {
-                *entry = (owner, snapshot);
-                true
-            }
-            None => false,
-        }
+        let old = lock(&self.snapshots).get_mut(&handle).map(|entry| std::mem::replace(entry, (owner, snapshot)));
+        old.is_some()
     }
 
     pub(crate) fn snapshot(&self, handle: usize) -> Option<Snapshot> {
@@ -139,23 +137,29 @@ impl Library {
 
     /// Forgets a state. False if the handle is not known.
     pub(crate) fn forget(&self, handle: usize) -> bool {
-        let mut snapshots = lock(&self.snapshots);
-        let known = snapshots.remove(&handle).is_some();
-        Self::shrink(&mut snapshots);
-        known
+        let forgotten = self.remove(|snapshots| snapshots.remove(&handle));
+        forgotten.is_some()
     }
 
-    /// Forgets all states an instance has saved.
-    pub(crate) fn forget_all_of(&self, owner: usize) {
-        let mut snapshots = lock(&self.snapshots);
-        snapshots.retain(|_, (of, _)| *of != owner);
-        Self::shrink(&mut snapshots);
+    /// Forgets all states an instance has saved, and hands them over to be dropped.
+    pub(crate) fn forget_all_of(&self, owner: usize) -> impl Iterator<Item = Snapshot> {
+        let forgotten = self.remove(|snapshots| {
+            let all = std::mem::take(snapshots);
+            let (its, others): (Snapshots, Snapshots) = all.into_iter().partition(|(_, (of, _))| *of == owner);
+            *snapshots = others;
+            its
+        });
+        forgotten.into_values().map(|(_, snapshot)| snapshot)
     }
 
-    fn shrink(snapshots: &mut BTreeMap<usize, (usize, Snapshot)>) {
+    /// Removes states, which the caller drops: models have destructors, and these must not run while the lock is held.
+    fn remove<T>(&self, remove: impl FnOnce(&mut Snapshots) -> T) -> T {
+        let mut snapshots = lock(&self.snapshots);
+        let removed = remove(&mut snapshots);
         if snapshots.is_empty() {
-            *snapshots = BTreeMap::new();
+            *snapshots = Snapshots::new();
         }
+        removed
     }
 }
 

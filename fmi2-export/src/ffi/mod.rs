@@ -1,5 +1,8 @@
 //! The C interface: each function checks what the host passes, then calls the instance.
 //!
+//! A call on an instance on which another one is running, be it from its logger or from another thread, is answered with
+//! `fmi2Error` and has no effect.
+//!
 //! A panic never leaves these functions: it is caught, logged as an error, and the instance answers `fmi2Error` from then
 //! on to all but reading, `fmi2Reset`, `fmi2SetFMUstate` and `fmi2FreeInstance`.
 //!

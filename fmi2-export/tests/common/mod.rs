@@ -3,25 +3,29 @@
 #![allow(clippy::too_many_arguments)] // As the standard has it.
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::ptr::{null, null_mut};
 use std::sync::{Arc, Mutex};
 
 use libloading::Library;
+
+pub mod misbehaving;
+pub mod real;
 
 pub const OK: c_int = 0;
 pub const WARNING: c_int = 1;
 pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
 
-/// Path of an example's library: cargo builds examples before it runs tests.
+/// Path of an example's library. `cargo test` builds the examples before it runs the tests; `cargo test --test NAME` does
+/// not, so `cargo build --examples` has to come first then.
 pub fn example(name: &str) -> PathBuf {
     let exe = std::env::current_exe().unwrap();
     let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     exe.parent().unwrap().parent().unwrap().join("examples").join(file)
 }
 
-type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
+pub type Logger = unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
 #[repr(C)]
 pub struct Callbacks {
@@ -108,8 +112,22 @@ functions! {
 
 impl Fmu {
     pub fn load(name: &str) -> Self {
+        Self::open(&example(name))
+    }
+
+    pub fn open(path: &Path) -> Self {
         // SAFETY: our own library.
-        Self { library: unsafe { Library::new(example(name)) }.unwrap() }
+        let library = unsafe { Library::new(path) };
+        Self { library: library.unwrap_or_else(|e| panic!("{}: {e}; see `example`", path.display())) }
+    }
+
+    /// The GUIDs of all models in the library, which it tells when it is asked for another one.
+    pub fn guids(&self) -> Vec<String> {
+        let log = Log::default();
+        let component = self.fmi2Instantiate(c"x".as_ptr(), 1, c"".as_ptr(), null(), &callbacks(&log), 0, 0);
+        assert!(component.is_null());
+        let message = log.lock().unwrap()[0].2.clone();
+        message.split('{').skip(1).map(|part| format!("{{{}}}", part.split('}').next().unwrap())).collect()
     }
 
     /// An instance with a logger that writes into the returned log.
@@ -173,6 +191,42 @@ impl Slave<'_> {
     /// The last message logged.
     pub fn message(&self) -> String {
         self.log.lock().unwrap().last().map(|(_, _, message)| message.clone()).unwrap_or_default()
+    }
+
+    /// Resets, initializes and steps.
+    pub fn start_again(&self) {
+        assert_eq!(self.fmu.fmi2Reset(self.component), OK);
+        self.initialize();
+        assert_eq!(self.step(0.0, 0.1), OK, "{:?}", self.log);
+    }
+
+    /// The serialised state.
+    pub fn blob(&self) -> Vec<u8> {
+        let mut state = self.save();
+        let bytes = self.serialize(state);
+        assert_eq!(self.fmu.fmi2FreeFMUstate(self.component, &raw mut state), OK);
+        bytes
+    }
+
+    /// Reads a blob and makes it the instance's state; the status of the first call that fails.
+    pub fn load(&self, bytes: &[u8]) -> c_int {
+        let mut state = null_mut();
+        let status = self.fmu.fmi2DeSerializeFMUstate(self.component, bytes.as_ptr(), bytes.len(), &raw mut state);
+        if status != OK {
+            assert!(state.is_null());
+            return status;
+        }
+        let status = self.fmu.fmi2SetFMUstate(self.component, state);
+        assert_eq!(self.fmu.fmi2FreeFMUstate(self.component, &raw mut state), OK);
+        status
+    }
+
+    pub fn set_integer(&self, reference: u32, value: c_int) -> c_int {
+        self.fmu.fmi2SetInteger(self.component, &raw const reference, 1, &raw const value)
+    }
+
+    pub fn messages(&self) -> Vec<(c_int, String, String)> {
+        self.log.lock().unwrap().clone()
     }
 
     pub fn save(&self) -> *mut c_void {

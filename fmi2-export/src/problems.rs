@@ -1,0 +1,185 @@
+//! What can be wrong with a model's declarations: everything that would make the description contradict itself, the
+//! standard or XML.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::access::{Access, EnumerationKind};
+use crate::variable::{Causality, Variable};
+use crate::{Info, Model};
+
+/// Everything that is wrong with the declarations.
+pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations: usize) -> Vec<String> {
+    let mut problems = Vec::new();
+    info_problems(info, &mut problems);
+    if list.is_empty() {
+        problems.push("no variables are declared".into());
+    }
+    if evaluations > 64 {
+        problems.push(format!("{evaluations} evaluations declared, at most 64 are possible"));
+    }
+    let mut model = M::default();
+    let mut seen = HashMap::new();
+    for variable in list {
+        let name = &variable.name;
+        if name.is_empty() || name.chars().any(char::is_control) {
+            problems.push(format!("variable name {name:?} is empty or has control characters"));
+        }
+        if seen.insert(name.as_str(), variable.causality).is_some() {
+            problems.push(format!("variable {name} is declared twice"));
+        }
+        if variable.description.is_empty() {
+            problems.push(format!("variable {name} has no description"));
+        }
+        text_problem("variable name", name, &mut problems);
+        text_problem("description", &variable.description, &mut problems);
+        if variable.evaluation.is_some_and(|e| e.0 >= evaluations)
+            || variable.rate.as_ref().is_some_and(|(_, e)| e.0 >= evaluations)
+        {
+            problems.push(format!("variable {name} names an evaluation of another model"));
+        }
+        let numeric = variable.unit.is_some() || variable.ramp.is_some() || variable.rate.is_some();
+        if numeric && !matches!(variable.access, Access::Real(_)) {
+            problems.push(format!("variable {name} is no Real: it can have no unit, ramp or rate"));
+        }
+        if variable.ramp.is_some() && variable.causality != Causality::Input {
+            problems.push(format!("variable {name} has a ramp, but is no input"));
+        }
+        if variable.rate.is_some() && variable.causality != Causality::Output {
+            problems.push(format!("variable {name} has a rate, but is no output"));
+        }
+        value_problems(variable, &mut model, &mut problems);
+    }
+    for variable in list {
+        for (input, _) in &variable.depends_on {
+            if seen.get(input.as_str()) != Some(&Causality::Input) {
+                problems.push(format!("variable {} depends on {input}, which is not an input", variable.name));
+            }
+        }
+    }
+    unit_problems(list, &mut problems);
+    enumeration_problems(list, &seen, &mut problems);
+    problems
+}
+
+fn info_problems(info: &Info, problems: &mut Vec<String>) {
+    if !is_c_identifier(info.name) {
+        problems.push(format!("the name {:?} is not a C identifier", info.name));
+    }
+    for text in [info.description, info.author, info.version, info.copyright, info.license] {
+        text_problem("text", text, problems);
+    }
+    let experiment = info.default_experiment;
+    let times = [experiment.start_time, experiment.stop_time];
+    let positive = [Some(experiment.step_size), experiment.tolerance];
+    if !(times.iter().all(|time| time.is_finite())
+        && positive.iter().flatten().all(|value| value.is_finite() && *value > 0.0))
+    {
+        problems.push("the default experiment needs finite times, a positive step size and tolerance".into());
+    }
+}
+
+/// Bounds, nominal and start value.
+fn value_problems<M>(variable: &Variable<M>, model: &mut M, problems: &mut Vec<String>) {
+    let name = &variable.name;
+    let (min, max) = (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
+    if !(min <= max && [variable.min, variable.max].iter().flatten().all(|bound| bound.is_finite())) {
+        problems.push(format!("the range [{min}, {max}] of variable {name} is empty or not a number"));
+    }
+    let whole = |bound: &f64| bound.fract() == 0.0 && f64::from(i32::MIN) <= *bound && *bound <= f64::from(i32::MAX);
+    if matches!(variable.access, Access::Integer { .. }) && ![variable.min, variable.max].iter().flatten().all(whole) {
+        problems.push(format!("the range [{min}, {max}] of variable {name} is not one of 32-bit integers"));
+    }
+    if variable.nominal.is_some_and(|nominal| !(nominal.is_finite() && nominal != 0.0)) {
+        problems.push(format!("the nominal value of variable {name} is zero or not finite"));
+    }
+    if !matches!(variable.causality, Causality::Input | Causality::Parameter) {
+        return;
+    }
+    let start = match &variable.access {
+        Access::Real(lens) => *lens(model),
+        Access::Integer { get, .. } => f64::from(get(model)),
+        Access::Enumeration { get, .. } => {
+            if get(model) == 0 {
+                problems.push(format!("the start value of variable {name} is no item of its enumeration"));
+            }
+            return;
+        }
+        Access::String(field) => return text_problem("start value", field(model), problems),
+        Access::Boolean(_) => return,
+    };
+    if !(start.is_finite() && min <= start && start <= max) {
+        problems.push(format!("start value {start} of variable {name} is not in [{min}, {max}]"));
+    }
+}
+
+fn unit_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
+    let factor_is_wrong = |factor: f64| !(factor.is_finite() && factor != 0.0);
+    let mut units = HashMap::new();
+    let mut display_units = HashMap::new();
+    for variable in list {
+        if let Some(error) = &variable.unit_error {
+            problems.push(format!("variable {}: {error}", variable.name));
+        }
+        if let Some(unit) = &variable.unit {
+            if *units.entry(unit.name()).or_insert(unit) != unit {
+                problems.push(format!("unit {} is defined in two ways", unit.name()));
+            }
+            if factor_is_wrong(unit.factor) || !unit.offset.is_finite() {
+                problems.push(format!("unit {} has no usable factor or offset", unit.name()));
+            }
+            text_problem("unit", unit.name(), problems);
+        }
+        if let Some(display) = &variable.display_unit {
+            match &variable.unit {
+                None => problems.push(format!("variable {} has a display unit, but no unit", variable.name)),
+                Some(unit) => {
+                    let key = (unit.name(), display.name.as_str());
+                    if display_units.insert(key, display.factor).is_some_and(|factor| factor != display.factor) {
+                        problems.push(format!("display unit {} of {} is defined in two ways", key.1, key.0));
+                    }
+                }
+            }
+            if factor_is_wrong(display.factor) {
+                problems.push(format!("display unit {} has no usable factor", display.name));
+            }
+            text_problem("display unit", &display.name, problems);
+        }
+    }
+}
+
+fn enumeration_problems<M>(list: &[Variable<M>], variables: &HashMap<&str, Causality>, problems: &mut Vec<String>) {
+    let mut kinds: HashMap<&str, EnumerationKind> = HashMap::new();
+    for variable in list {
+        let Access::Enumeration { kind, .. } = &variable.access else { continue };
+        if let Some(known) = kinds.insert(kind.name, *kind) {
+            if known != *kind {
+                problems.push(format!("enumeration {} is defined in two ways", kind.name));
+            }
+            continue;
+        }
+        if variables.contains_key(kind.name) {
+            problems.push(format!("{} is both an enumeration and a variable", kind.name));
+        }
+        let names: HashSet<&str> = kind.items.iter().map(|(name, _)| *name).collect();
+        if names.len() != kind.items.len() || names.is_empty() {
+            problems.push(format!("enumeration {} has no items, or two of the same name", kind.name));
+        }
+        for text in [kind.name, kind.description].into_iter().chain(kind.items.iter().flat_map(|i| [i.0, i.1])) {
+            text_problem("text of an enumeration", text, problems);
+        }
+    }
+}
+
+/// Some characters cannot be in XML 1.0, in whatever way they are escaped.
+fn text_problem(what: &str, text: &str, problems: &mut Vec<String>) {
+    let allowed = |c: char| matches!(c, '\t' | '\n' | '\r' | ' '..='\u{fffd}' | '\u{10000}'..);
+    if !text.chars().all(allowed) {
+        problems.push(format!("{what} {text:?} has characters that XML does not allow"));
+    }
+}
+
+fn is_c_identifier(name: &str) -> bool {
+    let mut characters = name.chars();
+    characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
