@@ -9,11 +9,12 @@
 //!
 //! [`LeakyLaw::held`] gives it in closed form for a constant φ, [`LeakyLaw::sampled`] for a φ known at two points.
 
+use crate::exponential::{exp, exp_m1};
 use serde::{Deserialize, Serialize};
 
 /// φ₁(−z) = (1 − e^{−z})/z, the mean of e^{−z(1−t)} over 0 ≤ t ≤ 1; z ≥ 0.
 pub(crate) fn phi1(z: f64) -> f64 {
-    if z == 0.0 { 1.0 } else { -(-z).exp_m1() / z }
+    if z == 0.0 { 1.0 } else { -exp_m1(-z) / z }
 }
 
 /// φ₂(−z) = (1 − φ₁(−z))/z, the mean of t e^{−z(1−t)} over 0 ≤ t ≤ 1; z ≥ 0.
@@ -46,7 +47,7 @@ impl LeakyLaw {
     #[must_use]
     pub fn held(&self, h: f64) -> HeldStep {
         let z = self.gain * self.leakage * h;
-        HeldStep { decay: (-z).exp(), weight: self.gain * h * phi1(z) }
+        HeldStep { decay: exp(-z), weight: self.gain * h * phi1(z) }
     }
 
     /// The step over `h` \[s\] with a forcing sampled at [`NODES`].
@@ -60,7 +61,7 @@ impl LeakyLaw {
         let (mean, moment) = (phi1(z), phi2(z));
         let scale = self.gain * h / (NODES[1] - NODES[0]);
         SampledStep {
-            decay: (-z).exp(),
+            decay: exp(-z),
             weights: [scale * (NODES[1] * mean - moment), scale * (moment - NODES[0] * mean)],
         }
     }

@@ -44,17 +44,26 @@ pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'st
     /// The first parameter that is not in its range; the law is then as before.
     fn retune(&mut self, settings: &Self::Settings) -> Result<(), ParameterError>;
 
+    /// Whether this law has the arms and the settings of another one, whatever its state.
+    fn is_like(&self, other: &Self) -> bool;
+
     /// Declares the settings.
     fn declare_settings(variables: &mut Variables<Controller<Self>>);
 
-    /// Declares the extra outputs, if there are any.
-    fn declare_extra(variables: &mut Variables<Controller<Self>>) {
-        let _ = variables;
+    /// Declares the extra outputs, if there are any; `rates` computes their time derivatives.
+    fn declare_extra(variables: &mut Variables<Controller<Self>>, rates: Evaluation) {
+        let _ = (variables, rates);
     }
 
     /// The extra outputs for these inputs.
     fn extra(&self, inputs: &Inputs) -> Self::Extra {
         let _ = inputs;
+        Self::Extra::default()
+    }
+
+    /// Time derivatives of the extra outputs, for inputs that change at `rates`.
+    fn extra_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Self::Extra {
+        let _ = (inputs, rates);
         Self::Extra::default()
     }
 
@@ -81,7 +90,7 @@ pub struct Controller<L: FmuLaw> {
     outputs: Outputs<L::Extra>,
     /// Time derivatives of the outputs.
     #[serde(skip)]
-    rates: Outputs<()>,
+    rates: Outputs<L::Extra>,
 }
 
 /// Values of the output variables.
@@ -129,6 +138,7 @@ impl<L: FmuLaw> Controller<L> {
         (self.rates.targets, self.rates.errors) = target_change(&self.arms, &self.input_rates);
         if let Some(law) = &mut self.law {
             self.rates.commands = law.command_rates(&self.inputs, &self.input_rates);
+            self.rates.extra = law.extra_rates(&self.inputs, &self.input_rates);
         }
     }
 }
@@ -163,7 +173,7 @@ impl<L: FmuLaw> Model for Controller<L> {
         let rates = variables.evaluation(Self::rates);
         command_outputs(variables, rates);
         target_outputs(variables, rates);
-        L::declare_extra(variables);
+        L::declare_extra(variables, rates);
         declare(variables, &Arms::PARAMETERS, false, |m| &mut m.arms);
         L::declare_settings(variables);
     }
@@ -193,7 +203,19 @@ impl<L: FmuLaw> Model for Controller<L> {
             return Err(Failure::error("an input is not finite"));
         }
         // Checks the settings, too.
-        L::create(self.arms, &self.settings).map(|_| ()).map_err(Failure::error)
+        let like_new = L::create(self.arms, &self.settings).map_err(Failure::error)?;
+        // In initialization mode the settings may have changed since the law was made; it will be made anew then.
+        self.law.take_if(|law| !law.is_like(&like_new));
+        let inputs = self.inputs;
+        if !inputs.to_array().iter().all(|value| value.abs() <= Inputs::LARGEST) {
+            // Beyond what a step accepts, commands may be infinite.
+            return Ok(());
+        }
+        let commands = self.law.as_mut().map(|law| law.commands(&inputs).to_array());
+        if commands.is_some_and(|commands| !commands.iter().all(|command| command.is_finite())) {
+            return Err(Failure::error("the law in the state gives commands that are not finite"));
+        }
+        Ok(())
     }
 
     fn directional_derivative(&mut self, direction: &mut Self) {

@@ -93,15 +93,25 @@ impl StepError {
         if !(h.is_finite() && h > 0.0) {
             return Err(Self::StepSize(h));
         }
-        let usable = -Inputs::LARGEST..=Inputs::LARGEST;
-        for inputs in [*inputs, inputs.after(h, rates)] {
-            let named = crate::signals::INPUT_NAMES.into_iter().zip(inputs.to_array());
-            for (name, value) in named {
-                if !usable.contains(&value) {
-                    return Err(Self::Input { name, value });
-                }
-            }
+        let (values, rates) = (inputs.to_array(), rates.to_array());
+        let mut all_usable = true;
+        // Without a branch per input, so that several are compared at once.
+        for (value, rate) in values.iter().zip(rates) {
+            all_usable &= value.abs() <= Inputs::LARGEST;
+            all_usable &= (value + rate * h).abs() <= Inputs::LARGEST;
         }
-        Ok(())
+        if all_usable { Ok(()) } else { Err(Self::unusable(&values, &rates, h)) }
+    }
+
+    /// The first input that [`check`](Self::check) does not like.
+    #[cold]
+    fn unusable(values: &[f64; INPUTS], rates: &[f64; INPUTS], h: f64) -> Self {
+        let ends: [f64; INPUTS] = std::array::from_fn(|i| values[i] + rates[i] * h);
+        let named = [values, &ends].into_iter().flat_map(|values| crate::signals::INPUT_NAMES.into_iter().zip(*values));
+        let (name, value) = named
+            .into_iter()
+            .find(|(_, value)| value.is_nan() || value.abs() > Inputs::LARGEST)
+            .unwrap_or(("", f64::NAN));
+        Self::Input { name, value }
     }
 }

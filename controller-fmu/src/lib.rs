@@ -6,6 +6,7 @@
 #[macro_use]
 pub mod parameter;
 pub mod adaptation;
+pub mod exponential;
 mod fmu;
 pub mod gains;
 pub mod law;

@@ -45,6 +45,12 @@ impl LowPass {
         self.responses = None;
     }
 
+    /// Whether the bandwidth is that of other filters.
+    #[must_use]
+    pub fn has_settings_of(&self, other: &Self) -> bool {
+        self.bandwidth == other.bandwidth
+    }
+
     /// Whether the filters do anything.
     #[must_use]
     pub fn is_on(&self) -> bool {

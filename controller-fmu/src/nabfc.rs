@@ -117,6 +117,18 @@ impl Nabfc {
         Ok(())
     }
 
+    /// Whether this law has the arms and gains of another one, whatever its estimates.
+    #[must_use]
+    pub fn has_settings_of(&self, other: &Self) -> bool {
+        let [arm1, arm2] = &self.posture;
+        self.arms == other.arms
+            && self.gains == other.gains
+            && self.object.has_settings_of(&other.object)
+            && arm1.has_settings_of(&other.posture[0])
+            && arm2.has_settings_of(&other.posture[1])
+            && self.shear_rate.has_settings_of(&other.shear_rate)
+    }
+
     /// The sliding variables for these inputs.
     #[must_use]
     pub fn surfaces(&self, inputs: &Inputs) -> Surfaces {
@@ -148,6 +160,25 @@ impl Nabfc {
             pi_hat: [arm1.pi_hat, arm2.pi_hat],
             w_norm: self.object.network.norm(),
             u_norm: [arm1.network.norm(), arm2.network.norm()],
+        }
+    }
+
+    /// Time derivatives of the estimates for these inputs: the update laws (37)–(39) and (55)–(57).
+    #[must_use]
+    pub fn estimate_rates(&mut self, inputs: &Inputs) -> Estimates {
+        let at = self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot));
+        let [m_hat, epsilon_hat, w_norm] = self.object.estimate_rates(&at.object);
+        let [arm1, arm2] = [0, 1].map(|i| {
+            let (e, e_dot) = at.posture[i];
+            self.posture[i].estimate_rates(e, e_dot)
+        });
+        Estimates {
+            m_hat,
+            j_hat: [arm1[0], arm2[0]],
+            epsilon_hat,
+            pi_hat: [arm1[1], arm2[1]],
+            w_norm,
+            u_norm: [arm1[2], arm2[2]],
         }
     }
 
@@ -232,7 +263,13 @@ impl Law for Nabfc {
         let shear_dot_rate = rates.measured.tip_shear_dot;
         let held = *rates == Inputs::HELD;
         let used = self.shear_rate.sampled(h, shear_dot, shear_dot_rate);
-        let [first, second] = [0, 1].map(|node| self.loop_inputs(&inputs.after(NODES[node] * h, rates), used[node]));
+        let [first, second] = [0, 1].map(|node| {
+            if held {
+                self.loop_inputs(inputs, used[node])
+            } else {
+                self.loop_inputs(&inputs.after(NODES[node] * h, rates), used[node])
+            }
+        });
         if held && self.shear_rate.is_settled(shear_dot) {
             self.object.step(h, &first.object);
         } else {

@@ -4,6 +4,7 @@ use crate::adaptation::{LeakyLaw, Steps};
 use crate::gains::{Gains, ObjectGains, RbfLayout};
 use crate::rbf::Network;
 use crate::sat::{sat, sat_slope};
+use libm::tanh;
 use serde::{Deserialize, Serialize};
 
 /// What the loop sees at one instant.
@@ -107,6 +108,24 @@ impl ObjectLoop {
         };
     }
 
+    /// Time derivatives of m̂, ε̂ and ‖Ŵ‖ for these inputs, from (37)–(39).
+    pub fn estimate_rates(&mut self, inputs: &ObjectInputs) -> [f64; 3] {
+        let point = self.at(inputs);
+        let [epsilon, m] = Self::forcings(&point);
+        let [weights, epsilon_law, m_law] = self.laws();
+        let norm = if self.has_network { self.network.norm_rate(&weights, point.s) } else { 0.0 };
+        [m_law.rate(self.m_hat, m), epsilon_law.rate(self.epsilon_hat, epsilon), norm]
+    }
+
+    /// Whether gains, scales and the network's layout are those of another loop.
+    pub fn has_settings_of(&self, other: &Self) -> bool {
+        self.gains == other.gains
+            && self.sat_limit == other.sat_limit
+            && self.compliance == other.compliance
+            && self.inverse_scales == other.inverse_scales
+            && self.network.has_layout_of(&other.network)
+    }
+
     /// Back to the initial estimates.
     pub fn reset(&mut self) {
         self.m_hat = self.gains.m_hat_0;
@@ -148,12 +167,12 @@ impl ObjectLoop {
         let w_dot = [inputs.shear_dot[0] * c1, inputs.shear_dot[1] * c2];
         let shear_rate = w_dot[0] + w_dot[1];
         let s = self.surface(inputs);
-        let point = Point {
-            inputs: *inputs,
-            s,
-            tanh: (s / self.gains.epsilon1).tanh(),
-            regressor: self.slope() * inputs.z1_dot + shear_rate,
+        // Where only the shear rates differ, the surface is the same.
+        let tanh = match self.point {
+            Some(point) if point.s == s => point.tanh,
+            _ => tanh(s / self.gains.epsilon1),
         };
+        let point = Point { inputs: *inputs, s, tanh, regressor: self.slope() * inputs.z1_dot + shear_rate };
         if self.has_network {
             let alpha_dot = -self.gains.c1 * inputs.z1_dot - shear_rate;
             let x = [inputs.z1, s, alpha_dot, inputs.shear[0] * c1, inputs.shear[1] * c2, w_dot[0], w_dot[1]];

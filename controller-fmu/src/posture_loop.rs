@@ -4,6 +4,7 @@ use crate::adaptation::{LeakyLaw, Steps};
 use crate::gains::{Gains, PostureGains, RbfLayout};
 use crate::rbf::Network;
 use crate::sat::{sat, sat_slope};
+use libm::tanh;
 use serde::{Deserialize, Serialize};
 
 /// Controller of one hub: its gains, its estimates Ĵ, π̂, Û.
@@ -74,6 +75,23 @@ impl PostureLoop {
         };
     }
 
+    /// Time derivatives of Ĵ, π̂ and ‖Û‖ for these inputs, from (55)–(57).
+    pub fn estimate_rates(&mut self, e: f64, e_dot: f64) -> [f64; 3] {
+        let point = self.at(e, e_dot);
+        let [pi, j] = self.forcings(&point);
+        let [weights, pi_law, j_law] = self.laws();
+        let norm = if self.has_network { self.network.norm_rate(&weights, point.s) } else { 0.0 };
+        [j_law.rate(self.j_hat, j), pi_law.rate(self.pi_hat, pi), norm]
+    }
+
+    /// Whether gains, scales and the network's layout are those of another loop.
+    pub fn has_settings_of(&self, other: &Self) -> bool {
+        self.gains == other.gains
+            && self.sat_limit == other.sat_limit
+            && self.inverse_scales == other.inverse_scales
+            && self.network.has_layout_of(&other.network)
+    }
+
     /// Back to the initial estimates.
     pub fn reset(&mut self) {
         self.j_hat = self.gains.j_hat_0;
@@ -100,7 +118,7 @@ impl PostureLoop {
             return point;
         }
         let s = self.surface(e, e_dot);
-        let point = Point { e, e_dot, s, tanh: (s / self.gains.epsilon2).tanh() };
+        let point = Point { e, e_dot, s, tanh: tanh(s / self.gains.epsilon2) };
         if self.has_network {
             let [angle, surface, alpha] = self.inverse_scales;
             self.network.activate([e * angle, s * surface, -self.gains.c3 * e_dot * alpha]);

@@ -14,11 +14,19 @@
 //!
 //! A Gaussian of the whole vector is the product of one-dimensional ones, and along an equally spaced axis those are a
 //! common factor times powers of another: `exp(−(x−c)²/b²) = exp(−x²/b²) exp(2xc/b²) exp(−c²/b²)`. So an evaluation needs
-//! two exponentials per axis, not one per node.
+//! two exponentials per axis, not one per node; and the activations of a grid are the products of those along its first
+//! axis with those of its other axes, so these two lists stand for all of them.
 //!
 //! Far outside the box every activation tends to zero and nothing else happens: values below 10⁻³⁰ on an axis count as
 //! zero, which keeps denormal numbers out of the products.
 
+// Inlined into functions for wide registers, and indexed in step, or the compiler does not use these registers.
+#![allow(clippy::inline_always, clippy::needless_range_loop)]
+// What is unsafe asks for a feature of the processor, and nothing of the data.
+#![allow(clippy::unsafe_derive_deserialize)]
+
+use crate::adaptation::LeakyLaw;
+use crate::exponential::{exp, exp_all};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -27,6 +35,12 @@ pub const MAX_PER_AXIS: usize = 9;
 
 /// Narrowest and widest Gaussians in normalised units. Narrower ones would underflow inside the box.
 pub const WIDTHS: std::ops::RangeInclusive<f64> = 0.1..=10.0;
+
+/// Running sums of an inner product.
+const LANES: usize = 4;
+
+/// Room for the exponents of all axes of a network.
+const EXPONENTS: usize = 16;
 
 /// Activations along one axis that are smaller count as zero.
 const NEGLIGIBLE: f64 = 1e-30;
@@ -54,6 +68,14 @@ impl Layout {
         match self {
             Self::Grid(n) => 1 <= n && n <= MAX_PER_AXIS,
             Self::Star(rings) => rings <= MAX_PER_AXIS / 2,
+        }
+    }
+
+    /// Rows of the weights: as many as the first axis of a grid has nodes.
+    const fn rows(self) -> usize {
+        match self {
+            Self::Grid(n) => n,
+            Self::Star(_) => 1,
         }
     }
 
@@ -95,7 +117,7 @@ impl Axis {
             heights: [0.0; MAX_PER_AXIS],
         };
         for node in 0..nodes {
-            axis.heights[node] = (-axis.centre(node).powi(2) * axis.sharpness).exp();
+            axis.heights[node] = exp(-axis.centre(node).powi(2) * axis.sharpness);
         }
         axis
     }
@@ -104,14 +126,19 @@ impl Axis {
         (node as f64 - 0.5 * (self.nodes - 1) as f64) * self.spacing
     }
 
-    /// exp(−(x − cⱼ)²/b²) of the first `N` = `self.nodes` nodes.
+    /// The exponents of [`values`](Self::values): −x²/b² and xΔ/b².
     ///
-    /// With |x| clamped to the reach and b ≥ 0.1 no exponent exceeds 340, so nothing overflows.
-    fn values<const N: usize>(&self, x: f64) -> [f64; N] {
+    /// With |x| clamped to the reach and b ≥ 0.1 none exceeds 370, so nothing overflows.
+    #[inline(always)]
+    fn exponents(&self, x: f64) -> [f64; 2] {
         let x = x.clamp(-self.reach, self.reach);
-        let peak = (-x * x * self.sharpness).exp();
+        [-x * x * self.sharpness, x * self.spacing * self.sharpness]
+    }
+
+    /// exp(−(x − cⱼ)²/b²) of the first `N` = `self.nodes` nodes, from the exponentials of the [`exponents`](Self::exponents).
+    #[inline(always)]
+    fn values<const N: usize>(&self, [peak, half_step]: [f64; 2]) -> [f64; N] {
         // exp(xΔ/b²): the centres are even multiples of Δ/2 when N is odd, odd ones when it is even.
-        let half_step = (x * self.spacing * self.sharpness).exp();
         let (up, down) = (half_step * half_step, (half_step * half_step).recip());
         let mut powers = [1.0; N];
         let middle = N / 2;
@@ -123,10 +150,11 @@ impl Axis {
             powers[node] = powers[node - 1] * up;
             powers[N - 1 - node] = powers[N - node] * down;
         }
-        std::array::from_fn(|node| {
+        for node in 0..N {
             let value = peak * self.heights[node] * powers[node];
-            if value > NEGLIGIBLE { value } else { 0.0 }
-        })
+            powers[node] = if value > NEGLIGIBLE { value } else { 0.0 };
+        }
+        powers
     }
 }
 
@@ -144,7 +172,10 @@ pub struct Network<const D: usize> {
     point: [f64; D],
     /// One-dimensional activations at the point.
     axes: [AxisValues; D],
-    activations: Vec<f64>,
+    /// A grid's products of all axes but the first; all activations of a star.
+    inner: Vec<f64>,
+    /// Ŵᵀ Y at the point, if it is known.
+    output: Option<f64>,
 }
 
 /// What is stored of a network.
@@ -190,13 +221,21 @@ impl<const D: usize> Network<D> {
             // Unlike any point, so that nothing counts as evaluated.
             point: [f64::NAN; D],
             axes: [[0.0; MAX_PER_AXIS]; D],
-            activations: vec![0.0; nodes],
+            inner: vec![0.0; nodes / layout.rows()],
+            output: None,
         }
+    }
+
+    /// Whether nodes and widths are those of another network.
+    #[must_use]
+    pub fn has_layout_of(&self, other: &Self) -> bool {
+        self.layout == other.layout && self.width == other.width
     }
 
     /// Sets all weights to zero.
     pub fn reset(&mut self) {
         self.weights.fill(0.0);
+        self.output = None;
     }
 
     /// The weights Ŵ, one per node.
@@ -232,6 +271,27 @@ impl<const D: usize> Network<D> {
     ///
     /// Only the components that have changed since the last time are evaluated.
     pub fn activate(&mut self, x: [f64; D]) {
+        if self.point == x {
+            return;
+        }
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has it.
+            return unsafe { self.activate_wide(x) };
+        }
+        self.activate_here(x);
+    }
+
+    /// The same arithmetic in wider registers: the same bits, because nothing is fused or summed in another order.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn activate_wide(&mut self, x: [f64; D]) {
+        self.activate_here(x);
+    }
+
+    #[inline(always)]
+    fn activate_here(&mut self, x: [f64; D]) {
+        self.output = None;
         // Known sizes let the compiler unroll.
         match self.layout {
             Layout::Grid(1) => self.fill_grid::<1>(x),
@@ -251,35 +311,54 @@ impl<const D: usize> Network<D> {
         }
     }
 
-    /// Evaluates the `N` Gaussians of every axis.
+    /// Evaluates the `N` Gaussians of every axis whose component has changed.
+    #[inline(always)]
     fn fill_axes<const N: usize>(&mut self, x: [f64; D]) {
-        for ((values, old), new) in self.axes.iter_mut().zip(self.point).zip(x) {
+        const { assert!(2 * D <= EXPONENTS) };
+        let mut exponents = [0.0; EXPONENTS];
+        let mut count = 0;
+        for (old, new) in self.point.into_iter().zip(x) {
             if old != new {
-                values[..N].copy_from_slice(&self.axis.values::<N>(new));
+                exponents[count..count + 2].copy_from_slice(&self.axis.exponents(new));
+                count += 2;
+            }
+        }
+        // All at once, in whole registers.
+        exp_all(&mut exponents[..count.next_multiple_of(4)]);
+        let mut pairs = exponents.as_chunks().0.iter();
+        for ((values, old), new) in self.axes.iter_mut().zip(self.point).zip(x) {
+            if old != new
+                && let Some(pair) = pairs.next()
+            {
+                values[..N].copy_from_slice(&self.axis.values::<N>(*pair));
             }
         }
         self.point = x;
     }
 
-    /// Tensor product of the axes, the last one running fastest; `N` nodes per axis.
+    /// Tensor product of all axes but the first, the last one running fastest; `N` nodes per axis.
+    #[inline(always)]
     fn fill_grid<const N: usize>(&mut self, x: [f64; D]) {
         self.fill_axes::<N>(x);
-        let activations = self.activations.as_mut_slice();
-        activations[0] = 1.0;
+        let inner = self.inner.as_mut_slice();
+        inner[0] = 1.0;
         let mut filled = 1;
-        for axis in &self.axes {
-            let axis: [f64; N] = std::array::from_fn(|node| axis[node]);
+        for axis in &self.axes[1..] {
             // From the back, so that no product is overwritten before it is expanded.
             for node in (0..filled).rev() {
-                let product = activations[node];
-                let products = axis.map(|value| product * value);
-                activations[node * N..][..N].copy_from_slice(&products);
+                let product = inner[node];
+                let mut products = [0.0; N];
+                for (product_here, value) in products.iter_mut().zip(axis) {
+                    *product_here = product * value;
+                }
+                inner[node * N..][..N].copy_from_slice(&products);
             }
             filled *= N;
         }
     }
 
     /// The origin, then axis by axis the nodes from −1 to 1 without the origin; `N` nodes per axis.
+    #[inline(always)]
     fn fill_star<const N: usize>(&mut self, x: [f64; D]) {
         self.fill_axes::<N>(x);
         let middle = N / 2;
@@ -290,7 +369,7 @@ impl<const D: usize> Network<D> {
             *other = product;
             product *= axis[middle];
         }
-        let (origin, nodes) = self.activations.split_at_mut(1);
+        let (origin, nodes) = self.inner.split_at_mut(1);
         origin[0] = product;
         product = 1.0;
         for (other, axis) in others.iter_mut().zip(&self.axes).rev() {
@@ -308,16 +387,29 @@ impl<const D: usize> Network<D> {
         }
     }
 
+    /// The weights row by row, each row with the activation that it shares.
+    fn rows(&self) -> impl Iterator<Item = (&[f64], f64)> {
+        self.weights.chunks_exact(self.inner.len()).zip(self.outer())
+    }
+
+    /// Activations along a grid's first axis; a star has one row only.
+    #[inline(always)]
+    fn outer(&self) -> AxisValues {
+        if matches!(self.layout, Layout::Grid(_)) { self.axes[0] } else { [1.0; MAX_PER_AXIS] }
+    }
+
     /// Ŵᵀ Y at the last activation.
     #[must_use]
     pub fn output(&self) -> f64 {
-        dot(&self.weights, &self.activations)
+        self.output.unwrap_or_else(|| self.rows().map(|(row, factor)| factor * dot(row, &self.inner)).sum())
     }
 
     /// ‖Y‖² at the last activation: the gain with which the network learns there.
     #[must_use]
     pub fn learning_gain(&self) -> f64 {
-        dot(&self.activations, &self.activations)
+        let outer = self.outer();
+        let outer = &outer[..self.layout.rows()];
+        dot(outer, outer) * dot(&self.inner, &self.inner)
     }
 
     /// ‖Ŵ‖.
@@ -326,11 +418,23 @@ impl<const D: usize> Network<D> {
         dot(&self.weights, &self.weights).sqrt()
     }
 
+    /// d‖Ŵ‖/dt at the last activation, for weights that follow `law` with the forcing s Y: Ŵᵀ(dŴ/dt)/‖Ŵ‖, and from zero
+    /// weights ‖dŴ/dt‖.
+    #[must_use]
+    pub fn norm_rate(&self, law: &LeakyLaw, s: f64) -> f64 {
+        let norm = self.norm();
+        if norm > 0.0 {
+            law.rate(norm, s * self.output() / norm)
+        } else {
+            law.rate(0.0, s.abs() * self.learning_gain().sqrt())
+        }
+    }
+
     /// Gradient of Ŵᵀ Y with respect to the normalised input, at the last activation.
     #[must_use]
     pub fn gradient(&self) -> [f64; D] {
         let mut gradient = [0.0; D];
-        for (node, (weight, activation)) in self.weights.iter().zip(&self.activations).enumerate() {
+        for (node, (weight, activation)) in self.weights.iter().zip(self.activations()).enumerate() {
             let pull = -2.0 * self.axis.sharpness * weight * activation;
             for ((slope, x), c) in gradient.iter_mut().zip(self.point).zip(self.centre(node)) {
                 // A point so far out that this overflows activates nothing.
@@ -340,21 +444,73 @@ impl<const D: usize> Network<D> {
         gradient
     }
 
+    /// All activations, one per node.
+    fn activations(&self) -> impl Iterator<Item = f64> {
+        let inner = &self.inner;
+        self.outer().into_iter().take(self.layout.rows()).flat_map(move |factor| inner.iter().map(move |y| factor * y))
+    }
+
     /// Ŵ ← decay·Ŵ + weight·Y, with the Y of the last activation.
     pub fn adapt(&mut self, decay: f64, weight: f64) {
-        for (w, y) in self.weights.iter_mut().zip(&self.activations) {
-            *w = decay * *w + weight * y;
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor has it.
+            return unsafe { self.adapt_wide(decay, weight) };
         }
+        self.adapt_here(decay, weight);
+    }
+
+    /// As [`activate_wide`](Self::activate_wide).
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn adapt_wide(&mut self, decay: f64, weight: f64) {
+        self.adapt_here(decay, weight);
+    }
+
+    #[inline(always)]
+    fn adapt_here(&mut self, decay: f64, weight: f64) {
+        let outer = self.outer();
+        let mut output = -0.0;
+        for (row, factor) in self.weights.chunks_exact_mut(self.inner.len()).zip(outer) {
+            output += factor * adapt_row(row, &self.inner, decay, weight * factor);
+        }
+        // What `output` would find, to the bit: the same operations in the same order.
+        self.output = Some(output);
     }
 }
 
-/// Inner product with four running sums, which the compiler can keep in vector registers.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const LANES: usize = 4;
-    let (chunks_a, chunks_b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(x, y)| x * y).sum();
+/// w ← decay·w + weight·y; returns [`dot`] of the new w with y.
+#[inline(always)]
+fn adapt_row(w: &mut [f64], y: &[f64], decay: f64, weight: f64) -> f64 {
+    let ((w, w_rest), (y, y_rest)) = (w.as_chunks_mut::<LANES>(), y.as_chunks::<LANES>());
     let mut sums = [0.0; LANES];
-    for (x, y) in chunks_a.zip(chunks_b) {
+    for (w, y) in w.iter_mut().zip(y) {
+        // All lanes before the store, or the compiler leaves them one by one; and no closure, which would not be compiled
+        // for the wide registers of a caller.
+        let mut new = [0.0; LANES];
+        for lane in 0..LANES {
+            new[lane] = decay * w[lane] + weight * y[lane];
+        }
+        *w = new;
+        for lane in 0..LANES {
+            sums[lane] += new[lane] * y[lane];
+        }
+    }
+    let mut rest = -0.0;
+    for (w, y) in w_rest.iter_mut().zip(y_rest) {
+        *w = decay * *w + weight * y;
+        rest += *w * y;
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// Inner product with four running sums, which the compiler can keep in vector registers.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+    let mut sums = [0.0; LANES];
+    for (x, y) in a.iter().zip(b) {
         for lane in 0..LANES {
             sums[lane] += x[lane] * y[lane];
         }
@@ -376,7 +532,7 @@ mod tests {
     fn assert_definition<const D: usize>(layout: Layout, width: f64, x: [f64; D]) {
         let mut network = Network::<D>::new(layout, width);
         network.activate(x);
-        for (node, &activation) in network.activations.iter().enumerate() {
+        for (node, activation) in network.activations().enumerate() {
             let expected = gaussian(x, network.centre(node), width);
             // Exponents of up to 340 cost as many ulp; negligible factors are flushed to zero.
             assert!((activation - expected).abs() < 1e-12 * expected + 1e-29, "{layout:?} {width} {x:?} {node}");
@@ -439,6 +595,32 @@ mod tests {
         let mut copy: Network<3> = serde_json::from_str(&text).unwrap();
         copy.activate([0.1, -0.2, 0.3]);
         assert_eq!(copy.output(), network.output());
+    }
+
+    /// The output that adaptation leaves behind is the one that a copy without it computes, to the bit; and wide
+    /// registers change nothing.
+    #[test]
+    fn every_way_to_the_output_gives_the_same_bits() {
+        fn check<const D: usize>(layout: Layout) {
+            let mut network = weighted::<D>(layout, 0.7);
+            let mut plain = network.clone();
+            for step in 0..20 {
+                let x = std::array::from_fn(|axis| (0.3 * f64::from(step) + axis as f64).sin());
+                network.activate(x);
+                plain.activate_here(x);
+                network.adapt(0.99, 0.1);
+                plain.adapt_here(0.99, 0.1);
+                assert_eq!(network.weights, plain.weights);
+                plain.output = None;
+                assert_eq!(network.output().to_bits(), plain.output().to_bits(), "{layout:?}");
+            }
+        }
+        for n in 1..=9 {
+            check::<3>(Layout::Grid(n));
+        }
+        for rings in 0..=4 {
+            check::<7>(Layout::Star(rings));
+        }
     }
 
     #[test]

@@ -16,26 +16,29 @@
 //! energy however many steps are taken, instead of drifting by an accumulated rounding error.
 
 use crate::beam::{Beam, DEFLECTION_POINTS};
-use crate::dense::{LANES, Matrix, Panels};
+use crate::dense::{LANES, Matrix, Panels, multiply_columns};
 use crate::parameters::Parameters;
 
 /// Number of effective force inputs: the torques on hubs 1 and 2, the force on the object.
 pub(crate) const FORCES: usize = 3;
 
-/// Signals read from x; the constants below index them.
-pub(crate) type Signals = [f64; LANES];
+/// Signals read from x; the constants below index them. The first eight depend on the velocities only (one of them is
+/// no signal but zero), the last four on the moments only.
+pub(crate) type Signals = [f64; SIGNALS];
 
 /// θ̇_1, θ̇_2, ẏ_M. These rows are also Bᵀ.
 pub(crate) const VELOCITY: [usize; 3] = [0, 1, 2];
 /// EI w''(0) of both arms.
-pub(crate) const ROOT_MOMENT: [usize; 2] = [3, 4];
+pub(crate) const ROOT_MOMENT: [usize; 2] = [8, 9];
 /// EI w'''(l) of both arms.
-pub(crate) const TIP_SHEAR: [usize; 2] = [5, 6];
+pub(crate) const TIP_SHEAR: [usize; 2] = [10, 11];
 /// d/dt EI w'''(l) of both arms.
-pub(crate) const TIP_SHEAR_RATE: [usize; 2] = [7, 8];
+pub(crate) const TIP_SHEAR_RATE: [usize; 2] = [3, 4];
 /// d/dt EI w''(0) of both arms.
-pub(crate) const ROOT_MOMENT_RATE: [usize; 2] = [9, 10];
-const SIGNALS: usize = 11;
+pub(crate) const ROOT_MOMENT_RATE: [usize; 2] = [5, 6];
+const OF_VELOCITIES: usize = 8;
+const OF_MOMENTS: usize = 4;
+const SIGNALS: usize = OF_VELOCITIES + OF_MOMENTS;
 
 /// The assembled linear system.
 #[derive(Clone, Debug)]
@@ -48,8 +51,9 @@ pub(crate) struct Dynamics {
     pub signal_rows: Matrix,
     /// A in the kernel's form.
     pub system_panels: Panels,
-    /// [`signal_rows`](Self::signal_rows) in the kernel's form: one panel.
-    pub signal_panels: Panels,
+    /// The columns of [`signal_rows`](Self::signal_rows) where they are not zero: of the moments and of the velocities.
+    signals_of_moments: Vec<[f64; OF_MOMENTS]>,
+    signals_of_velocities: Vec<[f64; OF_VELOCITIES]>,
     /// Rows of w at the deflection points, by arm.
     pub deflection: [Panels; 2],
     /// √(l³/3EI) by arm: `w(l)` per unit of the arm's first coordinate.
@@ -126,7 +130,7 @@ impl Dynamics {
 
         // The three built-in forces per unit of each velocity coordinate, and the Kelvin–Voigt block.
         let uncertainty = Matrix::from_fn(FORCES, velocities, |force, column| {
-            let mut signals = [0.0; LANES];
+            let mut signals = [0.0; SIGNALS];
             for (signal, value) in signals.iter_mut().enumerate().take(SIGNALS) {
                 *value = signal_rows[(signal, moments + column)];
             }
@@ -149,7 +153,12 @@ impl Dynamics {
             order: k,
             system_panels: Panels::new(&system),
             system,
-            signal_panels: Panels::new(&signal_rows),
+            signals_of_moments: (0..moments)
+                .map(|column| std::array::from_fn(|row| signal_rows[(OF_VELOCITIES + row, column)]))
+                .collect(),
+            signals_of_velocities: (moments..n)
+                .map(|column| std::array::from_fn(|row| signal_rows[(row, column)]))
+                .collect(),
             signal_rows,
             deflection: [Panels::new(&first.deflection), Panels::new(&second.deflection)],
             tip_compliance: [first.tip_compliance, second.tip_compliance],
@@ -187,9 +196,12 @@ impl Dynamics {
 
     /// All signals of x.
     pub fn signals(&self, x: &[f64]) -> Signals {
-        let mut signals = [[0.0; LANES]];
-        self.signal_panels.multiply(x, &mut signals);
-        signals[0]
+        let (moments, velocities) = x.split_at(self.signals_of_moments.len());
+        let mut signals = [0.0; SIGNALS];
+        let (of_velocities, of_moments) = signals.split_at_mut(OF_VELOCITIES);
+        of_velocities.copy_from_slice(&multiply_columns(&self.signals_of_velocities, velocities));
+        of_moments.copy_from_slice(&multiply_columns(&self.signals_of_moments, moments));
+        signals
     }
 
     /// w at the deflection points of an arm.

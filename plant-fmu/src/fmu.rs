@@ -22,6 +22,8 @@ pub struct DualArmPlant {
     /// The plant, once there is a start.
     #[serde(with = "plant_state")]
     plant: Option<Plant>,
+    /// Whether the grasp counts as closed, so that its next loss is worth a warning.
+    is_closed: bool,
     /// What the host may look at.
     #[serde(skip)]
     outputs: Outputs,
@@ -55,12 +57,18 @@ impl Default for DualArmPlant {
             inputs: Inputs::ZERO,
             input_rates: Inputs::ZERO,
             plant: None,
+            is_closed: true,
             outputs: Outputs::default(),
         }
     }
 }
 
 impl DualArmPlant {
+    /// Tension that is more than rounding \[N\].
+    const TENSION: f64 = 1e-9;
+    /// Compression from which on a grasp counts as closed again \[N\]: forces that tremble about zero warn once.
+    const FIRM: f64 = 0.01;
+
     fn measured(&mut self) {
         if let Some(plant) = &self.plant {
             self.outputs.measured = plant.measured();
@@ -126,6 +134,7 @@ impl Model for DualArmPlant {
     }
 
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
+        self.is_closed = true;
         match &mut self.plant {
             Some(plant) if *plant.parameters() == self.parameters => plant.reset(),
             plant => *plant = Some(Plant::new(self.parameters.clone()).map_err(Failure::error)?),
@@ -135,7 +144,20 @@ impl Model for DualArmPlant {
 
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
-        plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)
+        plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)?;
+        let forces = plant.direct(&self.inputs).contact_force;
+        let (arm, weakest) = if forces[0] <= forces[1] { (1, forces[0]) } else { (2, forces[1]) };
+        if self.is_closed && weakest < -Self::TENSION {
+            self.is_closed = false;
+            let time = step.time + step.size;
+            step.warn(format_args!(
+                "contact lost at t = {time} s: the force at tip {arm} is {weakest:.3e} N. The model goes on holding the \
+                 arms to the object, which no real grasp does; start with a preload or see in_contact"
+            ));
+        } else if weakest > Self::FIRM {
+            self.is_closed = true;
+        }
+        Ok(())
     }
 
     fn restored(&mut self) -> Result<(), Failure> {
@@ -143,7 +165,15 @@ impl Model for DualArmPlant {
         if !inputs.iter().all(|inputs| inputs.is_finite()) {
             return Err(Failure::error("an input is not finite"));
         }
-        self.parameters.validate().map_err(Failure::error)
+        // In initialization mode the parameters may have changed since the plant was made; it will be made anew then.
+        let parameters = &self.parameters;
+        self.plant.take_if(|plant| plant.parameters() != parameters);
+        let Some(plant) = &self.plant else { return Ok(()) };
+        let lambda = plant.direct(&self.inputs).lambda;
+        if !(plant.energy().is_finite() && lambda.iter().all(|value| value.is_finite())) {
+            return Err(Failure::error("the plant in the state has energy or forces that are not finite"));
+        }
+        Ok(())
     }
 
     fn directional_derivative(&mut self, direction: &mut Self) {

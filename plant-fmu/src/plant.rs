@@ -17,6 +17,9 @@ use std::sync::Arc;
 /// numbers, on which processors are a hundred times slower; the energy given up is below the smallest normal number.
 const NEGLIGIBLE: f64 = 1e-150;
 
+/// Into how many parts a step is divided at most, if it is too long for one piece: seconds of computing time.
+const MOST_PARTS: u32 = 1 << 22;
+
 /// Everything that changes while the plant moves. Together with [`Parameters`] it determines all that follows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
@@ -24,8 +27,23 @@ pub struct State {
     pub coordinates: Vec<f64>,
     /// θ_1 \[rad\], θ_2 \[rad\], `y_M` \[m\].
     pub position: [f64; 3],
+    /// What rounding has kept from being added to the positions so far (compensated summation): at rest, increments are
+    /// below half a unit in the last place of the positions, but not of the beams' coordinates, and (12) ties the two.
+    pub carry: [f64; 3],
     /// Work done on the plant by actuators and external disturbances since the start \[J\].
     pub supplied_energy: f64,
+}
+
+impl State {
+    /// Adds to the positions, keeping what rounding takes away for the next time.
+    fn travel(&mut self, from: &Self, travel: &[f64; FORCES]) {
+        for i in 0..FORCES {
+            let increment = from.carry[i] + travel[i];
+            let position = from.position[i] + increment;
+            self.carry[i] = increment - (position - from.position[i]);
+            self.position[i] = position;
+        }
+    }
 }
 
 /// Why a step was refused. The plant is as it was before.
@@ -39,7 +57,7 @@ pub enum StepError {
         h: f64,
     },
     /// The step is longer than [`Plant::longest_step`].
-    #[error("step size {h} s is longer than {longest} s, the longest for these parameters")]
+    #[error("step size {h:e} s is longer than {longest:e} s, the longest for these parameters")]
     TooLong {
         /// The step size \[s\].
         h: f64,
@@ -179,12 +197,14 @@ impl Plant {
         if found != expected {
             return Err(StateError::Length { found, expected });
         }
-        let mut values = state.coordinates.iter().chain(&state.position).chain([&state.supplied_energy]);
+        let mut values =
+            state.coordinates.iter().chain(&state.position).chain(&state.carry).chain([&state.supplied_energy]);
         if !values.all(|value| value.is_finite()) {
             return Err(StateError::NotFinite);
         }
         self.state.coordinates.copy_from_slice(&state.coordinates);
         self.state.position = state.position;
+        self.state.carry = state.carry;
         self.state.supplied_energy = state.supplied_energy;
         self.signals = self.model.dynamics.signals(&self.state.coordinates);
         Ok(())
@@ -196,10 +216,16 @@ impl Plant {
         self.signals = self.model.dynamics.signals(&self.state.coordinates);
     }
 
-    /// The longest step this plant takes \[s\]: [`LONGEST_STEP`](crate::LONGEST_STEP), at the default parameters of every
-    /// order; less for extremely stiff plants, where 2⁴⁰ times the fastest time constant is shorter.
+    /// The longest step this plant takes \[s\]: [`LONGEST_STEP`](crate::LONGEST_STEP) at the default parameters of every
+    /// order, less for extremely stiff ones, times the four million parts into which a step may be divided.
     #[must_use]
     pub fn longest_step(&self) -> f64 {
+        self.longest_part() * f64::from(MOST_PARTS)
+    }
+
+    /// The longest step done in one piece \[s\].
+    #[must_use]
+    pub fn longest_part(&self) -> f64 {
         self.model.extended.longest_step
     }
 
@@ -222,6 +248,9 @@ impl Plant {
         if !(inputs.is_finite() && rates.is_finite()) {
             return Err(StepError::InputNotFinite);
         }
+        if h > self.longest_part() {
+            return self.long_step(h, inputs, rates);
+        }
         if *rates == Inputs::ZERO {
             self.whole_step(h, &self.model.forces(inputs), None);
         } else {
@@ -235,17 +264,33 @@ impl Plant {
             }
         }
         let next = &mut self.work.next;
-        let mut finite = next.supplied_energy.is_finite() & next.position.iter().all(|value| value.is_finite());
-        for x in &mut next.coordinates {
-            finite &= x.is_finite();
-            *x = if x.abs() < NEGLIGIBLE { 0.0 } else { *x };
-        }
+        flush(&mut next.coordinates);
         let signals = self.model.dynamics.signals(&next.coordinates);
-        if !(finite & signals.iter().all(|value| value.is_finite())) {
+        let finite = all_finite(&next.coordinates) & all_finite(&next.position) & all_finite(&signals);
+        if !(finite & next.supplied_energy.is_finite()) {
             return Err(StepError::Overflow);
         }
         self.signals = signals;
         std::mem::swap(&mut self.state, next);
+        Ok(())
+    }
+
+    /// A step that is too long for one piece, in equal parts.
+    #[cold]
+    fn long_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        // One more than the quotient, so that rounding cannot make a part too long.
+        let parts = (h / self.longest_part()).floor() + 1.0;
+        let part = h / parts;
+        let before = self.state.clone();
+        let mut i = 0.0;
+        while i < parts {
+            if let Err(error) = self.step(part, &at(inputs, rates, i * part), rates) {
+                self.signals = self.model.dynamics.signals(&before.coordinates);
+                self.state = before;
+                return Err(error);
+            }
+            i += 1.0;
+        }
         Ok(())
     }
 
@@ -272,7 +317,7 @@ impl Plant {
             let integral = propagator.travel_integral(&drive[..length]);
             work += (0..FORCES).map(|i| rates[i] * (h * travel[i] - integral[i])).sum::<f64>();
         }
-        next.position = std::array::from_fn(|i| self.state.position[i] + travel[i]);
+        next.travel(&self.state, &std::array::from_fn(|i| travel[i]));
         next.supplied_energy = self.state.supplied_energy + work;
     }
 
@@ -284,8 +329,8 @@ impl Plant {
         let Workspace { drive, increment, next } = &mut self.work;
         let z = &mut drive[..];
         z[..n].copy_from_slice(&self.state.coordinates);
-        next.position = self.state.position;
         next.supplied_energy = self.state.supplied_energy;
+        let mut total = [0.0; FORCES];
         let mut begin = 0.0;
         for end in kinks.iter().copied().chain([h]) {
             let duration = end - begin;
@@ -305,12 +350,13 @@ impl Plant {
             let rise = z[travel + 2];
             for i in 0..2 {
                 let bend = dynamics.tip_compliance[i] * (z[dynamics.tip_coordinate(i)] - tips[i]);
-                next.position[i] += (bend + rise) / parameters.length;
+                total[i] += (bend + rise) / parameters.length;
             }
-            next.position[2] += rise;
+            total[2] += rise;
             begin = end;
         }
         next.coordinates.copy_from_slice(&z[..n]);
+        next.travel(&self.state, &total);
     }
 
     /// The measured outputs.
@@ -332,7 +378,7 @@ impl Plant {
     #[must_use]
     pub fn direct_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Direct {
         let applied = self.model.command_response(inputs, direction);
-        self.model.direct(&[0.0; LANES], &applied, &direction.disturbances())
+        self.model.direct(&Signals::default(), &applied, &direction.disturbances())
     }
 
     /// The built-in uncertainties at this moment.
@@ -369,8 +415,9 @@ impl Plant {
     }
 
     /// Work done since the start by actuators and external disturbances \[J\], exact for every step. Without built-in
-    /// uncertainties and Kelvin–Voigt damping, energy − supplied energy is constant; with them, it falls by what they
-    /// dissipate.
+    /// uncertainties and Kelvin–Voigt damping, energy − supplied energy is constant. Kelvin–Voigt damping only ever takes
+    /// energy; the built-in uncertainties mostly do, but ΔF answers to the rates of both arms and can do work on one of
+    /// them, most so if one is much stiffer than the other.
     #[must_use]
     pub fn supplied_energy(&self) -> f64 {
         self.state.supplied_energy
@@ -511,6 +558,25 @@ impl Model {
     }
 }
 
+/// Makes what is [`NEGLIGIBLE`] zero.
+fn flush(coordinates: &mut [f64]) {
+    for x in coordinates {
+        *x = if x.abs() < NEGLIGIBLE { 0.0 } else { *x };
+    }
+}
+
+/// Whether all numbers are finite, several at a time: 0·x is zero or NaN, and a NaN stays in a sum.
+fn all_finite(numbers: &[f64]) -> bool {
+    let (chunks, rest) = numbers.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for chunk in chunks {
+        for (sum, x) in sums.iter_mut().zip(chunk) {
+            *sum += 0.0 * x;
+        }
+    }
+    sums.iter().chain(rest).fold(0.0, |sum, x| sum + 0.0 * x) == 0.0
+}
+
 /// Inputs at time t of a ramp.
 fn at(inputs: &Inputs, rates: &Inputs, t: f64) -> Inputs {
     let pair = |value: [f64; 2], rate: [f64; 2]| [value[0] + rate[0] * t, value[1] + rate[1] * t];
@@ -527,6 +593,7 @@ fn start(parameters: &Parameters, dynamics: &Dynamics) -> State {
     State {
         coordinates: initial::coordinates(parameters, dynamics),
         position: [start.theta[0], start.theta[1], start.y_object],
+        carry: [0.0; 3],
         supplied_energy: 0.0,
     }
 }

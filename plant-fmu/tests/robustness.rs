@@ -66,7 +66,7 @@ fn extreme_plants_stay_finite() {
                 ..Parameters::default()
             };
             let mut plant = Plant::new(parameters).unwrap();
-            for h in [1e-12, 1e-6, 1e-4, 1e-2, 1.0].map(|h: f64| h.min(plant.longest_step())) {
+            for h in [1e-12, 1e-6, 1e-4, 1e-2, 1.0].map(|h: f64| h.min(plant.longest_part())) {
                 for _ in 0..20 {
                     let result = plant.step(h, &PUSH, &Inputs { force_command: 0.1 / h, ..Inputs::ZERO });
                     assert_eq!(result, Ok(()), "EI {ei} m {tip_mass} kappa {kelvin_voigt} uncertain {uncertain} h {h}");
@@ -75,12 +75,32 @@ fn extreme_plants_stay_finite() {
             println!(
                 "EI {ei} m {tip_mass} kappa {kelvin_voigt} uncertain {uncertain}: energy {:.2e} J, longest {:.1e} s, phi {:.1e}",
                 plant.energy(),
-                plant.longest_step(),
+                plant.longest_part(),
                 plant.constraint()[0]
             );
             assert!(plant.energy() < 1e9);
         }
     }
+}
+
+/// A plant so stiff that the default step is too long for one piece: the step is as exact as the same one done in parts.
+#[test]
+fn a_step_too_long_for_one_piece_is_done_in_parts() {
+    let arm = Arm { ei: 100.0, tip_mass: 1e-6, ..Arm::default() };
+    let parameters = Parameters { arms: [arm; 2], object_mass: 1e-6, order: 24, ..Parameters::default() };
+    let mut whole = Plant::new(parameters).unwrap();
+    let h = 2.5 * whole.longest_part();
+    let mut parts = whole.clone();
+    let rates = Inputs { torque_command: [3.0, -2.0], ..Inputs::ZERO };
+    whole.step(h, &PUSH, &rates).unwrap();
+    for i in 0..3 {
+        let time = h / 3.0 * f64::from(i);
+        let mut inputs = PUSH;
+        inputs.torque_command[0] += rates.torque_command[0] * time;
+        inputs.torque_command[1] += rates.torque_command[1] * time;
+        parts.step(h / 3.0, &inputs, &rates).unwrap();
+    }
+    assert_eq!(whole.state(), parts.state());
 }
 
 #[test]
@@ -93,7 +113,7 @@ fn the_longest_step_is_stable_at_every_order() {
                 (parameters.root_uncertainty, parameters.tip_uncertainty) = (0.0, 0.0);
             }
             let mut plant = Plant::new(parameters).unwrap();
-            assert_eq!(plant.longest_step().to_bits(), LONGEST_STEP.to_bits());
+            assert_eq!(plant.longest_part().to_bits(), LONGEST_STEP.to_bits());
             let before = plant.energy();
             for _ in 0..1000 {
                 plant.step(LONGEST_STEP, &Inputs::ZERO, &Inputs::ZERO).unwrap();

@@ -63,6 +63,10 @@ impl FmuLaw for Nabfc {
         self.set_gains(settings.gains())
     }
 
+    fn is_like(&self, other: &Self) -> bool {
+        self.has_settings_of(other)
+    }
+
     fn declare_settings(variables: &mut Variables<NabfcController>) {
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
         declare(variables, &Gains::OBJECT, true, |m| &mut m.settings.gains);
@@ -81,14 +85,19 @@ impl FmuLaw for Nabfc {
             .description("Nodes of the object network on each side of the centre along each of its seven axes");
     }
 
-    fn declare_extra(variables: &mut Variables<NabfcController>) {
+    fn declare_extra(variables: &mut Variables<NabfcController>, rates: Evaluation) {
         let extra = variables.evaluation(NabfcController::extra);
-        surface_outputs(variables, extra);
-        estimate_outputs(variables, extra);
+        surface_outputs(variables, extra, rates);
+        estimate_outputs(variables, extra, rates);
     }
 
     fn extra(&self, inputs: &Inputs) -> Extra {
         Extra { surfaces: self.surfaces(inputs), estimates: self.estimates() }
+    }
+
+    fn extra_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Extra {
+        // The sliding variables are linear in the inputs and depend on nothing else.
+        Extra { estimates: self.estimate_rates(inputs), ..self.extra_derivative(rates) }
     }
 
     fn extra_derivative(&self, direction: &Inputs) -> Extra {
@@ -102,9 +111,10 @@ impl FmuLaw for Nabfc {
     }
 }
 
-fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation) {
+fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation, rates: Evaluation) {
     variables
         .output("s", extra, |m| &mut m.outputs.extra.surfaces.object)
+        .rate(rates, |m| &mut m.rates.extra.surfaces.object)
         .unit("m/s")
         .depends_on(["y_object", "y_object_dot", "tip_shear1", "tip_shear2", "lambda1_ref", "theta1_ref"])
         .description("Sliding variable of the object loop, eq. (33)");
@@ -112,13 +122,14 @@ fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation
         let n = i + 1;
         let output = variables.output(format!("s{n}"), extra, move |m| &mut m.outputs.extra.surfaces.posture[i]);
         angle(output, "rad/s", "deg/s")
+            .rate(rates, move |m| &mut m.rates.extra.surfaces.posture[i])
             .depends_on([format!("theta{n}"), format!("theta{n}_dot")])
             .depends_on(["theta1_ref", "lambda1_ref"].into_iter().take(n))
             .description(&format!("Sliding variable of posture loop {n}, eq. (51)"));
     }
 }
 
-fn estimate_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation) {
+fn estimate_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation, rates: Evaluation) {
     type Field = fn(&mut Estimates) -> &mut f64;
     let fields: [(&str, Field, &str, f64, &str); 9] = [
         ("m_hat", |e| &mut e.m_hat, "kg", 0.1, "Estimate of the moving mass m1 + m2 + M, eq. (39)"),
@@ -134,6 +145,7 @@ fn estimate_outputs(variables: &mut Variables<NabfcController>, extra: Evaluatio
     for (name, field, unit, nominal, description) in fields {
         variables
             .output(name, extra, move |m| field(&mut m.outputs.extra.estimates))
+            .rate(rates, move |m| field(&mut m.rates.extra.estimates))
             .unit(unit)
             .nominal(nominal)
             .description(description);

@@ -27,6 +27,10 @@ impl FmuLaw for Pd {
         Ok(())
     }
 
+    fn is_like(&self, other: &Self) -> bool {
+        self == other
+    }
+
     fn declare_settings(variables: &mut Variables<PdController>) {
         declare(variables, &PdGains::PARAMETERS, true, |m| &mut m.settings);
     }

@@ -27,6 +27,10 @@ impl FmuLaw for Pds {
         Ok(())
     }
 
+    fn is_like(&self, other: &Self) -> bool {
+        self == other
+    }
+
     fn declare_settings(variables: &mut Variables<PdsController>) {
         declare(variables, &PdsGains::PARAMETERS, true, |m| &mut m.settings);
     }

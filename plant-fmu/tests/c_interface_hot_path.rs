@@ -1,0 +1,101 @@
+//! What a host calls at every communication step allocates nothing, once a step of that size has been made.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::ptr::{null, null_mut};
+
+use fmi2_export::ffi::types::{CallbackFunctions, Status};
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+struct Counting;
+
+// SAFETY: passes everything on to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promise, here and below.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+type C = *mut c_void;
+
+// The functions that the crate defines.
+#[allow(clashing_extern_declarations)]
+unsafe extern "C" {
+    fn fmi2Instantiate(
+        name: *const c_char,
+        kind: c_int,
+        guid: *const c_char,
+        resources: *const c_char,
+        functions: *const CallbackFunctions,
+        visible: c_int,
+        logging: c_int,
+    ) -> C;
+    fn fmi2FreeInstance(c: C);
+    fn fmi2SetupExperiment(
+        c: C,
+        has_tolerance: c_int,
+        tolerance: f64,
+        start: f64,
+        has_stop: c_int,
+        stop: f64,
+    ) -> Status;
+    fn fmi2EnterInitializationMode(c: C) -> Status;
+    fn fmi2ExitInitializationMode(c: C) -> Status;
+    fn fmi2GetReal(c: C, vr: *const u32, n: usize, value: *mut f64) -> Status;
+    fn fmi2SetReal(c: C, vr: *const u32, n: usize, value: *const f64) -> Status;
+    fn fmi2SetRealInputDerivatives(c: C, vr: *const u32, n: usize, order: *const c_int, value: *const f64) -> Status;
+    fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
+}
+
+#[test]
+fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
+    let guid = CString::new(plant_fmu::FMUS.models()[0].description().unwrap().guid).unwrap();
+    let functions = CallbackFunctions {
+        logger: None,
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: null_mut(),
+    };
+    // The inputs come first, then outputs.
+    let (inputs, outputs): (Vec<u32>, Vec<u32>) = ((0..6).collect(), (6..60).collect());
+    let (mut values, orders, slopes) = (vec![0.0; outputs.len()], [1; 6], [0.5; 6]);
+    // SAFETY: as a host does.
+    unsafe {
+        let c = fmi2Instantiate(c"plant".as_ptr(), 1, guid.as_ptr(), null(), &functions, 0, 1);
+        // The library silences panics, which in a host it has to itself: this program wants to see its own.
+        drop(std::panic::take_hook());
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+        assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
+        assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);
+        let mut step = |i: i32| {
+            for status in [
+                fmi2SetReal(c, inputs.as_ptr(), 6, [0.2, -0.2, 0.05, 0.0, 0.0, 0.0].as_ptr()),
+                fmi2SetRealInputDerivatives(c, inputs.as_ptr(), 6, orders.as_ptr(), slopes.as_ptr()),
+                fmi2DoStep(c, f64::from(i) / 1024.0, 1.0 / 1024.0, 1),
+                fmi2GetReal(c, outputs.as_ptr(), outputs.len(), values.as_mut_ptr()),
+            ] {
+                // A warning says that the arms have let go of the object.
+                assert!(matches!(status, Status::Ok | Status::Warning));
+            }
+        };
+        step(0);
+        let before = ALLOCATIONS.get();
+        (1..1000).for_each(&mut step);
+        assert_eq!(ALLOCATIONS.get() - before, 0);
+        fmi2FreeInstance(c);
+    }
+}
