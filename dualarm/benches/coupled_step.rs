@@ -3,6 +3,9 @@
 //!
 //! `cargo run --release -- package && cargo bench -p dualarm`
 
+mod common;
+
+use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -55,7 +58,30 @@ fn coupled(criterion: &mut Criterion, name: &str, mut master: Master) {
     });
 }
 
+/// The bare arithmetic of a step: see `common`.
+fn floors(criterion: &mut Criterion) {
+    let mut product = common::DenseProduct::new(8);
+    criterion.bench_function("floor/dense product 36 x 36", |bencher| bencher.iter(|| product.multiply()));
+    criterion.bench_function("floor/exp and tanh of NABFC", |bencher| {
+        bencher.iter(|| common::transcendentals(black_box(-1e-3)));
+    });
+}
+
+/// A step with every wired signal handed over and fetched.
+fn whole_steps(criterion: &mut Criterion) {
+    for name in common::Case::NAMES {
+        match common::Case::new(name, &common::dist()) {
+            Ok(mut case) => {
+                _ = criterion.bench_function(&format!("step/{name}"), |bencher| bencher.iter(|| case.step()))
+            }
+            Err(error) => return eprintln!("SKIPPED: {error}"),
+        }
+    }
+}
+
 fn benches(criterion: &mut Criterion) {
+    floors(criterion);
+    whole_steps(criterion);
     let Some(plant) = open(PLANT) else { return };
     let mut alone = initialized(std::slice::from_ref(&plant), None, Coupling::GaussSeidel);
     step_alone(criterion, "DualArmPlant", alone.instance(0));

@@ -6,6 +6,7 @@
 //!   [`settings`] by name; [`record`] keeps the results.
 //! * [`mod@package`] builds the project's own FMUs, [`scenario`] names them, [`metrics`] judges a run, [`figures`] and
 //!   [`report`] show it.
+//! * [`mod@verify`] holds the FMUs against exact and independent solutions.
 //! * [`cli`] is the command line, [`files`] writes files whole or not at all.
 
 pub mod cli;
@@ -20,4 +21,5 @@ pub mod record;
 pub mod report;
 pub mod scenario;
 pub mod settings;
+pub mod verify;
 pub mod wiring;

@@ -35,6 +35,39 @@ pub const PDS: Scenario =
 pub const PD: Scenario =
     Scenario { key: "pd", title: "PD", fmu: "PdController.fmu", settings: &[], paper: "much longer" };
 
+/// Where the grasp starts from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Start {
+    /// What the user types.
+    pub key: &'static str,
+    /// Names and values to set.
+    settings: &'static [(&'static str, &'static str)],
+}
+
+/// The paper's start: everything at rest, no contact force. One force is then tensile for the first milliseconds.
+pub const REST: Start = Start { key: "rest", settings: &[] };
+/// At rest with a static contact force of 0.05 N, a tenth of the paper's target: both forces stay compressive.
+///
+/// With y = L/2, (12) and (16) give `l θ_i = w_i(l) = −λ_i l³/(3 EI_i)` and `λ_i = (−1)^i f`, so `θ_1 = f l²/(3 EI_1)`
+/// and `θ_2 = −f l²/(3 EI_2)`. The numbers are those of the paper's arms.
+pub const PRELOAD: Start =
+    Start { key: "preload", settings: &[("theta1_0", "0.005797101449275363"), ("theta2_0", "-0.005797101449275363")] };
+/// All starts a user can name.
+pub const STARTS: &[Start] = &[REST, PRELOAD];
+
+impl Start {
+    /// The start a user names.
+    #[must_use]
+    pub fn find(key: &str) -> Option<&'static Self> {
+        STARTS.iter().find(|start| start.key == key)
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> impl Iterator<Item = Setting> {
+        self.settings.iter().map(|(name, value)| Setting::new(*name, *value))
+    }
+}
+
 /// All controllers a user can name.
 pub const CONTROLLERS: &[Scenario] = &[NABFC, NABFC_FAST, PDS, PD];
 /// The scenarios of the paper, in its order.

@@ -4,6 +4,7 @@ mod compare;
 mod package;
 mod progress;
 mod simulate;
+mod verify;
 
 use std::fmt;
 use std::io::{self, Write};
@@ -19,6 +20,7 @@ Examples:
   dualarm simulate --controller pds -o pds.csv
   dualarm simulate --controller nabfc --coupling jacobi --step 1e-3 --set DualArmPlant.M=0.4
   dualarm simulate plant.fmu my_controller.fmu --stop 2 -o out.csv
+  dualarm verify                             against exact solutions; see results/verification.md
 
 Exit codes: 0 success, 1 a simulation or a file failed, 2 wrong usage";
 
@@ -42,6 +44,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Package the FMUs, run the paper's three scenarios, write tables, figures and a report
     Compare(compare::Arguments),
+    /// Check the FMUs against exact and independent solutions; fails if a bound is broken
+    Verify(verify::Arguments),
 }
 
 /// Why the program ends early: exit code and message.
@@ -79,6 +83,7 @@ pub fn main() -> ExitCode {
         Command::Package(arguments) => package::run(&arguments, quiet),
         Command::Simulate(arguments) => simulate::run(arguments, quiet),
         Command::Compare(arguments) => compare::run(&arguments, quiet),
+        Command::Verify(arguments) => verify::run(&arguments, quiet),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

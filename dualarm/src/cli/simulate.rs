@@ -16,7 +16,7 @@ use crate::master::{Coupling, Master, MasterError};
 use crate::metrics::{self, Metrics};
 use crate::record::{Column, CsvSink, Pick, Sink, Table};
 use crate::report;
-use crate::scenario::{self, CONTROLLERS, Scenario};
+use crate::scenario::{self, CONTROLLERS, STARTS, Scenario, Start};
 use crate::settings::{Setting, SettingError};
 
 const AFTER_HELP: &str = "\
@@ -25,6 +25,7 @@ and a controller are taken from the folder that `dualarm package` writes.
 
 Examples:
   dualarm simulate --controller pd --stop 8 -o pd.csv
+  dualarm simulate --scenario preload          no contact force becomes tensile
   dualarm simulate --set EI1=0.12              in every FMU that has EI1
   dualarm simulate --set DualArmPlant.EI1=0.12 only in the plant: the controller does not know
   dualarm simulate dist/DualArmPlant.fmu --stop 1 --interval 0 -o - | head";
@@ -40,6 +41,10 @@ pub struct Arguments {
     #[arg(long, short, value_name = "NAME", conflicts_with = "files",
           value_parser = PossibleValuesParser::new(CONTROLLERS.iter().map(|controller| controller.key)))]
     controller: Option<String>,
+    /// Where the grasp starts from: at rest without contact force as in the paper, or with a small preload
+    #[arg(long, value_name = "NAME", default_value = scenario::REST.key, conflicts_with = "files",
+          value_parser = PossibleValuesParser::new(STARTS.iter().map(|start| start.key)))]
+    scenario: String,
     /// Folder with the packaged FMUs
     #[arg(long, default_value = "dist", value_name = "FOLDER")]
     fmus: PathBuf,
@@ -150,7 +155,8 @@ fn files_and_presets(arguments: &Arguments) -> Result<(Vec<PathBuf>, Vec<Setting
             ),
         });
     }
-    Ok((files, controller.settings().collect()))
+    let start = Start::find(&arguments.scenario).unwrap_or(&scenario::REST);
+    Ok((files, controller.settings().chain(start.settings()).collect()))
 }
 
 fn grid(arguments: &Arguments, first: &Fmu) -> Result<TimeGrid, Failure> {

@@ -1,0 +1,249 @@
+//! What the benchmark, the instruction counts and the cost curves measure: one communication step through the C interface,
+//! with every wired signal handed over and fetched, of each FMU alone and of plant and controller together; and floors,
+//! the bare arithmetic of the same step.
+
+// Each program uses a part of this.
+#![allow(dead_code)]
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+
+use dualarm::fmi::{Fmu, Instance, ValueReference};
+use dualarm::grid::TimeGrid;
+use dualarm::master::{Coupling, Master};
+use dualarm::scenario::{NABFC, PD, PDS, PLANT, Scenario};
+
+pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+/// Communication step in s.
+pub const STEP: f64 = 1e-4;
+
+/// The signals from the plant to every controller.
+pub const MEASURED: [&str; 12] = [
+    "theta1",
+    "theta2",
+    "theta1_dot",
+    "theta2_dot",
+    "y_object",
+    "y_object_dot",
+    "root_moment1",
+    "root_moment2",
+    "tip_shear1",
+    "tip_shear2",
+    "tip_shear1_dot",
+    "tip_shear2_dot",
+];
+
+/// The signals from every controller to the plant.
+pub const COMMANDS: [&str; 3] = ["tau1_cmd", "tau2_cmd", "u_cmd"];
+
+/// Where `cargo run --release -- package` puts the FMUs.
+pub fn dist() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../dist")
+}
+
+/// An FMU of the folder.
+pub fn open(folder: &Path, file: &str) -> Result<Fmu> {
+    Ok(Fmu::open(&folder.join(file))
+        .map_err(|error| format!("{error}; `cargo run --release -- package` makes the FMUs"))?)
+}
+
+/// One instance with its wired variables.
+pub struct Slave {
+    pub instance: Instance,
+    inputs: Vec<ValueReference>,
+    outputs: Vec<ValueReference>,
+    steps: u32,
+}
+
+impl Slave {
+    /// An initialised instance; `order` is the plant's.
+    pub fn new(fmu: &Fmu, inputs: &[&str], outputs: &[&str], order: Option<i32>) -> Result<Self> {
+        let references = |names: &[&str]| -> Result<Vec<ValueReference>> {
+            names
+                .iter()
+                .map(|name| {
+                    let variable = fmu.description().variable(name).ok_or_else(|| format!("no variable {name}"))?;
+                    Ok(variable.value_reference)
+                })
+                .collect()
+        };
+        let (inputs, outputs) = (references(inputs)?, references(outputs)?);
+        let mut instance = fmu.instantiate("measured")?;
+        if let Some(order) = order {
+            instance.set_integer(&references(&["order"])?, &[order])?;
+        }
+        instance.setup_experiment(dualarm::fmi::Experiment { start: 0.0, stop: None, tolerance: None })?;
+        instance.enter_initialization_mode()?;
+        instance.exit_initialization_mode()?;
+        Ok(Self { instance, inputs, outputs, steps: 0 })
+    }
+
+    pub fn plant(folder: &Path, order: Option<i32>) -> Result<Self> {
+        Self::new(&open(folder, PLANT)?, &COMMANDS, &MEASURED, order)
+    }
+
+    pub fn controller(folder: &Path, scenario: &Scenario) -> Result<Self> {
+        Self::new(&open(folder, scenario.fmu)?, &MEASURED, &COMMANDS, None)
+    }
+
+    /// `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal`.
+    #[inline]
+    pub fn step(&mut self, inputs: &[f64], outputs: &mut [f64]) {
+        self.instance.set_real(&self.inputs, inputs).expect("finite inputs");
+        self.do_step();
+        self.instance.get_real(&self.outputs, outputs).expect("outputs");
+    }
+
+    #[inline]
+    pub fn do_step(&mut self) {
+        self.instance.do_step(f64::from(self.steps) * STEP, STEP).expect("a step");
+        self.steps += 1;
+    }
+}
+
+/// Plant and controller, coupled by hand: the calls that the FMUs need and nothing else.
+pub struct Pair {
+    plant: Slave,
+    controller: Slave,
+    pub measured: [f64; 12],
+    pub commands: [f64; 3],
+}
+
+impl Pair {
+    pub fn new(folder: &Path, scenario: &Scenario) -> Result<Self> {
+        Ok(Self {
+            plant: Slave::plant(folder, None)?,
+            controller: Slave::controller(folder, scenario)?,
+            measured: [0.0; 12],
+            commands: [0.0; 3],
+        })
+    }
+
+    #[inline]
+    pub fn step(&mut self) {
+        self.plant.step(&self.commands, &mut self.measured);
+        self.controller.step(&self.measured, &mut self.commands);
+    }
+}
+
+/// Something whose step is measured.
+pub enum Case {
+    /// One FMU with the inputs it had in a coupled run.
+    Alone { slave: Slave, inputs: Vec<f64>, outputs: Vec<f64>, next: usize },
+    /// Two FMUs, coupled by hand.
+    Coupled(Pair),
+    /// The same two under the native master.
+    Master(Master, u32),
+}
+
+/// Steps of the coupled run that feeds the FMUs when they are measured alone, and of a measurement: the squeeze, from rest
+/// until the forces have settled.
+pub const RUN: usize = 4000;
+
+impl Case {
+    /// The names, in the order of a table.
+    pub const NAMES: [&str; 6] = ["plant", "nabfc", "pds", "pd", "coupled", "master"];
+
+    pub fn new(name: &str, folder: &Path) -> Result<Self> {
+        let scenario = match name {
+            "pds" => PDS,
+            "pd" => PD,
+            _ => NABFC,
+        };
+        let mut pair = Pair::new(folder, &scenario)?;
+        let mut inputs = Vec::new();
+        Ok(match name {
+            "plant" => {
+                for _ in 0..RUN {
+                    inputs.extend_from_slice(&pair.commands);
+                    pair.step();
+                }
+                Self::Alone { slave: Slave::plant(folder, None)?, inputs, outputs: vec![0.0; 12], next: 0 }
+            }
+            "nabfc" | "pds" | "pd" => {
+                for _ in 0..RUN {
+                    pair.step();
+                    inputs.extend_from_slice(&pair.measured);
+                }
+                let slave = Slave::controller(folder, &scenario)?;
+                Self::Alone { slave, inputs, outputs: vec![0.0; 3], next: 0 }
+            }
+            "coupled" => Self::Coupled(pair),
+            "master" => {
+                let fmus = [open(folder, PLANT)?, open(folder, scenario.fmu)?];
+                let mut master = Master::new(&fmus, Coupling::GaussSeidel)?;
+                master.initialize(&TimeGrid::new(0.0, 1e6, STEP)?)?;
+                Self::Master(master, 0)
+            }
+            _ => return Err(format!("no case {name}; there are {}", Self::NAMES.join(", ")).into()),
+        })
+    }
+
+    #[inline]
+    pub fn step(&mut self) {
+        match self {
+            Self::Alone { slave, inputs, outputs, next } => {
+                let width = inputs.len() / RUN;
+                slave.step(&inputs[*next * width..][..width], outputs);
+                // Far on it is at rest: go round the part that moves.
+                *next = if *next + 1 == RUN { 0 } else { *next + 1 };
+            }
+            Self::Coupled(pair) => pair.step(),
+            Self::Master(master, steps) => {
+                master.step(f64::from(*steps) * STEP, STEP).expect("a step");
+                *steps += 1;
+            }
+        }
+    }
+}
+
+/// A dense product of the size of the plant's propagator at an order: (4k + 4)² multiplications and additions in the
+/// plainest form that vectorises, column after column into one vector.
+pub struct DenseProduct {
+    size: usize,
+    matrix: Vec<f64>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl DenseProduct {
+    pub fn new(order: usize) -> Self {
+        let size = 4 * order + 4;
+        let entry = |i: usize| (i as f64).sin() * 0.01;
+        Self {
+            size,
+            matrix: (0..size * size).map(entry).collect(),
+            x: (0..size).map(entry).collect(),
+            y: vec![0.0; size],
+        }
+    }
+
+    #[inline(never)]
+    pub fn multiply(&mut self) -> f64 {
+        self.y.fill(0.0);
+        for (column, x) in self.matrix.chunks_exact(self.size).zip(&self.x) {
+            for (y, entry) in self.y.iter_mut().zip(column) {
+                *y += entry * x;
+            }
+        }
+        self.y[0]
+    }
+}
+
+/// Exponentials and hyperbolic tangents that NABFC's formulas ask for in a step with the default gains, by the system's
+/// mathematics library, and nothing else: each axis of a network needs two exponentials wherever it is evaluated, at one
+/// point for the two posture networks (3 axes) and at three for the object's (7 axes, 3 of which change from point to
+/// point); each loop a tanh.
+pub fn transcendentals(x: f64) -> f64 {
+    const EXPONENTIALS: u32 = 2 * (2 * 3) + 2 * (7 + 3 + 3);
+    const TANGENTS: u32 = 3;
+    let mut sum = 0.0;
+    for i in 0..EXPONENTIALS {
+        sum += (x * f64::from(i)).exp();
+    }
+    for i in 0..TANGENTS {
+        sum += (x * f64::from(i)).tanh();
+    }
+    sum
+}

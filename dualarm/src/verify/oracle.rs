@@ -1,0 +1,75 @@
+//! The exact values that `tests/oracle` makes, compiled in.
+
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+use super::rig::{Settings, settings};
+
+/// Eigenvalues and step responses of the exact model: `python -m tests.oracle`.
+pub static EXACT: LazyLock<Value> = LazyLock::new(|| parse(include_str!("../../../tests/oracle/values.json")));
+/// Closed loops solved as one ODE: `python -m tests.oracle.monolith`.
+pub static MONOLITH: LazyLock<Value> = LazyLock::new(|| parse(include_str!("../../../tests/oracle/closed_loop.json")));
+
+fn parse(text: &str) -> Value {
+    serde_json::from_str(text).expect("the compiled-in values are valid JSON: a test reads them")
+}
+
+/// A number of a document that has it.
+///
+/// # Panics
+/// When it is none.
+#[must_use]
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().expect("the compiled-in values have numbers here")
+}
+
+/// The entries of an object.
+pub fn entries(value: &Value) -> impl Iterator<Item = (&str, &Value)> {
+    value.as_object().into_iter().flatten().map(|(name, value)| (name.as_str(), value))
+}
+
+/// The elements of an array.
+pub fn elements(value: &Value) -> impl Iterator<Item = &Value> {
+    value.as_array().into_iter().flatten()
+}
+
+/// A complex number \[1/s\].
+pub type Pole = nalgebra::Complex<f64>;
+
+/// The listed eigenvalues of a loop, those with Im ≥ 0.
+#[must_use]
+pub fn poles(loop_name: &str) -> Vec<Pole> {
+    elements(&EXACT["eigenvalues"][loop_name]["values"])
+        .map(|pair| Pole::new(number(&pair[0]), number(&pair[1])))
+        .collect()
+}
+
+/// One of the oracle's plants as start values of the FMU; ideal actuators.
+#[must_use]
+pub fn plant(name: &str, uncertainties: bool, order: u32) -> Settings {
+    let plant = &EXACT["plants"][name];
+    let mut values = settings([("M", number(&plant["M"])), ("kelvin_voigt", number(&plant["kelvin_voigt"]))]);
+    for (key, arms) in [("EI", ["EI1", "EI2"]), ("rho", ["rho1", "rho2"]), ("J", ["J1", "J2"]), ("m_tip", ["m1", "m2"])]
+    {
+        values.extend(settings((0..2).map(|arm| (arms[arm], number(&plant[key][arm])))));
+    }
+    for name in ["root_uncertainty", "tip_uncertainty"] {
+        values.extend(settings([(name, if uncertainties { number(&plant[name]) } else { 0.0 })]));
+    }
+    values.push(("order".to_owned(), order.to_string()));
+    values.push(("actuator_model".to_owned(), "ideal".to_owned()));
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_compiled_in_values_are_there() {
+        assert!(poles("paper_free").len() > 10);
+        assert_eq!(entries(&MONOLITH["cases"]).count(), 6);
+        assert!(plant("unequal", true, 8).iter().any(|(name, value)| name == "EI2" && value == "0.2"));
+    }
+}

@@ -1,0 +1,26 @@
+"""Other people's importers, each run in a process of its own; both print the table that `read_table` reads.
+
+* `ecos`: the native engine of Ecos, from the wheel `ecospy`;
+* `rust_fmi`: the crate `fmi` of rust-fmi, by way of the program in `judges/rust-fmi`.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import numpy as np
+
+from ..harness import Result
+
+
+def read_table(text: str) -> Result:
+    """A CSV table with a header and a column `time`; numbers are exact decimals."""
+    header, *rows = csv.reader(io.StringIO(text))
+    columns = dict(zip(header, np.array(rows, dtype=float).T))
+    return Result(columns.pop("time"), columns)
+
+
+def different(theirs: Result, ours: Result) -> list[str]:
+    """Signals that are not equal to the bit."""
+    return [name for name in ours.signals if not np.array_equal(theirs[name], ours[name])]

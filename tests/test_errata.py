@@ -1,0 +1,112 @@
+"""The errata of docs/errata.md, each shown by numbers. Fields are polynomials, so integrals are exact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.polynomial import Polynomial
+
+L_ARM, EI, RHO = 0.2, 0.115, 0.054
+RANDOM = np.random.default_rng(4)
+
+
+def integral(f: Polynomial) -> float:
+    """Over the arm."""
+    F = f.integ()
+    return float(F(L_ARM) - F(0))
+
+
+def deflection() -> Polynomial:
+    """A random q with q(0) = q'(0) = q''(l) = 0, (24)."""
+    q = Polynomial([0, 0, *RANDOM.normal(size=4)])
+    return q - Polynomial([0, 0, 1]) * (q.deriv(2)(L_ARM) / 2)
+
+
+def test_lemma_1_second_inequality_fails() -> None:
+    """(a^2 + b^2)/2 <= w a^2 + b^2/w is false for w < 1/2, b = 0; a b <= (w a^2 + b^2/w)/2 is what is needed."""
+    a, b, w = 1.0, 0.0, 0.25
+    assert (a**2 + b**2) / 2 > w * a**2 + b**2 / w
+    a, b, w = RANDOM.normal(size=1000), RANDOM.normal(size=1000), RANDOM.uniform(0.01, 100, 1000)
+    assert np.all(a * b <= (w * a**2 + b**2 / w) / 2 + 1e-12)
+
+
+def test_72_sign() -> None:
+    """dE/dt = beta_1 EI {-y'(l) q'''(l) - y_x'(0) q''(0)}: no minus in front."""
+    for _ in range(20):
+        q, q_dot, e_dot = deflection(), deflection(), RANDOM.normal()
+        y_dot = q_dot - Polynomial([0, e_dot])
+        rate = integral(q.deriv(2) * q_dot.deriv(2)) - integral(y_dot * q.deriv(4))
+        right = -y_dot(L_ARM) * q.deriv(3)(L_ARM) - y_dot.deriv()(0) * q.deriv(2)(0)
+        assert rate == pytest.approx(right, rel=1e-9, abs=1e-10)
+        assert rate != pytest.approx(-right, rel=1e-3)
+
+
+def test_73_square() -> None:
+    """With s = g z + v + S, v S = (s^2 - g^2 z^2 - v^2 - S^2)/2 - g z v - g z S: g^2 where the paper prints g."""
+    g, z, v, S = RANDOM.normal(size=4)
+    s = g * z + v + S
+    rest = s**2 / 2 - v**2 / 2 - S**2 / 2 - g * z * v - g * z * S
+    assert v * S == pytest.approx(rest - g**2 * z**2 / 2)
+    assert v * S != pytest.approx(rest - g * z**2 / 2, rel=1e-3)
+
+
+def test_73_stiffness() -> None:
+    """p' sum(EI_i q_i''') of equal arms is EI p' sum(q_i'''), not (EI_1 + EI_2) p' sum(q_i''')."""
+    p_dot, q1, q2 = RANDOM.normal(size=3)
+    assert p_dot * (EI * q1 + EI * q2) == pytest.approx(EI * p_dot * (q1 + q2))
+
+
+def test_77_sign() -> None:
+    """-EI int (x-l) q' q'''' = -3/2 EI int q''^2 + 1/2 EI l q''(0)^2."""
+    for _ in range(20):
+        q = deflection()
+        left = -integral(Polynomial([-L_ARM, 1]) * q.deriv() * q.deriv(4))
+        squares, root = integral(q.deriv(2) ** 2), L_ARM * q.deriv(2)(0) ** 2
+        assert left == pytest.approx(-1.5 * squares + 0.5 * root, rel=1e-9)
+        assert left != pytest.approx(-1.5 * squares - 0.5 * root, rel=1e-3)
+
+
+def test_70_needs_the_larger_density_and_factor() -> None:
+    """|C| <= phi_1 E fails as printed for arms of different density, only the heavy one moving; it holds with max."""
+    heavy = 100 * RHO
+    E_min = 0.5 * min(EI, RHO)
+    y_dot, q = Polynomial([0, 1.0]), Polynomial([0, 0, 3 * L_ARM, -1.0])
+    ratios = []
+    for scale in np.logspace(-4, 4, 200):
+        C = abs(heavy * integral(Polynomial([-L_ARM, 1]) * y_dot * q.deriv() * scale))
+        E = 0.5 * (EI * scale**2 * integral(q.deriv(2) ** 2) + heavy * integral(y_dot**2))
+        ratios.append(C / E)
+    printed, right = L_ARM * RHO * L_ARM**2 / E_min, L_ARM * heavy / E_min
+    assert max(ratios) <= right
+    assert max(ratios) > printed
+
+
+def feasible(g: float, B: float, a: float, squared: bool) -> bool:
+    """(82), (86), (88) with theta_3 = a g and the best theta_1, theta_2."""
+    theta2, theta3 = 0.5 / g, a * g
+    room = B * (0.5 - g / theta3)
+    if room <= 0:
+        return False
+    theta1 = 1 / room  # (86): any larger
+    return 1 - theta1 / g + B * ((g if squared else 1.0) / 2 - theta3 - 1 / theta2) > 0  # (82)
+
+
+def test_conditions_82_to_88() -> None:
+    """As printed only for mu + c1 < 1/8; with (73) put right for no gains at all."""
+    g, B = 10 ** RANDOM.uniform(-5, 3, 200_000), 10 ** RANDOM.uniform(-6, 8, 200_000)
+    a = 2 + 10 ** RANDOM.uniform(-3, 4, 200_000)
+    printed = np.array([feasible(*row, squared=False) for row in zip(g, B, a)])
+    assert np.any(printed)
+    assert np.max(g[printed]) < 1 / 8
+    assert not any(feasible(*row, squared=True) for row in zip(g, B, a))
+    # Where the search could miss something: the maximum over B in closed form.
+    a = np.linspace(2.001, 1000, 100_000)
+    assert np.max((0.5 - 1 / a) / (4 * (a + 1.5))) < 1
+
+
+def test_92_follows_with_4_not_2() -> None:
+    """z^2 / 2 <= 2 H / c gives |z| <= sqrt(4 H / c)."""
+    H, c = 0.3, 0.7
+    z = np.sqrt(4 * H / c)
+    assert z**2 / 2 == pytest.approx(2 * H / c)
+    assert z > np.sqrt(2 * H / c)

@@ -1,0 +1,379 @@
+"""Saved states, reset and tunable parameters: what follows must be the same to the bit, or be refused with a reason."""
+
+from __future__ import annotations
+
+import random
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from .capabilities import (
+    directional_derivative,
+    from_bytes,
+    input_slopes,
+    output_slopes,
+    restore,
+    saved_state,
+    to_bytes,
+)
+from .conftest import ROOT
+from .continuation import SETTINGS, STEP, advance, inputs_at
+from .contract import COMMANDS, CONTROLLERS, FMUS, PLANT
+from .harness import Fmu, FmuError, Slave
+
+each_fmu = pytest.mark.parametrize("name", FMUS)
+
+Rows = list[list[float]]
+
+
+def running(fmu: Fmu, steps: int) -> Slave:
+    """An instance in the middle of a run."""
+    slave = fmu.instantiate(logging=True)
+    slave.set(**SETTINGS[fmu.name])
+    slave.start()
+    advance(slave, 0, steps)
+    return slave
+
+
+# --- Continuation ----------------------------------------------------------------------------------------------------
+
+
+@each_fmu
+def test_the_scenario_uses_everything(name: str, fmus: dict[str, Fmu]) -> None:
+    """Saturated and dead actuators, networks that have learned: what the other tests continue from is no rest."""
+    with running(fmus[name], 50) as slave:
+        if name == PLANT:
+            hold = [(slave.set(**inputs_at(slave.fmu, i)), *slave.get("tau1", "tau2", "u"))[1:] for i in range(50, 90)]
+            delivered = [abs(value) for row in hold for value in row]
+            assert 2.0 in [round(value, 12) for value in delivered]
+            assert 0.0 in delivered
+        if name == "NabfcController":
+            assert all(norm > 0.0 for norm in slave.get("W_norm", "U1_norm", "U2_norm"))
+
+
+@each_fmu
+def test_continues_after_going_back(name: str, fmus: dict[str, Fmu]) -> None:
+    """The same instance, twice from one state; values, directional and output derivatives are those of then, too."""
+    with running(fmus[name], 50) as slave, saved_state(slave) as state:
+        inputs, outputs = slave.fmu.names("input", "Real"), slave.fmu.names("output", "Real")
+
+        def now() -> Rows:
+            shown = [*slave.fmu.names("parameter", "Real"), *inputs, *outputs]
+            slopes = output_slopes(slave, [*COMMANDS][:2] if name in CONTROLLERS else outputs).read()
+            return [slave.get(*shown), slopes, directional_derivative(slave, outputs, dict.fromkeys(inputs, 1.0))]
+
+        before, after = now(), advance(slave, 50, 40)
+        for _ in range(2):
+            restore(slave, state)
+            assert now() == before
+            assert advance(slave, 50, 40) == after
+
+
+@each_fmu
+def test_continues_in_another_instance(name: str, fmus: dict[str, Fmu]) -> None:
+    """By way of bytes, in a fresh instance, and in one in the middle of something else; saving changes nothing."""
+    with running(fmus[name], 50) as slave, running(fmus[name], 7) as busy, fmus[name].instantiate() as fresh:
+        blob = to_bytes(slave)
+        assert to_bytes(slave) == blob
+        after = advance(slave, 50, 40)
+        for other in (fresh, busy):
+            from_bytes(other, blob)
+            assert advance(other, 50, 40) == after
+
+
+@each_fmu
+def test_continues_in_another_process(name: str, fmus: dict[str, Fmu], tmp_path: Path) -> None:
+    with running(fmus[name], 51) as slave:
+        blob = tmp_path / "state.bin"
+        blob.write_bytes(to_bytes(slave))
+        after = advance(slave, 51, 40)
+    arguments = [str(fmus[name].path), str(blob), "51", "40"]
+    done = subprocess.run(
+        [sys.executable, "-m", "tests.continuation", *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert [[float.fromhex(value) for value in line.split()] for line in done.stdout.splitlines()] == after
+
+
+@each_fmu
+def test_pending_ramps_are_part_of_the_state(name: str, fmus: dict[str, Fmu]) -> None:
+    """A slope set before saving acts on the step after loading."""
+    with running(fmus[name], 50) as slave, fmus[name].instantiate() as other:
+        slopes = input_slopes(slave, slave.fmu.names("input", "Real"))
+        slopes.values[:] = [1.0 + k for k in range(len(slopes.names))]
+        slopes.write()
+        from_bytes(other, to_bytes(slave))
+        ends = []
+        for instance in (slave, other):
+            instance.step(50 * STEP, STEP, 1)
+            ends.append(instance.get(*slave.fmu.names("output", "Real"), *slopes.names))
+        assert ends[0] == ends[1]
+
+
+# --- In every phase --------------------------------------------------------------------------------------------------
+
+
+def as_instantiated(slave: Slave) -> None:
+    slave.set(**SETTINGS[slave.fmu.name])
+
+
+def as_initializing(slave: Slave) -> None:
+    as_instantiated(slave)
+    slave.fmi.setupExperiment(startTime=0.0)
+    slave.fmi.enterInitializationMode()
+    slave.set(EI1=0.1)
+
+
+def as_stepping(slave: Slave) -> None:
+    as_instantiated(slave)
+    slave.start()
+    advance(slave, 0, 20)
+
+
+def as_terminated(slave: Slave) -> None:
+    as_stepping(slave)
+    slave.fmi.terminate()
+
+
+def go_on_from_instantiated(slave: Slave) -> Rows:
+    slave.start()
+    return advance(slave, 0, 20)
+
+
+def go_on_from_initializing(slave: Slave) -> Rows:
+    slave.fmi.exitInitializationMode()
+    return advance(slave, 0, 20)
+
+
+def go_on_from_stepping(slave: Slave) -> Rows:
+    return advance(slave, 20, 20)
+
+
+def go_on_from_terminated(slave: Slave) -> Rows:
+    rows = [slave.get(*slave.fmu.names("output", "Real"))]
+    with pytest.raises(FmuError, match="after termination"):
+        slave.step(20 * STEP, STEP, 1)
+    return rows
+
+
+PHASES: list[tuple[Callable[[Slave], None], Callable[[Slave], Rows]]] = [
+    (as_instantiated, go_on_from_instantiated),
+    (as_initializing, go_on_from_initializing),
+    (as_stepping, go_on_from_stepping),
+    (as_terminated, go_on_from_terminated),
+]
+
+
+@pytest.mark.parametrize(("enter", "go_on"), PHASES, ids=lambda step: step.__name__ if callable(step) else None)
+@each_fmu
+def test_states_of_every_phase(
+    name: str, enter: Callable[[Slave], None], go_on: Callable[[Slave], Rows], fmus: dict[str, Fmu]
+) -> None:
+    """A state brings its phase with it, whatever phase the receiving instance is in."""
+    with fmus[name].instantiate(logging=True) as slave:
+        enter(slave)
+        with saved_state(slave) as state:
+            blob = to_bytes(slave)
+            expected = go_on(slave)
+            for enter_another, _ in PHASES:
+                with fmus[name].instantiate(logging=True) as other:
+                    enter_another(other)
+                    from_bytes(other, blob)
+                    assert go_on(other) == expected
+            restore(slave, state)
+            assert go_on(slave) == expected
+
+
+def test_state_from_before_a_discarded_step(plant: Fmu) -> None:
+    """The standard's way on after fmi2Discard: back to before the step, and a smaller one."""
+    with running(plant, 20) as slave, saved_state(slave) as state:
+        expected = advance(slave, 20, 20)
+        restore(slave, state)
+        with pytest.raises(FmuError, match=r"status 2.*longest"):
+            slave.step(20 * STEP, 1e12, 0)
+        with pytest.raises(FmuError, match="after a discarded step"):
+            slave.step(20 * STEP, STEP, 0)
+        blob = to_bytes(slave)
+        restore(slave, state)
+        assert advance(slave, 20, 20) == expected
+        # The phase after a discarded step is a state as well.
+        from_bytes(slave, blob)
+        with pytest.raises(FmuError, match="after a discarded step"):
+            slave.step(20 * STEP, STEP, 0)
+        restore(slave, state)
+        assert advance(slave, 20, 20) == expected
+
+
+# --- Refusals --------------------------------------------------------------------------------------------------------
+
+
+def refuse(slave: Slave, blob: bytes) -> str:
+    """Asserts that the blob is refused, and gives what was logged."""
+    slave.log.clear()
+    with pytest.raises(FmuError, match="fmi2DeSerializeFMUstate returned status 3"):
+        from_bytes(slave, blob)
+    categories = {category.name for category in slave.fmu.description.logCategories}
+    assert slave.log
+    assert slave.log[-1].status == 3
+    assert slave.log[-1].category in categories
+    return slave.log[-1].text
+
+
+@each_fmu
+def test_bad_blobs_are_refused(name: str, fmus: dict[str, Fmu]) -> None:
+    """Each with a reason; the instance then goes on as if nothing had happened."""
+    with running(fmus[name], 20) as slave, saved_state(slave) as state:
+        blob = to_bytes(slave)
+        expected = advance(slave, 20, 20)
+        restore(slave, state)
+        assert "not a saved FMU state" in refuse(slave, b"PK\x03\x04 something else altogether" * 10)
+        assert "not a saved FMU state" in refuse(slave, blob[:5])
+        for length in (8, 20, 50, 57, 58, 61, len(blob) // 2, len(blob) - 1):
+            assert "truncated" in refuse(slave, blob[:length])
+        assert "truncated or extended" in refuse(slave, blob + b"\0")
+        assert "truncated or extended" in refuse(slave, blob + blob)
+        newer = bytearray(blob)
+        newer[8] += 1
+        assert "version" in refuse(slave, bytes(newer))
+        random_bits = random.Random(7).sample(range(58 * 8, len(blob) * 8), 200)
+        for bit in [*range(58 * 8), *random_bits]:
+            flipped = bytearray(blob)
+            flipped[bit // 8] ^= 1 << (bit % 8)
+            reason = refuse(slave, bytes(flipped))
+            if bit >= 58 * 8:
+                assert "checksum" in reason
+        assert advance(slave, 20, 20) == expected
+
+
+@pytest.mark.parametrize(("giver", "taker"), [(a, b) for a in FMUS for b in FMUS if a != b])
+def test_states_of_other_fmus_are_refused(giver: str, taker: str, fmus: dict[str, Fmu]) -> None:
+    """By GUID: the controllers share a library, and PD and PDS nearly a layout."""
+    with running(fmus[giver], 3) as one, running(fmus[taker], 3) as two:
+        text = refuse(two, to_bytes(one))
+        assert fmus[giver].description.guid in text
+        assert fmus[taker].description.guid in text
+
+
+# --- Reset -----------------------------------------------------------------------------------------------------------
+
+
+@each_fmu
+@pytest.mark.parametrize("enter", [enter for enter, _ in PHASES], ids=lambda enter: enter.__name__)
+def test_reset_is_a_fresh_instance(name: str, enter: Callable[[Slave], None], fmus: dict[str, Fmu]) -> None:
+    """Parameters, inputs, state, clock: from every phase back to the start values, to the bit of the saved state."""
+    with fmus[name].instantiate() as fresh, fmus[name].instantiate() as used:
+        enter(used)
+        used.fmi.reset()
+        assert to_bytes(used) == to_bytes(fresh)
+        rows = []
+        for slave in (fresh, used):
+            slave.start()
+            rows.append(advance(slave, 0, 40))
+        assert rows[0] == rows[1]
+        assert to_bytes(used) == to_bytes(fresh)
+
+
+# --- Parameters while running ----------------------------------------------------------------------------------------
+
+
+def by_variability(fmu: Fmu, variability: str) -> list[str]:
+    return [v.name for v in fmu.variables.values() if v.causality == "parameter" and v.variability == variability]
+
+
+@each_fmu
+def test_fixed_parameters_are_refused_while_running(name: str, fmus: dict[str, Fmu]) -> None:
+    with running(fmus[name], 20) as slave, saved_state(slave) as state:
+        expected = advance(slave, 20, 20)
+        restore(slave, state)
+        fixed = by_variability(fmus[name], "fixed")
+        assert fixed
+        for parameter in fixed:
+            (value,) = slave.get(parameter)
+            slave.log.clear()
+            with pytest.raises(FmuError, match="status 3"):
+                slave.set(**{parameter: value})
+            assert parameter in slave.log[-1].text
+            assert "fixed" in slave.log[-1].text
+        assert advance(slave, 20, 20) == expected
+
+
+def test_everything_of_the_plant_is_fixed_and_gains_are_tunable(fmus: dict[str, Fmu]) -> None:
+    assert by_variability(fmus[PLANT], "tunable") == []
+    assert by_variability(fmus["PdController"], "tunable") == ["kp", "kv", "kp1", "kv1", "kp2", "kv2"]
+    assert {"ks1", "ks2"} < set(by_variability(fmus["PdsController"], "tunable"))
+    assert {"eta", "k", "c31", "g22", "sat_limit"} < set(by_variability(fmus["NabfcController"], "tunable"))
+
+
+@pytest.mark.parametrize("name", ["PdController", "PdsController"])
+def test_tuned_gains_act_at_once(name: str, fmus: dict[str, Fmu]) -> None:
+    """A law without state is from then on that of an instance that always had the new gains."""
+    gains = {parameter: 1.5 + i for i, parameter in enumerate(by_variability(fmus[name], "tunable"))}
+    with running(fmus[name], 20) as tuned, fmus[name].instantiate() as other:
+        other.set(**SETTINGS[name])
+        other.set(**gains)
+        other.start()
+        before = tuned.get(*COMMANDS)
+        tuned.set(**gains)
+        other.set(**dict(zip(tuned.fmu.names("input"), tuned.get(*tuned.fmu.names("input")))))
+        assert tuned.get(*COMMANDS) == other.get(*COMMANDS) != before
+        assert advance(tuned, 20, 20)[-1] == advance_from_start(other, 20)[-1]
+
+
+def advance_from_start(slave: Slave, steps: int) -> Rows:
+    """What `advance(slave, steps, steps)` does to a law without state, from a clock at zero."""
+    advance(slave, 0, steps)
+    return advance(slave, steps, steps)
+
+
+def test_tuned_gains_of_the_adaptive_law(fmus: dict[str, Fmu]) -> None:
+    """Every tunable parameter one after the other: estimates do not jump, and what follows is another run."""
+    name = "NabfcController"
+    estimates = ("m_hat", "J1_hat", "J2_hat", "epsilon_hat", "pi1_hat", "pi2_hat", "W_norm", "U1_norm", "U2_norm")
+    unused = set()
+    with running(fmus[name], 20) as slave, saved_state(slave) as state:
+        expected = advance(slave, 20, 20)
+        for parameter in by_variability(fmus[name], "tunable"):
+            restore(slave, state)
+            before = slave.get(*estimates)
+            (value,) = slave.get(parameter)
+            slave.set(**{parameter: 1.25 * value + 1e-3})
+            assert slave.get(*estimates) == before, parameter
+            if advance(slave, 20, 20) == expected:
+                unused.add(parameter)
+        # Back to the old value: as if it had never been touched.
+        restore(slave, state)
+        slave.set(k=7.0)
+        slave.set(k=fmus[name].variables["k"].start and float(fmus[name].variables["k"].start))
+        assert advance(slave, 20, 20) == expected
+    assert unused == set()
+
+
+@pytest.mark.parametrize(
+    ("name", "parameter", "value"),
+    [
+        ("PdController", "kp", -1.0),
+        ("PdController", "kv1", float("nan")),
+        ("PdsController", "ks2", float("inf")),
+        ("NabfcController", "epsilon1", 0.0),
+        ("NabfcController", "sat_limit", -0.1),
+        ("NabfcController", "shear_rate_bandwidth", -1.0),
+    ],
+)
+def test_bad_values_for_tunable_parameters(name: str, parameter: str, value: float, fmus: dict[str, Fmu]) -> None:
+    """Refused with the parameter's name; the old value stays in force."""
+    with running(fmus[name], 20) as slave, saved_state(slave) as state:
+        expected = advance(slave, 20, 20)
+        restore(slave, state)
+        old = slave.get(parameter)
+        with pytest.raises(FmuError, match=f"status 3.*{parameter}"):
+            slave.set(**{parameter: value})
+        assert slave.get(parameter) == old
+        assert advance(slave, 20, 20) == expected
