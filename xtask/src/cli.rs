@@ -8,8 +8,8 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   test [--rust | --python] [-- <PYTEST ARGS>...]
-         Run every test. Steps: Rust tests, FMUs built and packaged into dist/, Python environment
-         (in the build directory, kept between runs), Python tests, code checks.
+         Run every test. Steps: FMU libraries, Rust tests, FMUs built and packaged into dist/, Python environment
+         (in the build directory, kept between runs), Python tests, instruction counts, code checks.
          --rust    only the Rust tests
          --python  only the FMUs and the Python tests
   check  Run the code checks only: cargo fmt --check, cargo clippy, cargo doc, warnings denied.
@@ -17,6 +17,10 @@ Commands:
   describe
          Renew modelDescription/*.xml after a change of an FMU's variables. Look at the difference before
          you commit it: it is what users of the FMUs will see.
+  counts [--record NOTE]
+         Count the instructions of a communication step (with valgrind, if it is installed) and fail if one
+         costs over 5 % more than the last entry of docs/performance/instructions.csv.
+         --record NOTE  add an entry instead
   help   Print this text (also -h, --help).
 
 Environment:
@@ -47,6 +51,11 @@ pub enum Request {
     Check,
     /// Renew the checked-in descriptions.
     Describe,
+    /// Compare instruction counts with their history.
+    Counts {
+        /// Add them to the history with this remark instead.
+        record: Option<String>,
+    },
 }
 
 /// Which half of the tests.
@@ -71,6 +80,7 @@ pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Request, String> 
         "test" => parse_test(args),
         "check" => alone(Request::Check, "check", args),
         "describe" => alone(Request::Describe, "describe", args),
+        "counts" => parse_counts(args),
         other => Err(format!("unknown command `{other}`")),
     }
 }
@@ -81,6 +91,16 @@ fn alone(request: Request, name: &str, mut args: impl Iterator<Item = String>) -
         None => Ok(request),
         Some("-h" | "--help") => Ok(Request::Help),
         Some(other) => Err(format!("`{name}` takes no argument, got `{other}`")),
+    }
+}
+
+fn parse_counts(mut args: impl Iterator<Item = String>) -> Result<Request, String> {
+    match (args.next().as_deref(), args.next(), args.next()) {
+        (None, ..) => Ok(Request::Counts { record: None }),
+        (Some("-h" | "--help"), ..) => Ok(Request::Help),
+        (Some("--record"), Some(note), None) => Ok(Request::Counts { record: Some(note) }),
+        (Some("--record"), ..) => Err("--record takes one remark, in quotes".into()),
+        (Some(other), ..) => Err(format!("`counts` does not know `{other}`")),
     }
 }
 
@@ -124,6 +144,8 @@ mod tests {
         assert_eq!(parsed(""), Ok(Request::Help));
         assert_eq!(parsed("--help"), Ok(Request::Help));
         assert_eq!(parsed("check"), Ok(Request::Check));
+        assert_eq!(parsed("counts"), Ok(Request::Counts { record: None }));
+        assert_eq!(parsed("counts --record why"), Ok(Request::Counts { record: Some("why".into()) }));
         assert_eq!(parsed("describe"), Ok(Request::Describe));
         assert_eq!(parsed("test"), Ok(Request::Test { selection: Selection::All, pytest_args: vec![] }));
         assert_eq!(parsed("test --rust"), Ok(Request::Test { selection: Selection::Rust, pytest_args: vec![] }));
@@ -140,14 +162,34 @@ mod tests {
 
     #[test]
     fn what_cannot_be_meant_is_refused() {
-        for line in ["tset", "test --fast", "test --rust --python", "test --rust -- -x", "check now", "describe all"] {
+        for line in [
+            "tset",
+            "test --fast",
+            "test --rust --python",
+            "test --rust -- -x",
+            "check now",
+            "describe all",
+            "counts x",
+            "counts --record",
+        ] {
             assert!(parsed(line).is_err(), "{line}");
         }
     }
 
     #[test]
     fn help_names_every_command_and_option() {
-        for word in ["test", "check", "describe", "help", "--rust", "--python", "PYTHON", "CARGO_TARGET_DIR"] {
+        for word in [
+            "test",
+            "check",
+            "describe",
+            "counts",
+            "--record",
+            "help",
+            "--rust",
+            "--python",
+            "PYTHON",
+            "CARGO_TARGET_DIR",
+        ] {
             assert!(HELP.contains(word), "{word}");
         }
     }

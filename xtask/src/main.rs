@@ -4,12 +4,14 @@
 //! cargo xtask test     every test there is: Rust, the packaged FMUs, Python, the code checks
 //! cargo xtask check    formatting, lints and documentation only
 //! cargo xtask describe renews modelDescription/*.xml
+//! cargo xtask counts   instructions per communication step, against their history
 //! ```
 //!
 //! Needs a stable Rust toolchain, a C toolchain (linker) and Python 3.9 or newer with `venv`; everything else is fetched
 //! by cargo and pip. It depends on the standard library only.
 
 mod cli;
+mod counts;
 mod python;
 mod steps;
 
@@ -28,6 +30,7 @@ fn main() -> ExitCode {
         Ok(Request::Test { selection, pytest_args }) => test(selection, &pytest_args),
         Ok(Request::Check) => check(),
         Ok(Request::Describe) => describe(),
+        Ok(Request::Counts { record }) => counts(record.as_deref()),
         Err(message) => {
             eprintln!("error: {message}\n\nTry `cargo xtask --help`.");
             ExitCode::from(2)
@@ -39,17 +42,24 @@ fn main() -> ExitCode {
 fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
     let tree = Tree::find();
     let mut steps = Runner::new(match selection {
-        Selection::All => 7,
-        Selection::Rust => 1,
+        Selection::All => 9,
+        Selection::Rust => 2,
         Selection::Python => 3,
     });
     if selection != Selection::Python {
+        // fmi2-export's tests attack these libraries; stale ones would be attacked for what is no longer there.
+        steps.step("FMU libraries", || {
+            run(tree.cargo(&["build", "--profile", "fmu", "--package", "plant-fmu", "--package", "controller-fmu"]))
+        });
         steps.step("Rust tests", || run(tree.cargo(&["test", "--workspace"])));
     }
     if selection != Selection::Rust {
         steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package"])));
         steps.step("Python environment", || python::prepare(&tree));
         steps.step("Python tests", || run(python::pytest(&tree, pytest_args)));
+    }
+    if selection == Selection::All {
+        steps.step("Instruction counts", || counts::check(&tree));
     }
     // The code checks come last: a lint that a newer clippy brings must not hide what the tests say.
     if selection == Selection::All {
@@ -74,6 +84,18 @@ fn describe() -> ExitCode {
             run(tree.cargo(&["run", "--quiet", "--package", package, "--", "--describe", "modelDescription"]))
         });
     }
+    steps.finish()
+}
+
+/// `cargo xtask counts`: what a step costs, compared with the history or added to it.
+fn counts(record: Option<&str>) -> ExitCode {
+    let tree = Tree::find();
+    let mut steps = Runner::new(2);
+    steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package"])));
+    steps.step("Instruction counts", || match record {
+        Some(note) => counts::record(&tree, note),
+        None => counts::check(&tree),
+    });
     steps.finish()
 }
 

@@ -1,0 +1,194 @@
+//! Instruction counts of a communication step: a measure of its cost that is the same in every run, compared with a history.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::Tree;
+use crate::steps::Outcome;
+
+/// What `step_cost` knows, the columns of the history.
+const CASES: [&str; 6] = ["plant", "nabfc", "pds", "pd", "coupled", "master"];
+
+/// How much more a step may cost than the last time it was recorded.
+const ALLOWED: f64 = 1.05;
+
+const HISTORY: &str = "docs/performance/instructions.csv";
+
+/// One line of the history.
+struct Entry {
+    date: String,
+    /// For people: what was changed.
+    note: String,
+    counts: [u64; CASES.len()],
+}
+
+/// Counts, and compares with the last entry of the history.
+pub fn check(tree: &Tree) -> Outcome {
+    let counts = match counts(tree) {
+        Ok(counts) => counts,
+        Err(outcome) => return outcome,
+    };
+    let history = fs::read_to_string(tree.root.join(HISTORY)).map_err(|error| error.to_string());
+    match history.and_then(|text| last(&text)) {
+        Ok(last) => compare(&last, &counts),
+        Err(reason) => Outcome::Failed(format!("{HISTORY}: {reason}")),
+    }
+}
+
+/// Counts, and adds an entry to the history.
+pub fn record(tree: &Tree, note: &str) -> Outcome {
+    let counts = match counts(tree) {
+        Ok(counts) => counts,
+        Err(Outcome::Skipped(reason)) => return Outcome::Failed(reason),
+        Err(outcome) => return outcome,
+    };
+    let path = tree.root.join(HISTORY);
+    let appended = fs::read_to_string(&path).map_err(|error| error.to_string()).and_then(|mut text| {
+        let numbers = counts.map(|count| count.to_string()).join(",");
+        writeln!(text, "{},{},{numbers}", today(), note.replace(['\n', ','], " "))
+            .map_err(|error| error.to_string())?;
+        fs::write(&path, text).map_err(|error| error.to_string())
+    });
+    match appended {
+        Ok(()) => Outcome::Passed,
+        Err(reason) => Outcome::Failed(format!("{HISTORY}: {reason}")),
+    }
+}
+
+/// Instructions per step of each case; what ends the step if there are none.
+fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
+    if !(cfg!(target_os = "linux") && cfg!(target_arch = "x86_64")) {
+        return Err(Outcome::Skipped("the history is of Linux on x86-64".into()));
+    }
+    if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
+        return Err(Outcome::Skipped("valgrind is not installed".into()));
+    }
+    let build =
+        crate::steps::run(tree.cargo(&["build", "--release", "--package", "dualarm", "--example", "step_cost"]));
+    if build != Outcome::Passed {
+        return Err(build);
+    }
+    let mut all = [0; CASES.len()];
+    for (count, case) in all.iter_mut().zip(CASES) {
+        *count = counted(tree, case).map_err(|reason| Outcome::Failed(format!("{case}: {reason}")))?;
+        println!("{case:<10} {count:>8} instructions per step");
+    }
+    Ok(all)
+}
+
+fn counted(tree: &Tree, case: &str) -> Result<u64, String> {
+    let program = tree.target.join("release").join("examples").join("step_cost");
+    let file: PathBuf = tree.target.join(format!("callgrind-{case}.out"));
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--toggle-collect=step_cost_counted*"])
+        .arg(format!("--callgrind-out-file={}", file.display()))
+        .arg(&program)
+        .args(["count", case])
+        .arg(tree.root.join("dist"))
+        .output()
+        .map_err(|error| format!("valgrind did not start: {error}"))?;
+    let said = String::from_utf8_lossy(&output.stdout);
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).trim().to_owned());
+    }
+    let steps: u64 =
+        said.trim().parse().map_err(|_| format!("it printed `{}` for the number of steps", said.trim()))?;
+    let total = total(&file)?;
+    Ok((total + steps / 2) / steps)
+}
+
+/// The total of a callgrind file.
+fn total(file: &Path) -> Result<u64, String> {
+    let text = fs::read_to_string(file).map_err(|error| format!("callgrind's file: {error}"))?;
+    let total =
+        text.lines().filter_map(|line| line.strip_prefix("totals:").or(line.strip_prefix("summary:"))).next_back();
+    let total = total.and_then(|number| number.trim().parse().ok()).filter(|total| *total > 0);
+    total.ok_or_else(|| "callgrind counted nothing".into())
+}
+
+/// The last entry of the history.
+fn last(history: &str) -> Result<Entry, String> {
+    let line = history.lines().skip(1).filter(|line| !line.trim().is_empty()).last().ok_or("it has no entry")?;
+    let fields: Vec<&str> = line.split(',').collect();
+    let [date, note, numbers @ ..] = fields.as_slice() else { return Err(format!("`{line}` is no entry")) };
+    let numbers: Vec<u64> = numbers.iter().filter_map(|field| field.trim().parse().ok()).collect();
+    let counts = numbers.try_into().map_err(|_| format!("`{line}` does not have {} counts", CASES.len()))?;
+    Ok(Entry { date: (*date).into(), note: (*note).into(), counts })
+}
+
+fn compare(last: &Entry, counts: &[u64; CASES.len()]) -> Outcome {
+    let mut risen = Vec::new();
+    for ((case, old), new) in CASES.iter().zip(last.counts).zip(*counts) {
+        let ratio = new as f64 / old as f64;
+        if ratio > ALLOWED {
+            risen.push(format!("{case} from {old} to {new} ({:+.1} %)", (ratio - 1.0) * 100.0));
+        }
+    }
+    if risen.is_empty() {
+        println!("none is more than 5 % above the entry of {} ({})", last.date, last.note);
+        return Outcome::Passed;
+    }
+    Outcome::Failed(format!(
+        "a step costs more instructions than on {}: {}. If that is meant: `cargo xtask counts --record \"why\"`",
+        last.date,
+        risen.join(", ")
+    ))
+}
+
+/// Today's date (UTC) as year-month-day.
+fn today() -> String {
+    let seconds = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).map_or(0, |time| time.as_secs());
+    date(seconds / 86_400)
+}
+
+/// The date of a day counted from 1970-01-01.
+fn date(mut days: u64) -> String {
+    let leap = |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
+    let mut year = 1970;
+    while days >= 365 + u64::from(leap(year)) {
+        days -= 365 + u64::from(leap(year));
+        year += 1;
+    }
+    let lengths = [31, 28 + u64::from(leap(year)), 31, 30, 31, 30, 31, 31, 30, 31, 30, 31];
+    let mut month = 1;
+    for length in lengths {
+        if days < length {
+            break;
+        }
+        days -= length;
+        month += 1;
+    }
+    format!("{year}-{month:02}-{:02}", days + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HISTORY: &str = "date,note,plant\n2026-01-01,first,1,2,3,4,5,6\n2026-01-02,second,100,200,300,400,500,600\n";
+
+    #[test]
+    fn the_last_entry_is_the_standard() {
+        let last = last(HISTORY).unwrap();
+        assert_eq!((last.date.as_str(), last.note.as_str()), ("2026-01-02", "second"));
+        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630]), Outcome::Passed);
+        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0]) else { panic!("211 is too many") };
+        assert!(reason.contains("nabfc from 200 to 211 (+5.5 %)"), "{reason}");
+    }
+
+    #[test]
+    fn a_damaged_history_is_refused() {
+        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,x\n"] {
+            assert!(super::last(text).is_err(), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        for (day, expected) in [(0, "1970-01-01"), (59, "1970-03-01"), (11_016, "2000-02-29"), (20_819, "2027-01-01")] {
+            assert_eq!(date(day), expected);
+        }
+    }
+}
