@@ -72,7 +72,7 @@ fn whole_steps(criterion: &mut Criterion) {
     for name in common::Case::NAMES {
         match common::Case::new(name, &common::dist()) {
             Ok(mut case) => {
-                _ = criterion.bench_function(&format!("step/{name}"), |bencher| bencher.iter(|| case.step()))
+                _ = criterion.bench_function(&format!("step/{name}"), |bencher| bencher.iter(|| case.step()));
             }
             Err(error) => return eprintln!("SKIPPED: {error}"),
         }

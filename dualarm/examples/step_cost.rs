@@ -87,7 +87,7 @@ fn time(folder: &std::path::Path) -> Result<()> {
     println!("{:<44}{controller_floor:>10.0}", "floor nabfc: 38 exp, 3 tanh");
     for name in Case::NAMES {
         let mut case = Case::new(name, folder)?;
-        let cost = nanoseconds(RUN as u32, || case.step());
+        let cost = nanoseconds(u32::try_from(RUN)?, || case.step());
         match floor(name) {
             Some(floor) => println!("{:<44}{cost:>10.0}   {:.2} x floor", format!("step, {name}"), cost / floor),
             None => println!("{:<44}{cost:>10.0}", format!("step, {name}")),

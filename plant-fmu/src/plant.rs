@@ -37,8 +37,8 @@ pub struct State {
 impl State {
     /// Adds to the positions, keeping what rounding takes away for the next time.
     fn travel(&mut self, from: &Self, travel: &[f64; FORCES]) {
-        for i in 0..FORCES {
-            let increment = from.carry[i] + travel[i];
+        for (i, travel) in travel.iter().enumerate() {
+            let increment = from.carry[i] + travel;
             let position = from.position[i] + increment;
             self.carry[i] = increment - (position - from.position[i]);
             self.position[i] = position;

@@ -44,7 +44,7 @@ pub fn dist() -> PathBuf {
 
 /// An FMU of the folder.
 pub fn open(folder: &Path, file: &str) -> Result<Fmu> {
-    Ok(Fmu::open(&folder.join(file))
+    Ok(Fmu::open(folder.join(file))
         .map_err(|error| format!("{error}; `cargo run --release -- package` makes the FMUs"))?)
 }
 

@@ -66,10 +66,10 @@ pub fn eigenvalues(
     Ok(realise(&responses))
 }
 
-/// Eigenvalues of A from the responses y[n] = C Aⁿ B.
+/// Eigenvalues of A from the responses `y[n]` = C Aⁿ B.
 ///
 /// # Panics
-/// When there are fewer than [`SAMPLES`] responses.
+/// When there are fewer than `SAMPLES` responses.
 #[must_use]
 pub fn realise(responses: &[DMatrix<f64>]) -> Vec<Complex<f64>> {
     let (outputs, inputs) = responses[0].shape();
