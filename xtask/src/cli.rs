@@ -9,7 +9,8 @@ Usage: cargo xtask <COMMAND>
 Commands:
   test [--rust | --python] [-- <PYTEST ARGS>...]
          Run every test. Steps: FMU libraries, Rust tests, FMUs built and packaged into dist/, Python environment
-         (in the build directory, kept between runs), Python tests, instruction counts, code checks.
+         (in the build directory, kept between runs), Python tests, long checks (valgrind, load cycles), instruction counts, code
+         checks.
          --rust    only the Rust tests
          --python  only the FMUs and the Python tests
   check  Run the code checks only: cargo fmt --check, cargo clippy, cargo doc, warnings denied.

@@ -42,7 +42,7 @@ fn main() -> ExitCode {
 fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
     let tree = Tree::find();
     let mut steps = Runner::new(match selection {
-        Selection::All => 9,
+        Selection::All => 10,
         Selection::Rust => 2,
         Selection::Python => 3,
     });
@@ -59,6 +59,7 @@ fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
         steps.step("Python tests", || run(python::pytest(&tree, pytest_args)));
     }
     if selection == Selection::All {
+        steps.step("Long checks", || long_checks(&tree));
         steps.step("Instruction counts", || counts::check(&tree));
     }
     // The code checks come last: a lint that a newer clippy brings must not hide what the tests say.
@@ -66,6 +67,22 @@ fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
         add_checks(&mut steps, &tree);
     }
     steps.finish()
+}
+
+/// Tests that take minutes and are therefore left out of `cargo test`: a million random calls and the hostile ones under
+/// valgrind (which say so if it is not there), thousands of load cycles of the real FMUs, ten million steps.
+fn long_checks(tree: &Tree) -> Outcome {
+    for (package, test, name) in [
+        ("fmi2-export", "random_calls", "all_calls_under_valgrind"),
+        ("fmi2-export", "loading", ""),
+        ("plant-fmu", "conservation", ""),
+    ] {
+        let outcome = run(tree.cargo(&["test", "-p", package, "--test", test, "--", "--ignored", "--nocapture", name]));
+        if outcome != Outcome::Passed {
+            return outcome;
+        }
+    }
+    Outcome::Passed
 }
 
 /// `cargo xtask check`: what can be said of the code without running it.
