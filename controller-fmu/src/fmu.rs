@@ -198,11 +198,7 @@ impl<L: FmuLaw> Model for Controller<L> {
     }
 
     fn restored(&mut self) -> Result<(), Failure> {
-        let inputs = [self.inputs.to_array(), self.input_rates.to_array()];
-        if !inputs.iter().flatten().all(|value| value.is_finite()) {
-            return Err(Failure::error("an input is not finite"));
-        }
-        // Checks the settings, too.
+        // Checks the settings, too; inputs and their slopes have been checked.
         let like_new = L::create(self.arms, &self.settings).map_err(Failure::error)?;
         // In initialization mode the settings may have changed since the law was made; it will be made anew then.
         self.law.take_if(|law| !law.is_like(&like_new));

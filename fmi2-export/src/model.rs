@@ -49,7 +49,8 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
         Ok(())
     }
 
-    /// Rebuilds what serialisation skipped, and checks that a state read from a blob is one this model can be in.
+    /// Rebuilds what serialisation skipped, and checks that a state read from a blob is one this model can be in. Ranges and
+    /// finiteness of inputs, their slopes and parameters have been checked before.
     ///
     /// # Errors
     /// If it is not; the blob is then refused and the instance keeps its state.

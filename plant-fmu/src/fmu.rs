@@ -161,10 +161,6 @@ impl Model for DualArmPlant {
     }
 
     fn restored(&mut self) -> Result<(), Failure> {
-        let inputs = [&self.inputs, &self.input_rates];
-        if !inputs.iter().all(|inputs| inputs.is_finite()) {
-            return Err(Failure::error("an input is not finite"));
-        }
         // In initialization mode the parameters may have changed since the plant was made; it will be made anew then.
         let parameters = &self.parameters;
         self.plant.take_if(|plant| plant.parameters() != parameters);
