@@ -76,8 +76,6 @@ fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
     // SAFETY: as a host does.
     unsafe {
         let c = fmi2Instantiate(c"plant".as_ptr(), 1, guid.as_ptr(), null(), &functions, 0, 1);
-        // The library silences panics, which in a host it has to itself: this program wants to see its own.
-        drop(std::panic::take_hook());
         assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
         assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
         assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);

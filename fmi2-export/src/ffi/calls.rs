@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::arguments::{place, slice, slice_mut, strings, text};
 use super::library::Library;
+use super::panics;
 use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, FmuState, Status, ValueReference, status_kind,
 };
@@ -131,9 +132,7 @@ pub unsafe fn instantiate(
     functions: *const CallbackFunctions,
     logging_on: Boolean,
 ) -> Component {
-    // The default hook would write to the host's standard error, and touches thread-locals with destructors, which keep
-    // a library from being unloaded. The message reaches the host through its logger.
-    std::panic::set_hook(Box::new(|_| {}));
+    panics::install_hook();
     if !functions.is_aligned() {
         return ptr::null_mut();
     }
@@ -142,22 +141,27 @@ pub unsafe fn instantiate(
     // SAFETY: the host's promise.
     let name = if instance_name.is_null() { c"" } else { unsafe { CStr::from_ptr(instance_name) } };
     let mut logger = Logger::new(&callbacks, name.to_owned(), logging_on != 0);
-    let result = guarded(|| {
-        if name.to_bytes().trim_ascii().is_empty() {
-            return Err(Refusal::error("instanceName is a null pointer or empty"));
-        }
-        if fmu_type != CO_SIMULATION {
-            return Err(Refusal::error("this FMU is for co-simulation (fmi2CoSimulation) only"));
-        }
-        // SAFETY: the host's promise.
-        let guid = unsafe { text(guid, "fmuGUID") }?;
-        find_model(library, guid)
+    let result = panics::without_instance(|| {
+        guarded(|| {
+            if name.to_bytes().trim_ascii().is_empty() {
+                return Err(Refusal::error("instanceName is a null pointer or empty"));
+            }
+            if fmu_type != CO_SIMULATION {
+                return Err(Refusal::error("this FMU is for co-simulation (fmi2CoSimulation) only"));
+            }
+            // SAFETY: the host's promise.
+            let guid = unsafe { text(guid, "fmuGUID") }?;
+            find_model(library, guid)
+        })
     });
     let reason = match result {
         Ok(Ok((model, slave))) => {
             logger.log(Status::Ok, Category::Events, format_args!("instantiated"));
             let instance = UnsafeCell::new(Instance { library, model, logger, slave });
-            return Box::into_raw(Box::new(Shared { busy: AtomicBool::new(false), instance })).cast();
+            let shared = Box::into_raw(Box::new(Shared { busy: AtomicBool::new(false), instance }));
+            // SAFETY: just made; `free_instance` forgets the flag first.
+            unsafe { panics::watch(&raw const (*shared).busy) };
+            return shared.cast();
         }
         Ok(Err(refusal)) => refusal.message,
         Err(message) => format!("internal error in the model: {message}"),
@@ -187,17 +191,18 @@ fn find_model(library: &'static Library, guid: &str) -> Result<(usize, Box<dyn A
 /// `fmi2FreeInstance`. An instance is not freed from within a call on it (by its logger).
 pub unsafe fn free_instance(component: Component) {
     // SAFETY: the host's promise.
-    if unsafe { occupy(component) }.is_none() {
-        return;
-    }
+    let Some(shared) = (unsafe { occupy(component) }) else { return };
+    panics::forget(&raw const shared.busy);
     // SAFETY: the host's promise: it came from `instantiate` and is not used again.
     let instance = unsafe { Box::from_raw(component.cast::<Shared>()) }.instance.into_inner();
     let (library, model) = (instance.library, instance.model);
-    // A panic in the model's destructor must not reach the host either.
-    let _ = guarded(|| drop(instance));
-    for snapshot in library.forget_all_of(component.addr()) {
-        let _ = guarded(|| drop(snapshot));
-    }
+    panics::without_instance(|| {
+        // A panic in the model's destructor must not reach the host either.
+        let _ = guarded(|| drop(instance));
+        for snapshot in library.forget_all_of(component.addr()) {
+            let _ = guarded(|| drop(snapshot));
+        }
+    });
     library.models[model].tidy();
 }
 

@@ -14,6 +14,7 @@
 mod arguments;
 pub mod calls;
 mod library;
+mod panics;
 pub mod types;
 
 pub use library::{Exported, ExportedModel, Library};

@@ -1,0 +1,78 @@
+//! What is printed about panics: nothing about those inside a call, which reach the host through its logger; all others
+//! are none of our business.
+//!
+//! The default hook would write to the host's standard error, and touches thread-locals with destructors, which keep a
+//! library from being unloaded. But a crate that exports a model can also be linked into a program, its tests for
+//! example, whose own panics must stay as loud as they were. So the hook has to know whether the panic is inside a call.
+//! A thread-local mark would cost every call; looking for a busy instance costs only panics. While one instance is
+//! busy on some thread, a panic elsewhere is mistaken for its own.
+
+use std::collections::BTreeSet;
+use std::panic::PanicHookInfo;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+
+/// The hook there was before ours.
+static PREVIOUS: OnceLock<Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>> = OnceLock::new();
+
+/// Addresses of the flags of all instances that tell whether a call is running on them.
+static FLAGS: Mutex<BTreeSet<usize>> = Mutex::new(BTreeSet::new());
+
+/// Calls under way that have no instance: those that make or free one.
+static WITHOUT_INSTANCE: AtomicUsize = AtomicUsize::new(0);
+
+/// Puts the hook in place, once. Nothing is allocated that an unloaded library would leave behind.
+pub fn install_hook() {
+    // The hook cannot be changed on a thread that is panicking.
+    if !std::thread::panicking() {
+        PREVIOUS.get_or_init(|| {
+            let previous = std::panic::take_hook();
+            std::panic::set_hook(Box::new(hook));
+            previous
+        });
+    }
+}
+
+fn hook(info: &PanicHookInfo<'_>) {
+    if !is_inside_a_call()
+        && let Some(previous) = PREVIOUS.get()
+    {
+        previous(info);
+    }
+}
+
+fn is_inside_a_call() -> bool {
+    // SAFETY: a flag lives at least as long as it is in the set.
+    let is_busy = |flag: &usize| unsafe { &*(*flag as *const AtomicBool) }.load(Ordering::Relaxed);
+    WITHOUT_INSTANCE.load(Ordering::Relaxed) > 0 || flags().iter().any(is_busy)
+}
+
+/// Runs a call that makes or frees an instance.
+pub fn without_instance<T>(run: impl FnOnce() -> T) -> T {
+    WITHOUT_INSTANCE.fetch_add(1, Ordering::Relaxed);
+    let result = run();
+    WITHOUT_INSTANCE.fetch_sub(1, Ordering::Relaxed);
+    result
+}
+
+/// From now on, panics are inside a call while this flag is set.
+///
+/// # Safety
+/// The flag must live until it is [`forget`]ten.
+pub unsafe fn watch(flag: *const AtomicBool) {
+    flags().insert(flag as usize);
+}
+
+/// Ends what [`watch`] has begun.
+pub fn forget(flag: *const AtomicBool) {
+    let mut flags = flags();
+    flags.remove(&(flag as usize));
+    if flags.is_empty() {
+        // Statics of an unloaded library are not dropped: leave no memory in them.
+        *flags = BTreeSet::new();
+    }
+}
+
+fn flags() -> MutexGuard<'static, BTreeSet<usize>> {
+    FLAGS.lock().unwrap_or_else(PoisonError::into_inner)
+}

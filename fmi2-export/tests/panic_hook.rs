@@ -1,0 +1,138 @@
+//! A program that links a model sees its own panics, but not those that the model's calls catch.
+
+use std::ffi::{CString, c_char, c_int, c_void};
+use std::panic::catch_unwind;
+use std::ptr::{null, null_mut};
+use std::sync::Mutex;
+
+use fmi2_export::ffi::types::{CallbackFunctions, Status};
+use fmi2_export::{Experiment, Failure, Info, Model, Step, Variables};
+use serde::{Deserialize, Serialize};
+
+/// Panics in the call that the input names.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Fragile {
+    u: f64,
+    y: f64,
+}
+
+impl Model for Fragile {
+    const INFO: Info = Info { name: "Fragile", description: "Panics", ..Info::new() };
+
+    fn variables(variables: &mut Variables<Self>) {
+        let outputs = variables.evaluation(|m| m.y = m.u);
+        variables.input("u", |m| &mut m.u).description("A step panics if it is positive");
+        variables.output("y", outputs, |m| &mut m.y).description("The input");
+    }
+
+    fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn step(&mut self, _: &mut Step<'_>) -> Result<(), Failure> {
+        assert!(self.u <= 0.0, "inside a step");
+        Ok(())
+    }
+}
+
+impl Drop for Fragile {
+    fn drop(&mut self) {
+        assert!(self.u <= 0.0, "inside the destructor");
+    }
+}
+
+fmi2_export::export!(Fragile);
+
+type C = *mut c_void;
+
+// What `export!` defines.
+#[allow(clashing_extern_declarations)]
+unsafe extern "C" {
+    fn fmi2Instantiate(
+        name: *const c_char,
+        kind: c_int,
+        guid: *const c_char,
+        resources: *const c_char,
+        functions: *const CallbackFunctions,
+        visible: c_int,
+        logging: c_int,
+    ) -> C;
+    fn fmi2FreeInstance(c: C);
+    fn fmi2SetupExperiment(c: C, tolerant: c_int, tolerance: f64, start: f64, ends: c_int, stop: f64) -> Status;
+    fn fmi2EnterInitializationMode(c: C) -> Status;
+    fn fmi2ExitInitializationMode(c: C) -> Status;
+    fn fmi2SetReal(c: C, vr: *const u32, n: usize, value: *const f64) -> Status;
+    fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
+}
+
+/// Messages of the panics that this program's hook has seen.
+static SEEN: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+fn seen() -> Vec<String> {
+    std::mem::take(&mut SEEN.lock().unwrap())
+}
+
+/// Panics outside of any call, as a failing assertion of a test does.
+fn panic_outside() {
+    catch_unwind(|| panic!("outside")).unwrap_err();
+}
+
+fn instance() -> C {
+    let guid = CString::new(FMUS.models()[0].description().unwrap().guid).unwrap();
+    let functions = CallbackFunctions {
+        logger: None,
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: null_mut(),
+    };
+    // SAFETY: as a host does.
+    let c = unsafe { fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &functions, 0, 0) };
+    assert!(!c.is_null());
+    c
+}
+
+#[test]
+fn panics_are_silent_inside_a_call_and_loud_outside() {
+    std::panic::set_hook(Box::new(|info| {
+        SEEN.lock().unwrap().push(info.payload_as_str().unwrap_or_default().to_owned());
+    }));
+    let (first, second) = (instance(), instance());
+    panic_outside();
+    assert_eq!(seen(), ["outside"], "with living instances");
+    // SAFETY: as a host does.
+    unsafe {
+        assert_eq!(fmi2SetupExperiment(first, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+        assert_eq!(fmi2EnterInitializationMode(first), Status::Ok);
+        assert_eq!(fmi2ExitInitializationMode(first), Status::Ok);
+        assert_eq!(fmi2SetReal(first, &0, 1, &1.0), Status::Ok);
+        assert_eq!(fmi2DoStep(first, 0.0, 0.5, 1), Status::Error);
+        assert!(seen().is_empty(), "inside a step");
+        panic_outside();
+        assert_eq!(seen(), ["outside"], "after a caught panic");
+        fmi2FreeInstance(first);
+        assert!(seen().is_empty(), "inside the destructor");
+        fmi2FreeInstance(second);
+    }
+    panic_outside();
+    assert_eq!(seen(), ["outside"], "after the last instance");
+
+    // A destructor that frees an instance while its thread panics, and one that makes one.
+    struct Guard(C);
+    impl Drop for Guard {
+        fn drop(&mut self) {
+            // SAFETY: as a host does.
+            unsafe {
+                fmi2FreeInstance(self.0);
+                fmi2FreeInstance(instance());
+            }
+        }
+    }
+    catch_unwind(|| {
+        let _guard = Guard(instance());
+        panic!("unwinding");
+    })
+    .unwrap_err();
+    assert_eq!(seen(), ["unwinding"]);
+    drop(std::panic::take_hook());
+}
