@@ -4,6 +4,7 @@ mod access;
 mod enumeration;
 mod export;
 pub mod ffi;
+mod interface;
 mod layout;
 mod logger;
 mod model;

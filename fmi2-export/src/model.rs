@@ -28,7 +28,8 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     /// Declares every variable, in the order in which tools shall list them.
     fn variables(variables: &mut Variables<Self>);
 
-    /// Computes the initial state from the parameters, and from the inputs at the start if it depends on them.
+    /// Computes the initial state from the parameters, and from the inputs at the start if it depends on them: outputs
+    /// that then depend on those inputs say so with [`starts_from`](crate::VariableBuilder::starts_from).
     ///
     /// # Errors
     /// If the parameters admit no initial state. The host gets `fmi2Error` and the message, and may correct them.

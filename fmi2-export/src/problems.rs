@@ -50,7 +50,7 @@ pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations:
         value_problems(variable, &mut model, &mut problems);
     }
     for variable in list {
-        for (input, _) in &variable.depends_on {
+        for input in variable.depends_on.iter().map(|(input, _)| input).chain(&variable.starts_from) {
             if seen.get(input.as_str()) != Some(&Causality::Input) {
                 problems.push(format!("variable {} depends on {input}, which is not an input", variable.name));
             }

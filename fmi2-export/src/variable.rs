@@ -75,6 +75,8 @@ pub(crate) struct Variable<M> {
     pub max: Option<f64>,
     pub nominal: Option<f64>,
     pub depends_on: Vec<(String, DependencyKind)>,
+    /// Further inputs it depends on in initialization mode, through the initial state.
+    pub starts_from: Vec<String>,
     pub evaluation: Option<Evaluation>,
     /// Where the model reads the slope of an input from.
     pub ramp: Option<Lens<M, f64>>,
@@ -194,6 +196,7 @@ impl<M: 'static> Variables<M> {
             max: None,
             nominal: None,
             depends_on: Vec::new(),
+            starts_from: Vec::new(),
             evaluation,
             ramp: None,
             rate: None,
@@ -272,6 +275,14 @@ impl<M: 'static> VariableBuilder<'_, M> {
     fn depends<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>, kind: DependencyKind) -> Self {
         let inputs: Vec<(String, DependencyKind)> = inputs.into_iter().map(|name| (name.into(), kind)).collect();
         self.each(|v| v.depends_on.extend(inputs.iter().cloned()))
+    }
+
+    /// Inputs from which the output's *initial* value follows through the initial state: those that
+    /// [`Model::initialize`](crate::Model::initialize) reads. They are listed in `InitialUnknowns`, besides all parameters
+    /// and the inputs it [depends on](Self::depends_on) directly.
+    pub fn starts_from<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>) -> Self {
+        let inputs: Vec<String> = inputs.into_iter().map(Into::into).collect();
+        self.each(|v| v.starts_from.extend(inputs.iter().cloned()))
     }
 
     /// The field from which the model reads the slope of an input (its unit per second). The host sets it with

@@ -1,16 +1,16 @@
 //! `modelDescription.xml` (FMI 2.0.4, sections 2.2 and 4.3), generated from the declarations.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesStart, Event};
 use uuid::Uuid;
 
-use crate::access::Access;
+use crate::interface::{Interface, Kind, VariableFacts, number};
 use crate::layout::{DeclarationError, Layout};
 use crate::naming::is_structured;
 use crate::unit::BASE_UNITS;
-use crate::variable::{Causality, DependencyKind, Variability, Variable};
+use crate::variable::{Causality, DependencyKind};
 use crate::{Model, Unit, logger};
 
 /// Namespace of the GUIDs: a version 5 UUID of the text "fmi2-export" in the DNS-less nil namespace.
@@ -32,14 +32,17 @@ pub struct Description {
 /// # Errors
 /// If the declarations contradict themselves; all problems are listed.
 pub fn describe<M: Model>() -> Result<Description, DeclarationError> {
-    Ok(describe_layout(&Layout::<M>::build()?))
+    Ok(describe_interface(&Interface::of(&Layout::<M>::build()?)))
 }
 
-pub(crate) fn describe_layout<M: Model>(layout: &Layout<M>) -> Description {
-    let anonymous = render(layout, "");
+pub(crate) fn describe_interface(interface: &Interface) -> Description {
+    let anonymous = render(interface, "");
     let guid = format!("{{{}}}", Uuid::new_v5(&NAMESPACE, anonymous.as_bytes()));
-    Description { name: M::INFO.name, xml: render(layout, &guid), guid }
+    Description { name: interface.info.name, xml: render(interface, &guid), guid }
 }
+
+/// `generationTool`.
+pub(crate) const GENERATION_TOOL: &str = concat!("fmi2-export ", env!("CARGO_PKG_VERSION"));
 
 /// Attributes of an element, in order; optional ones can be absent.
 type Attributes<'a> = Vec<(&'a str, String)>;
@@ -73,8 +76,8 @@ impl Xml {
     }
 }
 
-fn render<M: Model>(layout: &Layout<M>, guid: &str) -> String {
-    let info = M::INFO;
+fn render(interface: &Interface, guid: &str) -> String {
+    let info = interface.info;
     let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
     xml.event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)));
     let mut root: Attributes<'_> =
@@ -90,14 +93,14 @@ fn render<M: Model>(layout: &Layout<M>, guid: &str) -> String {
             root.push((key, value.into()));
         }
     }
-    root.push(("generationTool", concat!("fmi2-export ", env!("CARGO_PKG_VERSION")).into()));
-    let structured = layout.variables.iter().all(|variable| is_structured(&variable.name));
+    root.push(("generationTool", GENERATION_TOOL.into()));
+    let structured = interface.variables.iter().all(|variable| is_structured(&variable.name));
     root.push(("variableNamingConvention", if structured { "structured" } else { "flat" }.into()));
     root.push(("numberOfEventIndicators", "0".into()));
     xml.element("fmiModelDescription", &root, |xml| {
-        co_simulation(xml, layout);
-        unit_definitions(xml, layout);
-        type_definitions(xml, layout);
+        co_simulation(xml, interface);
+        unit_definitions(xml, interface);
+        type_definitions(xml, interface);
         xml.element("LogCategories", &[], |xml| {
             for (name, description) in logger::CATEGORIES {
                 xml.empty("Category", &[("name", name.into()), ("description", description.into())]);
@@ -109,38 +112,38 @@ fn render<M: Model>(layout: &Layout<M>, guid: &str) -> String {
         attributes.extend(experiment.tolerance.map(|tolerance| ("tolerance", number(tolerance))));
         attributes.push(("stepSize", number(experiment.step_size)));
         xml.empty("DefaultExperiment", &attributes);
-        model_variables(xml, layout);
-        model_structure(xml, layout);
+        model_variables(xml, interface);
+        model_structure(xml, interface);
     });
     let mut text = String::from_utf8(xml.0.into_inner()).unwrap_or_default();
     text.push('\n');
     text
 }
 
-fn co_simulation<M: Model>(xml: &mut Xml, layout: &Layout<M>) {
+fn co_simulation(xml: &mut Xml, interface: &Interface) {
     let yes = || "true".to_owned();
     let mut attributes = vec![
-        ("modelIdentifier", M::INFO.name.to_owned()),
+        ("modelIdentifier", interface.info.name.to_owned()),
         ("canHandleVariableCommunicationStepSize", yes()),
         ("canNotUseMemoryManagementFunctions", yes()),
         ("canGetAndSetFMUstate", yes()),
         ("canSerializeFMUstate", yes()),
     ];
-    if !layout.ramps.is_empty() {
+    if interface.interpolates_inputs {
         attributes.push(("canInterpolateInputs", yes()));
     }
-    if layout.has_rates() {
+    if interface.has_rates {
         attributes.push(("maxOutputDerivativeOrder", "1".into()));
     }
-    if M::INFO.directional_derivatives {
+    if interface.info.directional_derivatives {
         attributes.push(("providesDirectionalDerivative", yes()));
     }
     xml.empty("CoSimulation", &attributes);
 }
 
-fn unit_definitions<M>(xml: &mut Xml, layout: &Layout<M>) {
+fn unit_definitions(xml: &mut Xml, interface: &Interface) {
     let mut units: BTreeMap<&str, (&Unit, BTreeMap<&str, f64>)> = BTreeMap::new();
-    for variable in &layout.variables {
+    for variable in &interface.variables {
         let Some(unit) = &variable.unit else { continue };
         let (_, display) = units.entry(&unit.name).or_insert((unit, BTreeMap::new()));
         display.extend(variable.display_unit.as_ref().map(|d| (d.name.as_str(), d.factor)));
@@ -172,12 +175,12 @@ fn unit_definitions<M>(xml: &mut Xml, layout: &Layout<M>) {
     });
 }
 
-fn type_definitions<M>(xml: &mut Xml, layout: &Layout<M>) {
-    if layout.enumerations.is_empty() {
+fn type_definitions(xml: &mut Xml, interface: &Interface) {
+    if interface.enumerations.is_empty() {
         return;
     }
     xml.element("TypeDefinitions", &[], |xml| {
-        for kind in &layout.enumerations {
+        for kind in &interface.enumerations {
             let attributes = vec![("name", kind.name.into()), ("description", kind.description.into())];
             xml.element("SimpleType", &attributes, |xml| {
                 xml.element("Enumeration", &[], |xml| {
@@ -195,17 +198,15 @@ fn type_definitions<M>(xml: &mut Xml, layout: &Layout<M>) {
     });
 }
 
-fn model_variables<M: Model>(xml: &mut Xml, layout: &Layout<M>) {
-    let mut model = M::default();
+fn model_variables(xml: &mut Xml, interface: &Interface) {
     xml.element("ModelVariables", &[], |xml| {
-        for (variable, reference) in layout.variables.iter().zip(&layout.references) {
-            let given = matches!(variable.causality, Causality::Input | Causality::Parameter);
+        for variable in &interface.variables {
             let mut attributes = vec![
                 ("name", variable.name.clone()),
-                ("valueReference", reference.index.to_string()),
+                ("valueReference", variable.reference.index.to_string()),
                 ("description", variable.description.clone()),
-                ("causality", causality(variable.causality).into()),
-                ("variability", variability(variable.variability).into()),
+                ("causality", variable.causality.name().into()),
+                ("variability", variable.variability.name().into()),
             ];
             match variable.causality {
                 Causality::Parameter => attributes.push(("initial", "exact".into())),
@@ -214,7 +215,7 @@ fn model_variables<M: Model>(xml: &mut Xml, layout: &Layout<M>) {
                 Causality::Input => {}
             }
             xml.element("ScalarVariable", &attributes, |xml| {
-                let (name, attributes) = type_element(variable, &mut model, given);
+                let (name, attributes) = type_element(variable);
                 xml.empty(name, &attributes);
             });
         }
@@ -222,45 +223,40 @@ fn model_variables<M: Model>(xml: &mut Xml, layout: &Layout<M>) {
 }
 
 /// `<Real>`, `<Integer>`, … of a variable, with its start value if it is given rather than computed.
-fn type_element<M>(variable: &Variable<M>, model: &mut M, given: bool) -> (&'static str, Attributes<'static>) {
+fn type_element(variable: &VariableFacts) -> (&'static str, Attributes<'static>) {
     let mut attributes: Attributes<'static> = Vec::new();
-    let integral = |bound: f64| format!("{bound:.0}");
-    let (name, start) = match &variable.access {
-        Access::Real(lens) => {
-            attributes.extend(variable.unit.as_ref().map(|unit| ("unit", unit.name.clone())));
-            attributes.extend(variable.display_unit.as_ref().map(|display| ("displayUnit", display.name.clone())));
-            attributes.extend(variable.min.map(|v| ("min", number(v))));
-            attributes.extend(variable.max.map(|v| ("max", number(v))));
-            attributes.extend(variable.nominal.map(|v| ("nominal", number(v))));
-            ("Real", number(*lens(model)))
-        }
-        Access::Integer { get, .. } => {
-            attributes.extend(variable.min.map(|v| ("min", integral(v))));
-            attributes.extend(variable.max.map(|v| ("max", integral(v))));
-            ("Integer", get(model).to_string())
-        }
-        Access::Enumeration { get, kind, .. } => {
+    attributes.extend(variable.unit.as_ref().map(|unit| ("unit", unit.name.clone())));
+    attributes.extend(variable.display_unit.as_ref().map(|display| ("displayUnit", display.name.clone())));
+    let name = match variable.kind {
+        Kind::Real => "Real",
+        Kind::Integer => "Integer",
+        Kind::Boolean => "Boolean",
+        Kind::String => "String",
+        Kind::Enumeration(kind) => {
             attributes.push(("declaredType", kind.name.into()));
-            ("Enumeration", get(model).to_string())
+            "Enumeration"
         }
-        Access::Boolean(field) => ("Boolean", field(model).to_string()),
-        Access::String(field) => ("String", field(model).clone()),
     };
-    if given {
-        attributes.push(("start", start));
+    if matches!(variable.kind, Kind::Real | Kind::Integer) {
+        attributes.extend(variable.min.map(|v| ("min", variable.number(v))));
+        attributes.extend(variable.max.map(|v| ("max", variable.number(v))));
     }
+    if variable.kind == Kind::Real {
+        attributes.extend(variable.nominal.map(|v| ("nominal", number(v))));
+    }
+    attributes.extend(variable.start.clone().map(|start| ("start", start)));
     (name, attributes)
 }
 
-fn model_structure<M>(xml: &mut Xml, layout: &Layout<M>) {
+fn model_structure(xml: &mut Xml, interface: &Interface) {
     let index_of: std::collections::HashMap<&str, usize> =
-        layout.variables.iter().enumerate().map(|(i, v)| (v.name.as_str(), i + 1)).collect();
-    let outputs = || layout.variables.iter().enumerate().filter(|(_, v)| v.causality == Causality::Output);
+        interface.variables.iter().enumerate().map(|(i, v)| (v.name.as_str(), i + 1)).collect();
+    let outputs = || interface.variables.iter().enumerate().filter(|(_, v)| v.causality == Causality::Output);
     xml.element("ModelStructure", &[], |xml| {
         if outputs().next().is_none() {
             return;
         }
-        let direct = |variable: &Variable<M>| {
+        let direct = |variable: &VariableFacts| {
             let mut inputs: Vec<(usize, &str)> = variable
                 .depends_on
                 .iter()
@@ -274,8 +270,9 @@ fn model_structure<M>(xml: &mut Xml, layout: &Layout<M>) {
                 unknown(xml, i + 1, &direct(variable));
             }
         });
-        // In initialization mode an output follows from the parameters and the inputs it directly depends on.
-        let parameters: Vec<usize> = layout
+        // In initialization mode an output follows from the parameters, the inputs it directly depends on, and those that
+        // the initial state follows from.
+        let parameters: Vec<usize> = interface
             .variables
             .iter()
             .enumerate()
@@ -284,10 +281,10 @@ fn model_structure<M>(xml: &mut Xml, layout: &Layout<M>) {
             .collect();
         xml.element("InitialUnknowns", &[], |xml| {
             for (i, variable) in outputs() {
-                let mut knowns: Vec<(usize, &str)> = parameters.iter().map(|p| (*p, "dependent")).collect();
-                knowns.extend(direct(variable).iter().map(|(input, _)| (*input, "dependent")));
-                knowns.sort_unstable();
-                unknown(xml, i + 1, &knowns);
+                let inputs = variable.depends_on.iter().map(|(input, _)| input).chain(&variable.starts_from);
+                let inputs = inputs.filter_map(|name| index_of.get(name.as_str()).copied());
+                let knowns: BTreeSet<usize> = parameters.iter().copied().chain(inputs).collect();
+                unknown(xml, i + 1, &knowns.into_iter().map(|index| (index, "dependent")).collect::<Vec<_>>());
             }
         });
     });
@@ -303,32 +300,9 @@ fn unknown(xml: &mut Xml, index: usize, knowns: &[(usize, &str)]) {
     xml.empty("Unknown", &attributes);
 }
 
-fn causality(causality: Causality) -> &'static str {
-    match causality {
-        Causality::Input => "input",
-        Causality::Output => "output",
-        Causality::Local => "local",
-        Causality::Parameter => "parameter",
-    }
-}
-
-fn variability(variability: Variability) -> &'static str {
-    match variability {
-        Variability::Fixed => "fixed",
-        Variability::Tunable => "tunable",
-        Variability::Discrete => "discrete",
-        Variability::Continuous => "continuous",
-    }
-}
-
 fn dependency_kind(kind: DependencyKind) -> &'static str {
     match kind {
         DependencyKind::Dependent => "dependent",
         DependencyKind::Fixed => "fixed",
     }
-}
-
-/// Shortest text that reads back as the same number: `0.5`, `1e-7`.
-fn number(value: f64) -> String {
-    format!("{value:?}")
 }

@@ -257,3 +257,43 @@ fn names_that_are_not_structured_make_the_description_flat() {
         assert!(xml.contains(&format!("variableNamingConvention=\"{convention}\"")), "{name}");
     }
 }
+
+/// An integrator that starts in equilibrium with one of its inputs.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Settled {
+    inputs: [f64; 2],
+    gain: f64,
+    y: f64,
+}
+
+impl Model for Settled {
+    const INFO: Info = Info { name: "Settled", description: "Starts in equilibrium", ..Info::new() };
+
+    fn variables(variables: &mut Variables<Self>) {
+        let outputs = variables.evaluation(|_| ());
+        variables.output("y", outputs, |m| &mut m.y).depends_on(["b"]).starts_from(["a", "b"]).description("Output");
+        variables.input("b", |m| &mut m.inputs[1]).description("Direct feedthrough");
+        variables.input("a", |m| &mut m.inputs[0]).description("Only the start depends on it");
+        variables.parameter("k", |m| &mut m.gain).description("Gain");
+    }
+
+    fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    fn step(&mut self, _: &mut Step<'_>) -> Result<(), Failure> {
+        Ok(())
+    }
+}
+
+#[test]
+fn initial_unknowns_also_depend_on_what_the_initial_state_follows_from() {
+    let xml = describe::<Settled>().unwrap().xml;
+    let dependencies: Vec<String> = elements(&xml)
+        .iter()
+        .filter(|element| element.0 == "Unknown")
+        .map(|element| attribute(element, "dependencies").unwrap().to_owned())
+        .collect();
+    // Indices from 1, ascending: at communication points, then in initialization mode.
+    assert_eq!(dependencies, ["2", "2 3 4"]);
+}

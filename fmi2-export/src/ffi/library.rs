@@ -8,10 +8,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
 use crate::Model;
+use crate::interface::Interface;
 use crate::layout::{DeclarationError, Layout};
 use crate::slave::{AnySlave, Slave, Snapshot};
 use crate::snapshot::GUID_LENGTH;
-use crate::xml::{Description, describe, describe_layout};
+use crate::xml::{Description, describe, describe_interface};
 
 /// A model that a library serves, whatever its type.
 pub trait ExportedModel: Sync + sealed::Internal {
@@ -23,10 +24,12 @@ pub trait ExportedModel: Sync + sealed::Internal {
 }
 
 pub(crate) mod sealed {
-    use super::{AnySlave, DeclarationError};
+    use super::{AnySlave, DeclarationError, Interface};
 
     pub trait Internal {
         fn guid(&'static self) -> Result<&'static str, DeclarationError>;
+        #[allow(private_interfaces)]
+        fn interface(&self) -> Result<Interface, DeclarationError>;
         #[allow(private_interfaces)]
         fn instantiate(&'static self) -> Result<Box<dyn AnySlave>, DeclarationError>;
         /// Frees what only instances need, if there are none.
@@ -72,13 +75,18 @@ impl<M: Model> sealed::Internal for Exported<M> {
         let bytes = if let Some(bytes) = self.guid.get() {
             bytes
         } else {
-            let guid = describe_layout(&*self.layout()?).guid;
+            let guid = describe_interface(&Interface::of(&*self.layout()?)).guid;
             self.tidy();
             let mut bytes = [b' '; GUID_LENGTH];
             bytes.iter_mut().zip(guid.bytes()).for_each(|(to, from)| *to = from);
             self.guid.get_or_init(|| bytes)
         };
         Ok(std::str::from_utf8(bytes).unwrap_or_default())
+    }
+
+    #[allow(private_interfaces)]
+    fn interface(&self) -> Result<Interface, DeclarationError> {
+        Ok(Interface::of(&Layout::<M>::build()?))
     }
 
     #[allow(private_interfaces)]

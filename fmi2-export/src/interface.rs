@@ -1,0 +1,125 @@
+//! What there is to say about a model's interface, whatever the model's type: `modelDescription.xml` and the page of
+//! documentation are both written from it.
+
+use crate::access::{Access, EnumerationKind};
+use crate::layout::{Layout, Reference};
+use crate::unit::DisplayUnit;
+use crate::variable::{Causality, DependencyKind, Variability, Variable};
+use crate::{Info, Model, Unit};
+
+/// A model's interface.
+pub(crate) struct Interface {
+    pub info: Info,
+    pub variables: Vec<VariableFacts>,
+    pub enumerations: Vec<EnumerationKind>,
+    /// Some inputs can be ramps over a step.
+    pub interpolates_inputs: bool,
+    /// Some outputs have time derivatives.
+    pub has_rates: bool,
+}
+
+/// What there is to say about a variable.
+pub(crate) struct VariableFacts {
+    pub name: String,
+    pub description: String,
+    pub causality: Causality,
+    pub variability: Variability,
+    pub kind: Kind,
+    pub reference: Reference,
+    pub unit: Option<Unit>,
+    pub display_unit: Option<DisplayUnit>,
+    pub min: Option<f64>,
+    pub max: Option<f64>,
+    pub nominal: Option<f64>,
+    /// The start value as XML has it, if it is given rather than computed.
+    pub start: Option<String>,
+    pub depends_on: Vec<(String, DependencyKind)>,
+    pub starts_from: Vec<String>,
+}
+
+/// The type of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Real,
+    Integer,
+    Boolean,
+    String,
+    Enumeration(EnumerationKind),
+}
+
+impl Interface {
+    pub fn of<M: Model>(layout: &Layout<M>) -> Self {
+        let mut model = M::default();
+        let facts = |(variable, reference): (&Variable<M>, &Reference)| facts(variable, *reference, &mut model);
+        Self {
+            info: M::INFO,
+            variables: layout.variables.iter().zip(&layout.references).map(facts).collect(),
+            enumerations: layout.enumerations.clone(),
+            interpolates_inputs: !layout.ramps.is_empty(),
+            has_rates: layout.has_rates(),
+        }
+    }
+}
+
+fn facts<M>(variable: &Variable<M>, reference: Reference, model: &mut M) -> VariableFacts {
+    let (kind, start) = match &variable.access {
+        Access::Real(field) => (Kind::Real, number(*field(model))),
+        Access::Integer { get, .. } => (Kind::Integer, get(model).to_string()),
+        Access::Enumeration { get, kind, .. } => (Kind::Enumeration(*kind), get(model).to_string()),
+        Access::Boolean(field) => (Kind::Boolean, field(model).to_string()),
+        Access::String(field) => (Kind::String, field(model).clone()),
+    };
+    let is_given = matches!(variable.causality, Causality::Input | Causality::Parameter);
+    VariableFacts {
+        name: variable.name.clone(),
+        description: variable.description.clone(),
+        causality: variable.causality,
+        variability: variable.variability,
+        kind,
+        reference,
+        unit: variable.unit.clone(),
+        display_unit: variable.display_unit.clone(),
+        min: variable.min,
+        max: variable.max,
+        nominal: variable.nominal,
+        start: is_given.then_some(start),
+        depends_on: variable.depends_on.clone(),
+        starts_from: variable.starts_from.clone(),
+    }
+}
+
+impl VariableFacts {
+    /// An end of the range, or another number, as XML has it.
+    pub fn number(&self, value: f64) -> String {
+        if self.kind == Kind::Integer { format!("{value:.0}") } else { number(value) }
+    }
+}
+
+impl Causality {
+    /// As XML has it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Input => "input",
+            Self::Output => "output",
+            Self::Local => "local",
+            Self::Parameter => "parameter",
+        }
+    }
+}
+
+impl Variability {
+    /// As XML has it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Fixed => "fixed",
+            Self::Tunable => "tunable",
+            Self::Discrete => "discrete",
+            Self::Continuous => "continuous",
+        }
+    }
+}
+
+/// Shortest text that reads back as the same number: `0.5`, `1e-7`.
+pub(crate) fn number(value: f64) -> String {
+    format!("{value:?}")
+}
