@@ -12,8 +12,10 @@ use std::panic::PanicHookInfo;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
+type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
+
 /// The hook there was before ours.
-static PREVIOUS: OnceLock<Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>> = OnceLock::new();
+static PREVIOUS: OnceLock<Hook> = OnceLock::new();
 
 /// Addresses of the flags of all instances that tell whether a call is running on them.
 static FLAGS: Mutex<BTreeSet<usize>> = Mutex::new(BTreeSet::new());
