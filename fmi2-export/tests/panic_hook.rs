@@ -92,6 +92,18 @@ fn instance() -> C {
     c
 }
 
+/// Its destructor frees an instance, and makes and frees another one, while its thread panics.
+struct Guard(C);
+impl Drop for Guard {
+    fn drop(&mut self) {
+        // SAFETY: as a host does.
+        unsafe {
+            fmi2FreeInstance(self.0);
+            fmi2FreeInstance(instance());
+        }
+    }
+}
+
 #[test]
 fn panics_are_silent_inside_a_call_and_loud_outside() {
     std::panic::set_hook(Box::new(|info| {
@@ -117,17 +129,6 @@ fn panics_are_silent_inside_a_call_and_loud_outside() {
     panic_outside();
     assert_eq!(seen(), ["outside"], "after the last instance");
 
-    // A destructor that frees an instance while its thread panics, and one that makes one.
-    struct Guard(C);
-    impl Drop for Guard {
-        fn drop(&mut self) {
-            // SAFETY: as a host does.
-            unsafe {
-                fmi2FreeInstance(self.0);
-                fmi2FreeInstance(instance());
-            }
-        }
-    }
     catch_unwind(|| {
         let _guard = Guard(instance());
         panic!("unwinding");
