@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from types import TracebackType
 
 import numpy as np
@@ -126,13 +127,14 @@ class CoSimulation:
         """
         self.initialize(stop)
         steps = round(stop / step)
+        decimal = Decimal(repr(step))  # communication points are decimal fractions: 0.0003, not 3 * 1e-4
         if abs(steps * step - stop) > 1e-9 * stop:
             raise ValueError(f"{stop} s is no multiple of {step} s")
         names, recorders = self._recorders(record)
         driven = self._drivers(drive)
         times, rows = [], []
         for i in range(steps + 1):
-            time = stop if i == steps else i * step
+            time = stop if i == steps else float(i * decimal)
             if drive is not None:
                 self._apply(driven, drive(time))
             recorded = i % every == 0 or i == steps

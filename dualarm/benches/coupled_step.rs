@@ -10,9 +10,9 @@ use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use dualarm::fmi::{Fmu, Instance};
+use dualarm::grasp::{CONTROLLERS, Controller, PLANT};
 use dualarm::grid::TimeGrid;
 use dualarm::master::{Coupling, Master};
-use dualarm::scenario::{CONTROLLERS, PLANT, Scenario};
 
 /// Step size in s.
 const STEP: f64 = 1e-4;
@@ -28,9 +28,9 @@ fn open(file: &str) -> Option<Fmu> {
     }
 }
 
-fn initialized(fmus: &[Fmu], scenario: Option<&Scenario>, coupling: Coupling) -> Master {
+fn initialized(fmus: &[Fmu], scenario: Option<&Controller>, coupling: Coupling) -> Master {
     let mut master = Master::new(fmus, coupling).expect("the FMUs are wired by name");
-    for setting in scenario.into_iter().flat_map(Scenario::settings) {
+    for setting in scenario.into_iter().flat_map(Controller::settings) {
         master.apply(&setting).expect("presets are valid");
     }
     master.initialize(&TimeGrid::new(0.0, 1e6, STEP).expect("a valid grid")).expect("defaults are valid");

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use common::{Case, DenseProduct, RUN, Result, Slave, open, transcendentals};
-use dualarm::scenario::{NABFC, PLANT};
+use dualarm::grasp::{NABFC, PLANT};
 
 /// Steps before counting begins: the caches of step sizes are filled, the motion is under way.
 const WARM_UP: usize = 100;

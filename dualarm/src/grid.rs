@@ -2,12 +2,46 @@
 
 /// The communication points `start + i·step`, computed (never accumulated), and `stop` as the last one. When the
 /// duration is no multiple of the step, the last step is shorter.
+///
+/// Where start and step are decimal fractions, so are all points: the one after three steps of 0.1 ms is the number
+/// nearest to 0.0003, not `3.0 * 1e-4` (which is 0.00030000000000000003).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeGrid {
     start: f64,
     stop: f64,
     step: f64,
     steps: u64,
+    decimal: Option<Decimal>,
+}
+
+/// Start and step as whole numbers of a decimal fraction of a second.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Decimal {
+    start: f64,
+    step: f64,
+    /// A power of ten.
+    per_second: f64,
+}
+
+impl Decimal {
+    /// More digits than a double holds.
+    const MAX_DIGITS: i32 = 15;
+    /// Whole numbers up to here are exact, and so is the rounding of a quotient of two of them.
+    const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
+
+    fn of(start: f64, step: f64, steps: u64) -> Option<Self> {
+        (0..=Self::MAX_DIGITS).find_map(|digits| {
+            let per_second = 10_f64.powi(digits);
+            let whole = |value: f64| Some((value * per_second).round()).filter(|whole| whole / per_second == value);
+            let decimal = Self { start: whole(start)?, step: whole(step)?, per_second };
+            let last = decimal.start.abs() + steps as f64 * decimal.step;
+            (last <= Self::MAX_EXACT).then_some(decimal)
+        })
+    }
+
+    fn time(&self, index: u64) -> f64 {
+        (self.start + index as f64 * self.step) / self.per_second
+    }
 }
 
 /// Why there is no such grid.
@@ -39,6 +73,8 @@ impl TimeGrid {
     /// A duration counts as a multiple of the step if it is one up to this fraction of a step (per step): decimal
     /// fractions such as 1e-4 are not exact in binary.
     const ROUNDING: f64 = 1e-9;
+    /// A time counts as a communication point if it misses it by up to this fraction of a step.
+    const POINT_ROUNDING: f64 = 1e-6;
 
     /// The grid from `start` to `stop` with steps of `step` (all in s).
     ///
@@ -60,7 +96,7 @@ impl TimeGrid {
         let is_multiple = whole >= 1.0 && (count - whole).abs() <= Self::ROUNDING * whole.max(1.0);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 1 ≤ count ≤ 1e15
         let steps = if is_multiple { whole } else { count.ceil() } as u64;
-        Ok(Self { start, stop, step, steps })
+        Ok(Self { start, stop, step, steps, decimal: Decimal::of(start, step, steps) })
     }
 
     /// Number of steps.
@@ -90,7 +126,23 @@ impl TimeGrid {
     /// The communication point before step `index` (and, for `index` = number of steps, the stop time).
     #[must_use]
     pub fn time(&self, index: u64) -> f64 {
-        if index >= self.steps { self.stop } else { self.start + index as f64 * self.step }
+        if index >= self.steps {
+            return self.stop;
+        }
+        match &self.decimal {
+            Some(decimal) => decimal.time(index),
+            None => self.start + index as f64 * self.step,
+        }
+    }
+
+    /// The communication point at this time, if there is one up to rounding.
+    #[must_use]
+    pub fn point_at(&self, time: f64) -> Option<f64> {
+        let position = ((time - self.start) / self.step).round().clamp(0.0, self.steps as f64);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 0 and the number of steps
+        let index = position as u64;
+        let near = |point: f64| (time - point).abs() <= Self::POINT_ROUNDING * self.step;
+        [self.time(index), self.stop].into_iter().find(|&point| near(point))
     }
 
     /// Size of step `index`: always the same bits, so that slaves can reuse what they computed for it, except for a
@@ -133,6 +185,28 @@ mod tests {
 
         let one = TimeGrid::new(0.0, 0.3, 1.0).unwrap();
         assert_eq!((one.steps(), one.size(0).to_bits()), (1, 0.3_f64.to_bits()));
+    }
+
+    #[test]
+    fn decimal_steps_give_decimal_times() {
+        for (start, step, digits) in [(0.0, 1e-4, 4), (0.5, 2.5e-4, 5), (-1.0, 0.1, 1), (100.0, 3e-6, 6)] {
+            let grid = TimeGrid::new(start, start + 7000.0 * step, step).unwrap();
+            for index in 0..grid.steps() {
+                let exact = format!("{:.digits$}", start + index as f64 * step);
+                let nearest: f64 = exact.parse().unwrap();
+                assert_eq!(grid.time(index), nearest, "{step}·{index}");
+            }
+        }
+        let thirds = TimeGrid::new(0.0, 1.0, 1.0 / 3.0).unwrap();
+        assert_eq!(thirds.time(2), 2.0 / 3.0);
+    }
+
+    #[test]
+    fn communication_points_are_found_up_to_rounding() {
+        let grid = TimeGrid::new(0.0, 1.05, 0.1).unwrap();
+        assert_eq!(grid.point_at(0.1 + 0.2), Some(0.3));
+        assert_eq!(grid.point_at(1.05), Some(1.05));
+        assert_eq!([0.25, 1.0001, 1.1, -0.1].map(|time| grid.point_at(time)), [None; 4]);
     }
 
     #[test]

@@ -2,17 +2,20 @@
 //!
 //! No model is linked in. FMUs are loaded at run time through their C interface, as any other importer would:
 //!
-//! * [`fmi`] is the importer, [`master`] steps FMUs together on a [`grid`], with [`wiring`] by equal names and
-//!   [`settings`] by name; [`record`] keeps the results.
-//! * [`mod@package`] builds the project's own FMUs, [`scenario`] names them, [`metrics`] judges a run, [`figures`] and
+//! * [`fmi`] is the importer, [`master`] steps FMUs together on a [`grid`], with [`wiring`] by equal names,
+//!   [`settings`] by name and [`signal`]s over time; [`record`] keeps the results.
+//! * A [`system`] is what the master runs; a [`scenario`] file describes one.
+//! * [`mod@package`] builds the project's own FMUs, [`grasp`] names them, [`metrics`] judges a run, [`figures`] and
 //!   [`report`] show it.
 //! * [`mod@verify`] holds the FMUs against exact and independent solutions.
 //! * [`cli`] is the command line, [`files`] writes files whole or not at all.
 
 pub mod cli;
+mod drive;
 pub mod figures;
 pub mod files;
 pub mod fmi;
+pub mod grasp;
 pub mod grid;
 pub mod master;
 pub mod metrics;
@@ -21,5 +24,7 @@ pub mod record;
 pub mod report;
 pub mod scenario;
 pub mod settings;
+pub mod signal;
+pub mod system;
 pub mod verify;
 pub mod wiring;

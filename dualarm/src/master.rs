@@ -26,6 +26,7 @@
 
 use std::io;
 
+use crate::drive::Drive;
 use crate::fmi::description::BaseType;
 use crate::fmi::{
     CallError, Causality, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status, ValueReference, Variable,
@@ -33,6 +34,7 @@ use crate::fmi::{
 use crate::grid::TimeGrid;
 use crate::record::{Column, Schedule, Sink};
 use crate::settings::{self, Setting, SettingError};
+use crate::signal::Signal;
 use crate::wiring::{AmbiguousWire, Bus, Terminal, Wire, wire_by_name};
 
 /// How components exchange their signals.
@@ -112,6 +114,8 @@ pub struct Master {
     wires: Vec<Wire>,
     coupling: Coupling,
     buses: Buses,
+    drives: Vec<Drive>,
+    warnings: Vec<String>,
     recording: Recording,
     /// Inputs are already those of the current communication point. Exchanging a second time would give a Jacobi
     /// coupling the commands it must see one step later.
@@ -156,18 +160,8 @@ impl Master {
     /// # Errors
     /// When an FMU refuses to be instantiated, or two outputs could feed one input.
     pub fn new(fmus: &[Fmu], coupling: Coupling) -> Result<Self, MasterError> {
-        let mut named: Vec<(String, Fmu)> = Vec::with_capacity(fmus.len());
-        for fmu in fmus {
-            let model = &fmu.description().model_name;
-            let namesakes = named.iter().filter(|(_, other)| other.description().model_name == *model);
-            let name = match namesakes.count() {
-                0 => model.clone(),
-                others => format!("{model}_{}", others + 1),
-            };
-            named.push((name, fmu.clone()));
-        }
-        let descriptions: Vec<_> = named.iter().map(|(name, fmu)| (name.as_str(), fmu.description())).collect();
-        let wires = wire_by_name(&descriptions)?;
+        let named = named(fmus);
+        let wires = wires_by_name(&named)?;
         Self::with_wires(&named, wires, coupling)
     }
 
@@ -197,7 +191,16 @@ impl Master {
             integer: Bus::new(&descriptions, &wires),
             boolean: Bus::new(&descriptions, &wires),
         };
-        Ok(Self { components, wires, coupling, buses, recording: Recording::default(), exchanged: false })
+        Ok(Self {
+            components,
+            wires,
+            coupling,
+            buses,
+            drives: Vec::new(),
+            warnings: Vec::new(),
+            recording: Recording::default(),
+            exchanged: false,
+        })
     }
 
     /// Names of the components, in their order.
@@ -219,12 +222,37 @@ impl Master {
         &mut self.components[component].instance
     }
 
-    /// Sets a variable before initialisation.
+    /// Sets a variable before initialisation. An input that was to follow a signal keeps this value instead.
     ///
     /// # Errors
     /// When there is no such variable, it is not the user's to set, the value does not fit or the FMU refuses it.
     pub fn apply(&mut self, setting: &Setting) -> Result<(), SettingError> {
-        settings::apply(setting, &mut self.components)
+        let set = settings::apply(setting, &mut self.components)?;
+        self.drives.retain(|drive| !set.contains(&(drive.component, drive.variable)));
+        Ok(())
+    }
+
+    /// Lets an input (`name`, in every component where it is free, or `Component.name`) follow a signal over time, from
+    /// [`Master::initialize`] on. It has the signal's value at every communication point; between them it is held or, on
+    /// a straight line and if the FMU can interpolate inputs, follows the line.
+    ///
+    /// # Errors
+    /// When there is no such variable or it is no free input.
+    pub fn drive(&mut self, target: &str, signal: &Signal) -> Result<(), SettingError> {
+        for place in settings::meant(target, &self.components, |component, index| {
+            settings::obstacle_to_driving(component, index, signal)
+        })? {
+            self.drives.retain(|drive| (drive.component, drive.variable) != place);
+            let description = self.components[place.0].instance.description();
+            self.drives.push(Drive::new(place, description, signal.clone()));
+        }
+        Ok(())
+    }
+
+    /// What a user should know about the run, apart from errors; known after [`Master::initialize`].
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
     }
 
     /// Initialises all components with consistent signals: they are exchanged in initialisation mode until nothing
@@ -245,10 +273,19 @@ impl Master {
                 });
             }
         }
+        self.warnings.clear();
+        for drive in &mut self.drives {
+            let component = &self.components[drive.component];
+            let variable = &component.instance.description().variables[drive.variable];
+            self.warnings.extend(drive.fit(grid, &format!("{}.{}", component.name, variable.name)));
+        }
         let experiment = Experiment { start: grid.start(), stop: Some(grid.stop()), tolerance: None };
         for component in &mut self.components {
             component.instance.setup_experiment(experiment)?;
             component.instance.enter_initialization_mode()?;
+        }
+        for drive in &mut self.drives {
+            drive.apply(&mut self.components[drive.component].instance, grid.start(), None)?;
         }
         self.read_all()?;
         let mut sweeps = 0;
@@ -346,18 +383,35 @@ impl Master {
         const STEPS_PER_REPORT: u64 = 1024;
         let mut schedule = Schedule::new(grid.start(), interval);
         for index in 0..grid.steps() {
-            let time = grid.time(index);
+            let (time, size) = (grid.time(index), grid.size(index));
+            self.apply_drives(time, Some(grid.time(index + 1)))?;
             if schedule.is_due(time) {
                 self.put_row(time, sink)?;
             }
-            self.step(time, grid.size(index))?;
+            self.step(time, size)?;
             if index % STEPS_PER_REPORT == 0 {
                 progress(index);
             }
         }
+        self.apply_drives(grid.stop(), None)?;
         self.put_row(grid.stop(), sink)?;
         progress(grid.steps());
         Ok(())
+    }
+
+    /// Gives the driven inputs their values at `time`; `next` is the communication point after it. Outputs that follow
+    /// them at once are fetched again, so that nobody computes with those of the old inputs.
+    fn apply_drives(&mut self, time: f64, next: Option<f64>) -> Result<(), MasterError> {
+        let mut apply = || {
+            for drive in &mut self.drives {
+                let instance = &mut self.components[drive.component].instance;
+                if drive.apply(instance, time, next)? {
+                    self.buses.read(drive.component, instance)?;
+                }
+            }
+            Ok(())
+        };
+        apply().map_err(|source| MasterError::Step { time, source })
     }
 
     fn put_row(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
@@ -365,7 +419,8 @@ impl Master {
         sink.row(time, &self.recording.values).map_err(MasterError::Record)
     }
 
-    /// One communication step of all components, from `time` to `time + size`.
+    /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep what they
+    /// have: only [`Master::run`] moves them.
     ///
     /// # Errors
     /// When an FMU does not complete it.
@@ -488,6 +543,27 @@ impl settings::Target for Component {
     fn driven_by(&self, variable: usize) -> Option<&str> {
         self.drivers.iter().find(|(index, _)| *index == variable).map(|(_, driver)| driver.as_str())
     }
+}
+
+/// The FMUs under names that tell them apart: their models', with a number from the second of one model on.
+pub(crate) fn named(fmus: &[Fmu]) -> Vec<(String, Fmu)> {
+    let mut named: Vec<(String, Fmu)> = Vec::with_capacity(fmus.len());
+    for fmu in fmus {
+        let model = &fmu.description().model_name;
+        let namesakes = named.iter().filter(|(_, other)| other.description().model_name == *model);
+        let name = match namesakes.count() {
+            0 => model.clone(),
+            others => format!("{model}_{}", others + 1),
+        };
+        named.push((name, fmu.clone()));
+    }
+    named
+}
+
+/// See [`wire_by_name`].
+pub(crate) fn wires_by_name(named: &[(String, Fmu)]) -> Result<Vec<Wire>, MasterError> {
+    let described: Vec<_> = named.iter().map(|(name, fmu)| (name.as_str(), fmu.description())).collect();
+    Ok(wire_by_name(&described)?)
 }
 
 fn settled<T: crate::wiring::Signal>(before: &[T], after: &[T]) -> bool {

@@ -140,19 +140,20 @@ impl<S: Sink> Sink for Pick<S> {
     }
 }
 
-/// Passes on only the rows at multiples of an interval (and the first one).
+/// Passes on only the rows at multiples of an interval, and the first and the last one.
 #[derive(Debug)]
 pub struct Every<S> {
     interval: f64,
+    stop: f64,
     schedule: Option<Schedule>,
     /// Takes these rows.
     pub sink: S,
 }
 
 impl<S> Every<S> {
-    /// Rows `interval` s apart for `sink`.
-    pub fn new(interval: f64, sink: S) -> Self {
-        Self { interval, schedule: None, sink }
+    /// Rows `interval` s apart, and the one at `stop`, for `sink`.
+    pub fn new(interval: f64, stop: f64, sink: S) -> Self {
+        Self { interval, stop, schedule: None, sink }
     }
 }
 
@@ -160,7 +161,7 @@ impl<S: Sink> Sink for Every<S> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         let interval = self.interval;
         let schedule = self.schedule.get_or_insert_with(|| Schedule::new(time, interval));
-        if schedule.is_due(time) { self.sink.row(time, values) } else { Ok(()) }
+        if schedule.is_due(time) || time >= self.stop { self.sink.row(time, values) } else { Ok(()) }
     }
 }
 
@@ -230,7 +231,8 @@ impl<W: Write> CsvSink<W> {
     fn field(&mut self, value: f64) -> io::Result<()> {
         use std::fmt::Write;
         self.digits.clear();
-        write!(self.digits, "{value:?}").expect("writing to a string cannot fail");
+        // + 0 makes zero of minus zero, which would print as -0.
+        write!(self.digits, "{:?}", value + 0.0).expect("writing to a string cannot fail");
         let digits = self.digits.strip_suffix(".0").unwrap_or(&self.digits);
         self.writer.write_field(digits).map_err(plain)
     }
@@ -301,13 +303,13 @@ mod tests {
     fn csv_reads_back_exactly() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("t.csv");
-        let mut every = Every::new(0.2, Table::new(table().columns().to_vec()));
+        let mut every = Every::new(0.2, 0.5, Table::new(table().columns().to_vec()));
         for (time, values) in table().rows() {
             every.row(time, values).unwrap();
         }
         every.sink.write_csv(&path).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
-        assert_eq!(text, "time,a,\"b,c\"\n0,0,-1e-9\n0.2,0.4,-1e-9\n0.4,0.8,-1e-9\n");
+        assert_eq!(text, "time,a,\"b,c\"\n0,0,-1e-9\n0.2,0.4,-1e-9\n0.4,0.8,-1e-9\n0.5,1,-1e-9\n");
     }
 
     #[test]

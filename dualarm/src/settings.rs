@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use crate::fmi::description::BaseType;
 use crate::fmi::{CallError, Causality, Instance, ModelDescription, Variability, Variable};
+use crate::signal::Signal;
 
 /// A value for a variable, still as text: its meaning depends on the variable's type.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,11 +21,23 @@ pub struct Setting {
 #[non_exhaustive]
 pub enum SettingError {
     /// No component has such a variable.
-    #[error("there is no variable \"{target}\"{}", suggestion(.similar))]
+    #[error("there is no variable \"{target}\" in {}{}", .components.join(" or "), suggestion(.similar))]
     Unknown {
         /// What the user wrote.
         target: String,
+        /// The components that were searched.
+        components: Vec<String>,
         /// Settable variables with similar names.
+        similar: Vec<String>,
+    },
+    /// What stands before the dot is no component.
+    #[error("there is no component \"{component}\"; the components are {}{}", .components.join(", "), suggestion(.similar))]
+    UnknownComponent {
+        /// What stands before the dot.
+        component: String,
+        /// All components.
+        components: Vec<String>,
+        /// What the user may have meant.
         similar: Vec<String>,
     },
     /// The variable is not the user's to set.
@@ -59,15 +72,8 @@ pub enum SettingError {
     },
 }
 
-impl SettingError {
-    /// Whether the user wrote something that cannot be, as opposed to a value an FMU does not like.
-    #[must_use]
-    pub fn is_usage(&self) -> bool {
-        !matches!(self, Self::Refused { .. })
-    }
-}
-
-fn suggestion(similar: &[String]) -> String {
+/// "; did you mean …?", or nothing.
+pub(crate) fn suggestion(similar: &[String]) -> String {
     match similar {
         [] => String::new(),
         names => format!("; did you mean {}?", names.join(" or ")),
@@ -108,47 +114,52 @@ pub(crate) trait Target {
     fn driven_by(&self, variable: usize) -> Option<&str>;
 }
 
-/// Applies a setting to every component it means. Only valid before initialisation.
-pub(crate) fn apply<T: Target>(setting: &Setting, targets: &mut [T]) -> Result<(), SettingError> {
-    let meant: Vec<(usize, usize)> = targets
-        .iter()
-        .enumerate()
-        .filter_map(|(index, target)| {
-            let description = target.description();
-            let local = || {
-                let name = setting.target.strip_prefix(target.name())?.strip_prefix('.')?;
-                description.index_of(name)
-            };
-            description.index_of(&setting.target).or_else(local).map(|variable| (index, variable))
-        })
-        .collect();
-    if meant.is_empty() {
-        return Err(SettingError::Unknown {
-            target: setting.target.clone(),
-            similar: similar_names(&setting.target, targets),
-        });
+/// A variable of a component: indices.
+pub(crate) type Place = (usize, usize);
+
+/// Applies a setting to every component it means and returns where. Only valid before initialisation.
+pub(crate) fn apply<T: Target>(setting: &Setting, targets: &mut [T]) -> Result<Vec<Place>, SettingError> {
+    let meant = meant(&setting.target, targets, obstacle_to_setting)?;
+    for &(target, variable) in &meant {
+        set(&mut targets[target], variable, setting)?;
     }
-    // A name may be one component's output and another one's parameter: set it where it can be set.
-    let obstacles: Vec<_> = meant.iter().map(|&(target, variable)| obstacle(&targets[target], variable)).collect();
-    if let Some(Some(first)) = obstacles.first()
-        && obstacles.iter().all(Option::is_some)
-    {
-        let (target, variable) = meant[0];
-        return Err(SettingError::NotSettable {
-            component: targets[target].name().to_owned(),
-            name: targets[target].description().variables[variable].name.clone(),
-            reason: first.clone(),
-        });
-    }
-    for ((target, variable), obstacle) in meant.into_iter().zip(obstacles) {
-        if obstacle.is_none() {
-            set(&mut targets[target], variable, setting)?;
-        }
-    }
-    Ok(())
+    Ok(meant)
 }
 
-fn obstacle<T: Target>(target: &T, index: usize) -> Option<String> {
+/// Every variable a user means with `name` or `Component.name` and to which there is no obstacle.
+pub(crate) fn meant<T: Target>(
+    wanted: &str,
+    targets: &[T],
+    obstacle: impl Fn(&T, usize) -> Option<String>,
+) -> Result<Vec<Place>, SettingError> {
+    let named = targets.iter().enumerate().filter_map(|(index, target)| {
+        let description = target.description();
+        let local = || {
+            let name = wanted.strip_prefix(target.name())?.strip_prefix('.')?;
+            description.index_of(name)
+        };
+        description.index_of(wanted).or_else(local).map(|variable| (index, variable))
+    });
+    let (mut free, mut first_obstacle) = (Vec::new(), None);
+    for (target, variable) in named {
+        match obstacle(&targets[target], variable) {
+            None => free.push((target, variable)),
+            Some(reason) => _ = first_obstacle.get_or_insert((target, variable, reason)),
+        }
+    }
+    match first_obstacle {
+        // A name may be one component's output and another one's parameter: it means the one where nothing is in the way.
+        _ if !free.is_empty() => Ok(free),
+        None => Err(unknown(wanted, targets)),
+        Some((target, variable, reason)) => Err(SettingError::NotSettable {
+            component: targets[target].name().to_owned(),
+            name: targets[target].description().variables[variable].name.clone(),
+            reason,
+        }),
+    }
+}
+
+fn obstacle_to_setting<T: Target>(target: &T, index: usize) -> Option<String> {
     let variable = &target.description().variables[index];
     if let Some(source) = target.driven_by(index) {
         return Some(format!("it is an input that {source} drives"));
@@ -161,6 +172,30 @@ fn obstacle<T: Target>(target: &T, index: usize) -> Option<String> {
         (_, Causality::Output) => "it is an output that the FMU computes".into(),
         _ => "the FMU computes it".into(),
     })
+}
+
+/// Why a variable cannot follow this signal over time.
+pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &Signal) -> Option<String> {
+    let variable = &target.description().variables[index];
+    if let Some(source) = target.driven_by(index) {
+        return Some(format!("it is an input that {source} drives"));
+    }
+    if variable.causality != Causality::Input {
+        return Some("only inputs can change over time, and it is none".into());
+    }
+    let values = || signal.values().map(|value| value.to_string()).collect::<Vec<_>>().join(", ");
+    match variable.base_type() {
+        BaseType::Real => None,
+        BaseType::String => Some("texts cannot change over time".into()),
+        _ if signal.is_ramped() => Some("only real inputs can follow straight lines; give it steps".into()),
+        BaseType::Boolean if signal.values().any(|value| value != 0.0 && value != 1.0) => {
+            Some(format!("it needs true and false (or 1 and 0), not {}", values()))
+        }
+        _ if signal.values().any(|value| value.fract() != 0.0 || value.abs() > f64::from(i32::MAX)) => {
+            Some(format!("it needs integers, not {}", values()))
+        }
+        _ => None,
+    }
 }
 
 fn set<T: Target>(target: &mut T, index: usize, setting: &Setting) -> Result<(), SettingError> {
@@ -213,28 +248,57 @@ fn in_unit(variable: &Variable) -> String {
     variable.unit().map(|unit| format!(" in {unit}")).unwrap_or_default()
 }
 
-/// The settable variables whose names come closest, best first.
-fn similar_names<T: Target>(wanted: &str, targets: &[T]) -> Vec<String> {
+/// What to say about a name that no component has.
+fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
+    let components: Vec<String> = targets.iter().map(|target| target.name().to_owned()).collect();
+    let split = wanted
+        .split_once('.')
+        .map(|(component, name)| (component, name, components.iter().position(|c| c == component)));
+    match split {
+        Some((component, name, Some(index))) => {
+            let mut similar = similar_names(name, &targets[index..=index], Some(component));
+            if similar.is_empty() {
+                similar = targets
+                    .iter()
+                    .filter(|target| target.description().index_of(name).is_some())
+                    .map(|target| format!("{}.{name}", target.name()))
+                    .collect();
+            }
+            SettingError::Unknown { target: name.to_owned(), components: vec![component.to_owned()], similar }
+        }
+        // A dot may also belong to a variable's own name.
+        Some((component, name, None)) if similar_names(wanted, targets, None).is_empty() => {
+            let close = closest(component, components.iter().map(String::as_str));
+            let similar = close.into_iter().map(|component| format!("{component}.{name}")).collect();
+            SettingError::UnknownComponent { component: component.to_owned(), components, similar }
+        }
+        _ => {
+            let similar = similar_names(wanted, targets, None);
+            SettingError::Unknown { target: wanted.to_owned(), components, similar }
+        }
+    }
+}
+
+/// The settable variables whose names come closest, with `prefix.` in front.
+fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -> Vec<String> {
+    let settable = targets.iter().flat_map(|target| {
+        let variables = target.description().variables.iter().enumerate();
+        let free = variables.filter(|(index, variable)| variable.is_settable() && target.driven_by(*index).is_none());
+        free.map(|(_, variable)| variable.name.as_str())
+    });
+    let prefix = prefix.map(|component| format!("{component}.")).unwrap_or_default();
+    closest(wanted, settable).into_iter().map(|name| format!("{prefix}{name}")).collect()
+}
+
+/// The candidates that come closest to a misspelt name, best first; none if none is close.
+pub(crate) fn closest<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     const SHOWN: usize = 3;
     const ALIKE: f64 = 0.8;
-    let mut found: Vec<(f64, String)> = Vec::new();
-    for target in targets {
-        // With a component's name in front, only that component is meant.
-        let (wanted, prefix) = match wanted.split_once('.') {
-            Some((component, name)) if component == target.name() => (name, format!("{component}.")),
-            Some((component, _)) if targets.iter().any(|other| other.name() == component) => continue,
-            _ => (wanted, String::new()),
-        };
-        let description = target.description();
-        for (index, variable) in description.variables.iter().enumerate() {
-            if !variable.is_settable() || target.driven_by(index).is_some() {
-                continue;
-            }
-            let score = strsim::jaro_winkler(&wanted.to_lowercase(), &variable.name.to_lowercase());
-            let name = format!("{prefix}{}", variable.name);
-            if score >= ALIKE && !found.iter().any(|(_, known)| *known == name) {
-                found.push((score, name));
-            }
+    let mut found: Vec<(f64, &str)> = Vec::new();
+    for candidate in candidates {
+        let score = strsim::jaro_winkler(&wanted.to_lowercase(), &candidate.to_lowercase());
+        if score >= ALIKE && !found.iter().any(|(_, known)| *known == candidate) {
+            found.push((score, candidate));
         }
     }
     found.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -91,7 +91,10 @@ fn bad_numbers_and_names_are_usage_errors() {
         (["--interval", "-1"], "the interval must be 0 or more seconds"),
         (["--coupling", "newton"], "invalid value 'newton'"),
         (["--controller", "pd"], "cannot be used with"),
-        (["--set", "trouble_a=1"], "no variable \"trouble_a\"; did you mean trouble_at"),
+        (["--set", "trouble_a=1"], "no variable \"trouble_a\" in Lag or Gain; did you mean trouble_at"),
+        (["--set", "Leg.T=1"], "no component \"Leg\"; the components are Lag, Gain"),
+        (["--set", "Lag.T=-1"], "Lag.T=-1 is refused: Lag: fmi2SetReal returned fmi2Error: T = -1 must be positive"),
+        (["--step", "10"], "a step of 10 s is longer than the run from 0 s to 2 s"),
         (["--set", "T"], "expected name=value"),
         (["--set", "T=fast"], "Lag.T needs a number, not \"fast\""),
         (["--set", "y=1"], "Lag.y cannot be set: it is an output that the FMU computes"),
@@ -109,16 +112,77 @@ fn bad_numbers_and_names_are_usage_errors() {
     assert_eq!(files(folder.path()), before);
 }
 
+/// Three different mistakes that are not wrong enough to stop a run.
+#[test]
+fn doubtful_runs_are_warned_about() {
+    let Some(folder) = fixtures() else { return };
+    let warnings = |arguments: &[&str]| {
+        let run = dualarm(folder.path(), &[&["simulate"], arguments].concat());
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        text(&run.stderr)
+    };
+    assert_eq!(warnings(&["Lag.fmu", "Gain.fmu", "--interval", "0.2"]), "");
+    let said = warnings(&["Lag.fmu", "Gain.fmu", "--interval", "0.25"]);
+    assert!(said.starts_with("warning: the interval of 0.25 s is no multiple of the step of 0.1 s"), "{said}");
+    let said = warnings(&["Lag.fmu", "Lag.fmu"]);
+    assert!(said.contains("warning: Lag shares no signal") && said.contains("Lag_2 shares no signal"), "{said}");
+}
+
+/// A scenario file beside its FMUs, and what may be wrong with it.
+#[test]
+fn scenario_files_describe_runs() {
+    let Some(folder) = fixtures() else { return };
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let scenario = "title = \"A loop\"\nfmus = [\"Lag.fmu\", \"Gain.fmu\"]\n\
+                    [experiment]\nstop = 1\nstep = 0.1\ninterval = 0.5\ncoupling = \"jacobi\"\n\
+                    [parameters]\nK = 3\n[inputs]\nreference.steps = [[0, 1], [0.5, 2]]\n";
+    fs::create_dir(folder.path().join("below")).unwrap();
+    write("loop.toml", scenario);
+    let run = dualarm(&folder.path().join("below"), &["simulate", "../loop.toml", "-o", "out.csv"]);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    assert!(text(&run.stdout).starts_with("A loop\nLag + Gain: 4 signals connected, 10 steps of 0.1 s"));
+    let csv = fs::read_to_string(folder.path().join("below/out.csv")).unwrap();
+    let times: Vec<_> = csv.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(times, ["0", "0.5", "1"]);
+    // What the command line says goes before what the file says.
+    let run =
+        dualarm(folder.path(), &["simulate", "loop.toml", "--stop", "0.3", "--step", "0.05", "--interval", "0.1"]);
+    assert!(text(&run.stdout).contains(" 6 steps of 0.05 s up to t = 0.3 s"), "{}", text(&run.stdout));
+
+    for (from, to, code, expected) in [
+        ("stop = 1", "stp = 1", 2, "error: bad.toml:4:1: unknown field `stp`"),
+        ("K = 3", "k1 = 3", 2, "error: bad.toml:9: there is no variable \"k1\" in Lag or Gain"),
+        ("K = 3", "K = \"3x\"", 2, "error: bad.toml:9: Gain.K needs a number, not \"3x\""),
+        ("K = 3", "\"Lag.T\" = -3", 2, "error: bad.toml:9: Lag.T=-3 is refused"),
+        ("reference", "y", 2, "error: bad.toml:11: Lag.y cannot be set: only inputs can change over time"),
+        ("stop = 1", "stop = -1", 2, "error: the stop time (-1 s) must lie behind the start time (0 s)"),
+        ("Gain.fmu", "Gone.fmu", 1, "error: there is no Gone.fmu in this folder or dist"),
+    ] {
+        write("bad.toml", &scenario.replacen(from, to, 1));
+        assert_fails(&dualarm(folder.path(), &["simulate", "bad.toml"]), code, expected);
+    }
+    let run = |words: &[&str]| dualarm(folder.path(), &[&["simulate"], words].concat());
+    assert_fails(&run(&["gone.toml"]), 1, "cannot read gone.toml");
+    assert_fails(&run(&["loop.toml", "Lag.fmu"]), 2, "loop.toml is a scenario; it runs alone");
+    assert_fails(&run(&["loop.toml", "--controller", "pd"]), 2, "this scenario runs none of NabfcController.fmu");
+    assert_fails(&run(&["pre-load"]), 2, "there is no scenario \"pre-load\"; did you mean preload?");
+}
+
+#[test]
+fn built_in_scenarios_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = dualarm(folder.path(), &["simulate", "--list"]);
+    assert!(list.status.success());
+    for expected in ["nabfc ", "pds ", "pd ", "preload "] {
+        assert!(text(&list.stdout).lines().any(|line| line.starts_with(expected)), "{expected}");
+    }
+}
+
 #[test]
 fn failing_runs_leave_no_output() {
     let Some(folder) = fixtures() else { return };
     let before = files(folder.path());
     let run = |setting: &str| simulate(folder.path(), &["--set", setting, "--set", "trouble=error", "-o", "out.csv"]);
-    assert_fails(
-        &run("Lag.T=-1"),
-        1,
-        "Lag.T=-1 is refused: Lag: fmi2SetReal returned fmi2Error: T = -1 must be positive",
-    );
     assert_fails(&run("trouble_at=1"), 1, "at t = 1 s: Lag: fmi2DoStep returned fmi2Error: trouble at t = 1");
     assert_eq!(files(folder.path()), before);
 
@@ -137,7 +201,7 @@ fn foreign_files_are_named() {
     assert_fails(
         &dualarm(folder.path(), &["simulate"]),
         1,
-        "there is no dist/DualArmPlant.fmu; run `dualarm package` first",
+        "there is no DualArmPlant.fmu in dist; `dualarm package` makes the FMUs",
     );
 
     let other = tempfile::tempdir().unwrap();
@@ -161,7 +225,7 @@ fn unwritable_places_are_named() {
     let compare = dualarm(folder.path(), &["compare", "--no-package", "--step", "0"]);
     assert_fails(&compare, 2, "step size must be a positive number");
     let compare = dualarm(folder.path(), &["compare", "--no-package"]);
-    assert_fails(&compare, 1, "cannot read dist/DualArmPlant.fmu");
+    assert_fails(&compare, 1, "there is no DualArmPlant.fmu in dist");
     assert_eq!(files(folder.path()), before);
 }
 

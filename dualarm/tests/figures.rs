@@ -4,13 +4,13 @@
 
 use dualarm::figures::text::{missing, width};
 use dualarm::figures::{self, Outcome, raster};
+use dualarm::grasp;
 use dualarm::metrics::{Limits, Metrics};
 use dualarm::record::{Column, Sink, Table};
-use dualarm::scenario;
 use roxmltree::{Document, Node};
 
 /// Second-order responses with the settling times known from the paper, a fast ripple on the force, clipped commands.
-fn outcome(scenario: scenario::Scenario, pole: f64) -> Outcome {
+fn outcome(scenario: grasp::Controller, pole: f64) -> Outcome {
     let columns = figures::SIGNALS.iter().map(|name| Column { name: (*name).into(), unit: None }).collect();
     let mut table = Table::new(columns);
     for index in 0..=80_000_u32 {
@@ -47,7 +47,7 @@ fn outcome(scenario: scenario::Scenario, pole: f64) -> Outcome {
 
 #[test]
 fn all_figures_are_whole() {
-    let outcomes = [outcome(scenario::NABFC, 15.4), outcome(scenario::PDS, 4.9), outcome(scenario::PD, 1.5)];
+    let outcomes = [outcome(grasp::NABFC, 15.4), outcome(grasp::PDS, 4.9), outcome(grasp::PD, 1.5)];
     let figures = figures::all(&outcomes);
     assert_eq!(figures.len(), 21, "Figs. 2 to 18, three overlays and the README's picture");
     for number in 2..=18 {

@@ -7,6 +7,7 @@ use dualarm::grid::TimeGrid;
 use dualarm::master::{Coupling, Master, MasterError};
 use dualarm::record::Table;
 use dualarm::settings::{Setting, SettingError};
+use dualarm::signal::{Shape, Signal};
 use support::{package, package_as};
 
 const T: f64 = 0.5;
@@ -175,14 +176,103 @@ fn components_of_one_model_get_names_of_their_own() {
     );
 }
 
+/// The reference value over time in the closed loop: the gain answers at once, as it does to any other input.
+#[test]
+fn driven_inputs_take_effect_at_their_communication_point() {
+    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
+    let reference = Signal::new(Shape::Steps, vec![(0.0, 1.0), (0.3, -1.0), (0.7, 0.5)]).unwrap();
+    let at = |index: u64| [1.0, -1.0, 0.5][usize::from(index >= 3) + usize::from(index >= 7)];
+    for order in [["Lag", "Gain"], ["Gain", "Lag"]] {
+        let Some((_folder, mut master)) = loop_of(order, Coupling::GaussSeidel) else { return };
+        master.drive("Gain.reference", &reference).unwrap();
+        let table = run(&mut master, &grid, 0.0);
+        assert!(master.warnings().is_empty());
+        let a = (-0.1_f64 / T).exp();
+        let mut y = vec![0.0];
+        for index in 0..grid.steps() {
+            let now = *y.last().unwrap();
+            y.push(a * now + (1.0 - a) * K * (at(index) - now));
+        }
+        assert_close(&table.column("y").unwrap(), &y);
+        let commands: Vec<_> = (0..).zip(&y).map(|(index, y)| K * (at(index) - y)).collect();
+        assert_close(&table.column("u").unwrap(), &commands);
+    }
+}
+
+/// A lag T·dy/dt = u − y whose input is a ramp u = t: held during each step, or as straight lines where the slave can.
+#[test]
+fn ramps_are_held_or_interpolated_as_the_slave_can() {
+    let folder = tempfile::tempdir().unwrap();
+    let ramp = Signal::new(Shape::Linear, vec![(0.0, 0.0), (1.0, 1.0)]).unwrap();
+    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
+    let a = (-0.1_f64 / T).exp();
+    let mut held = vec![0.0];
+    for index in 0..10_u32 {
+        held.push(a * held.last().unwrap() + (1.0 - a) * f64::from(index) * 0.1);
+    }
+    let exact: Vec<f64> =
+        (0..=10_u32).map(|index| f64::from(index) * 0.1).map(|t| t - T * (1.0 - (-t / T).exp())).collect();
+    for (interpolates, expected) in [(false, held), (true, exact)] {
+        let change = |text: String| {
+            let capability = format!("canInterpolateInputs=\"{interpolates}\" canGetAndSetFMUstate");
+            text.replace("canGetAndSetFMUstate", &capability)
+        };
+        let Some(path) = package_as(folder.path(), "Lag", change) else { return };
+        let mut master = Master::new(&[Fmu::open(path).unwrap()], Coupling::Jacobi).unwrap();
+        master.apply(&Setting::new("T", T.to_string())).unwrap();
+        master.drive("u", &ramp).unwrap();
+        let table = run(&mut master, &grid, 0.0);
+        assert_close(&table.column("y").unwrap(), &expected);
+        assert_eq!(master.warnings().len(), usize::from(!interpolates), "{:?}", master.warnings());
+    }
+}
+
+#[test]
+fn only_free_inputs_can_be_driven_and_a_setting_ends_that() {
+    let Some((_folder, mut master)) = loop_of(["Lag", "Gain"], Coupling::GaussSeidel) else { return };
+    let steps = |values: [f64; 2]| Signal::new(Shape::Steps, vec![(0.0, values[0]), (0.55, values[1])]).unwrap();
+    let ramp = Signal::new(Shape::Linear, vec![(0.0, 0.0), (1.0, 1.0)]).unwrap();
+    for (target, signal, expected) in [
+        ("Lag.u", steps([0.0, 1.0]), "Lag.u cannot be set: it is an input that Gain.u drives"),
+        ("K", steps([0.0, 1.0]), "Gain.K cannot be set: only inputs can change over time, and it is none"),
+        ("referense", steps([0.0, 1.0]), "there is no variable \"referense\" in Lag or Gain; did you mean reference?"),
+    ] {
+        assert_eq!(master.drive(target, &signal).unwrap_err().to_string(), expected);
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let lag = Fmu::open(package(folder.path(), "Lag").unwrap()).unwrap();
+    let mut alone = Master::new(&[lag], Coupling::Jacobi).unwrap();
+    for (signal, expected) in [(ramp, "only real inputs can follow straight lines"), (steps([0.0, 2.0]), "not 0, 2")] {
+        let message = alone.drive("u_on", &signal).unwrap_err().to_string();
+        assert!(message.contains(expected), "{message}");
+    }
+    alone.drive("u_on", &steps([0.0, 1.0])).unwrap();
+    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
+    let on = run(&mut alone, &grid, 0.0).column("y_on").unwrap();
+    assert_eq!(
+        alone.warnings(),
+        ["Lag.u_on jumps at 0.55 s, between two communication points: the jump comes with the next one"]
+    );
+    assert_eq!(on[..5], [on[0]; 5]);
+    assert_ne!(on[6], on[5]);
+
+    master.drive("reference", &steps([1.0, 5.0])).unwrap();
+    master.apply(&Setting::new("reference", "1")).unwrap();
+    let table = run(&mut master, &grid, 0.0);
+    assert_close(&table.column("y").unwrap(), &expected(&grid, false));
+}
+
 #[test]
 fn settings_say_what_is_wrong_with_them() {
     let Some((_folder, mut master)) = loop_of(["Lag", "Gain"], Coupling::Jacobi) else { return };
     let mut error = |target: &str, value: &str| master.apply(&Setting::new(target, value)).unwrap_err();
     for (target, value, expected) in [
-        ("trouble_a", "1", "there is no variable \"trouble_a\"; did you mean trouble_at or trouble?"),
-        ("Lag.lable", "1", "there is no variable \"Lag.lable\"; did you mean Lag.label?"),
-        ("Lag.K", "1", "there is no variable \"Lag.K\""),
+        ("trouble_a", "1", "there is no variable \"trouble_a\" in Lag or Gain; did you mean trouble_at or trouble?"),
+        ("Lag.lable", "1", "there is no variable \"lable\" in Lag; did you mean Lag.label?"),
+        ("Lag.K", "1", "there is no variable \"K\" in Lag; did you mean Gain.K?"),
+        ("xyz", "1", "there is no variable \"xyz\" in Lag or Gain"),
+        ("Gian.K", "1", "there is no component \"Gian\"; the components are Lag, Gain; did you mean Gain.K?"),
+        ("Plant.K", "1", "there is no component \"Plant\"; the components are Lag, Gain"),
         ("y", "1", "Lag.y cannot be set: it is an output that the FMU computes"),
         ("Gain.y", "1", "Gain.y cannot be set: it is an input that Lag.y drives"),
         ("trouble_at", "soon", "Lag.trouble_at needs a number in s, not \"soon\""),
@@ -193,7 +283,7 @@ fn settings_say_what_is_wrong_with_them() {
         assert_eq!(error(target, value).to_string(), expected);
     }
     let refused = error("T", "-1");
-    assert!(matches!(refused, SettingError::Refused { .. }) && !refused.is_usage());
+    assert!(matches!(refused, SettingError::Refused { .. }));
     assert_eq!(
         refused.to_string(),
         "T=-1 is refused: Lag: fmi2SetReal returned fmi2Error: T = -1 must be positive, # 100 %"

@@ -15,16 +15,3 @@ fn missing_fmus_are_named_and_nothing_is_written() {
     assert!(message.contains("DualArmPlant.fmu"), "{message}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
-
-#[test]
-fn starts_have_names() {
-    let folder = tempfile::tempdir().unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_dualarm"))
-        .current_dir(folder.path())
-        .args(["simulate", "--scenario", "upside-down"])
-        .output()
-        .unwrap();
-    assert_eq!(run.status.code(), Some(2));
-    let message = String::from_utf8(run.stderr).unwrap();
-    assert!(message.contains("rest") && message.contains("preload"), "{message}");
-}

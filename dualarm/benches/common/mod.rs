@@ -9,9 +9,9 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 
 use dualarm::fmi::{Fmu, Instance, ValueReference};
+use dualarm::grasp::{Controller, NABFC, PD, PDS, PLANT};
 use dualarm::grid::TimeGrid;
 use dualarm::master::{Coupling, Master};
-use dualarm::scenario::{NABFC, PD, PDS, PLANT, Scenario};
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -83,7 +83,7 @@ impl Slave {
         Self::new(&open(folder, PLANT)?, &COMMANDS, &MEASURED, order)
     }
 
-    pub fn controller(folder: &Path, scenario: &Scenario) -> Result<Self> {
+    pub fn controller(folder: &Path, scenario: &Controller) -> Result<Self> {
         Self::new(&open(folder, scenario.fmu)?, &MEASURED, &COMMANDS, None)
     }
 
@@ -111,7 +111,7 @@ pub struct Pair {
 }
 
 impl Pair {
-    pub fn new(folder: &Path, scenario: &Scenario) -> Result<Self> {
+    pub fn new(folder: &Path, scenario: &Controller) -> Result<Self> {
         Ok(Self {
             plant: Slave::plant(folder, None)?,
             controller: Slave::controller(folder, scenario)?,

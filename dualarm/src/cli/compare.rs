@@ -1,7 +1,7 @@
 //! `dualarm compare`, the main job.
 
 use std::num::NonZero;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -10,33 +10,24 @@ use std::time::Instant;
 use clap::Args;
 use indicatif::ProgressBar;
 
-use super::package::say;
+use super::fmus::Job;
 use super::progress::Progress;
-use super::simulate::{CouplingName, setting_failure};
+use super::simulate::CouplingName;
 use super::{Failure, print};
 use crate::figures::{self, NamedFigure, Outcome, raster};
 use crate::files;
-use crate::fmi::Fmu;
+use crate::grasp::{self, Controller};
 use crate::grid::TimeGrid;
-use crate::master::Master;
 use crate::metrics::Metrics;
-use crate::package::{package, repository};
 use crate::record::{Every, Pick, Table};
 use crate::report;
-use crate::scenario::{self, Scenario};
+use crate::scenario::BuiltIn;
 
 /// Arguments of `dualarm compare`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// Folder for report, figures and data
-    #[arg(long, short, default_value = "results", value_name = "FOLDER")]
-    out: PathBuf,
-    /// Folder for the packaged FMUs
-    #[arg(long, default_value = "dist", value_name = "FOLDER")]
-    fmus: PathBuf,
-    /// Use the FMUs that are already in that folder
-    #[arg(long)]
-    no_package: bool,
+    #[command(flatten)]
+    job: Job,
     /// How signals are exchanged
     #[arg(long, value_enum, default_value_t)]
     coupling: CouplingName,
@@ -56,29 +47,20 @@ const CSV_INTERVAL: f64 = 1e-3;
 
 impl Default for Arguments {
     fn default() -> Self {
-        Self {
-            out: "results".into(),
-            fmus: "dist".into(),
-            no_package: false,
-            coupling: CouplingName::default(),
-            step: STEP,
-            stop: STOP,
-        }
+        Self { job: Job::default(), coupling: CouplingName::default(), step: STEP, stop: STOP }
     }
 }
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let grid = TimeGrid::new(0.0, arguments.stop, arguments.step).map_err(Failure::usage)?;
-    if !arguments.no_package {
-        package(repository(), &arguments.fmus, quiet, &mut |doing| say(quiet, doing))?;
-    }
+    arguments.job.package(quiet)?;
     let begin = Instant::now();
     let outcomes = simulate_all(arguments, &grid, quiet)?;
     let figures = figures::all(&outcomes);
     write_results(arguments, &grid, &outcomes, &figures, quiet)?;
     if !quiet {
         let (forces, efforts) = report::tables(&outcomes);
-        let (report, seconds) = (arguments.out.join("report.md"), begin.elapsed().as_secs_f64());
+        let (report, seconds) = (arguments.job.out.join("report.md"), begin.elapsed().as_secs_f64());
         print(&format!(
             "{}\n{}\n{} with {} figures, in {seconds:.1} s\n",
             forces.to_terminal(),
@@ -92,50 +74,42 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 
 /// Runs the scenarios, each in a thread of its own with its own instances.
 fn simulate_all(arguments: &Arguments, grid: &TimeGrid, quiet: bool) -> Result<Vec<Outcome>, Failure> {
-    let plant = Fmu::open(arguments.fmus.join(scenario::PLANT))?;
     let progress = Progress::new(quiet);
-    let bars = scenario::PAPER.map(|scenario| progress.bar(scenario.title, grid.steps()));
+    let bars = grasp::PAPER.map(|controller| progress.bar(controller.title, grid.steps()));
     thread::scope(|scope| {
-        let runs: Vec<_> = scenario::PAPER
+        let runs: Vec<_> = grasp::PAPER
             .iter()
             .zip(&bars)
-            .map(|(scenario, bar)| {
-                let plant = plant.clone();
-                scope.spawn(move || simulate(scenario, plant, arguments, grid, bar))
-            })
+            .map(|(controller, bar)| scope.spawn(move || simulate(controller, arguments, grid, bar)))
             .collect();
         runs.into_iter().map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
     })
 }
 
 fn simulate(
-    scenario: &Scenario,
-    plant: Fmu,
+    controller: &Controller,
     arguments: &Arguments,
     grid: &TimeGrid,
     bar: &ProgressBar,
 ) -> Result<Outcome, Failure> {
-    let controller = Fmu::open(arguments.fmus.join(scenario.fmu))?;
-    let mut master = Master::new(&[plant, controller], arguments.coupling.into())?;
-    for setting in scenario.settings() {
-        master.apply(&setting).map_err(setting_failure)?;
-    }
+    let system = BuiltIn::find(controller.key)?.scenario()?.system(&arguments.job.folder.fmus)?;
+    let mut master = system.master(arguments.coupling.into())?;
     master.initialize(grid)?;
-    let limits = scenario::actuator_limits(master.instance(0));
+    let limits = grasp::actuator_limits(master.instance(0));
     let columns = master.record(|_| true);
     // Every step of the signals that are drawn and judged; everything else only as often as the CSV file wants it.
     let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
-    let mut all = Every::new(CSV_INTERVAL, Table::new(columns));
+    let mut all = Every::new(CSV_INTERVAL, grid.stop(), Table::new(columns));
     master.run(grid, 0.0, &mut (&mut drawn, &mut all), &mut |done| bar.set_position(done))?;
     bar.finish();
     master.finish()?;
 
-    all.sink.write_csv(arguments.out.join(format!("{}.csv", scenario.key)))?;
+    all.sink.write_csv(arguments.job.out.join(format!("{}.csv", controller.key)))?;
     let metrics = Metrics::of(&drawn.sink, limits).ok_or_else(|| Failure {
         code: 1,
-        message: format!("{} and {} do not offer the outputs a comparison needs", scenario::PLANT, scenario.fmu),
+        message: format!("{} and {} do not offer the outputs a comparison needs", grasp::PLANT, controller.fmu),
     })?;
-    Ok(Outcome { scenario: *scenario, table: drawn.sink, metrics })
+    Ok(Outcome { scenario: *controller, table: drawn.sink, metrics })
 }
 
 fn write_results(
@@ -145,7 +119,7 @@ fn write_results(
     figures: &[NamedFigure],
     quiet: bool,
 ) -> Result<(), Failure> {
-    let out = &arguments.out;
+    let out = &arguments.job.out;
     let results = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics));
     files::write(out.join("metrics.csv"), report::metrics_csv(results))?;
     files::write(out.join("metrics.md"), report::metrics_markdown(outcomes))?;

@@ -1,6 +1,7 @@
 //! The command line: arguments, exit codes, error messages.
 
 mod compare;
+mod fmus;
 mod package;
 mod progress;
 mod simulate;
@@ -11,6 +12,12 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use crate::files::WriteError;
+use crate::fmi::{CallError, FmuError};
+use crate::master::MasterError;
+use crate::package::PackageError;
+use crate::verify::VerifyError;
 
 /// What a user reads below the help text.
 const AFTER_HELP: &str = "\
@@ -60,14 +67,24 @@ impl Failure {
     fn usage(message: impl fmt::Display) -> Self {
         Self { code: 2, message: message.to_string() }
     }
-}
 
-/// A simulation, a build or a file failed.
-impl<E: std::error::Error> From<E> for Failure {
-    fn from(error: E) -> Self {
-        Self { code: 1, message: error.to_string() }
+    /// A simulation, a build or a file failed.
+    fn failed(message: impl fmt::Display) -> Self {
+        Self { code: 1, message: message.to_string() }
     }
 }
+
+/// What fails while the program does what it was asked to.
+macro_rules! failures {
+    ($($error:ty),* $(,)?) => {
+        $(impl From<$error> for Failure {
+            fn from(error: $error) -> Self {
+                Self::failed(error)
+            }
+        })*
+    };
+}
+failures![io::Error, CallError, FmuError, MasterError, PackageError, VerifyError, WriteError];
 
 /// Prints to standard output. A reader that has gone (`| head`) is no failure.
 fn print(text: &str) {

@@ -8,16 +8,16 @@ pub mod paper;
 pub mod raster;
 pub mod text;
 
+use crate::grasp::Controller;
 use crate::metrics::Metrics;
 use crate::record::Table;
-use crate::scenario::Scenario;
 use chart::Figure;
 
 /// The result of one scenario, as figures and the report need it.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// What was run.
-    pub scenario: Scenario,
+    pub scenario: Controller,
     /// What was recorded.
     pub table: Table,
     /// How good it was.

@@ -19,9 +19,9 @@ use std::path::Path;
 
 use crate::figures::NamedFigure;
 use crate::fmi::{CallError, Fmu, FmuError};
+use crate::grasp;
 use crate::master::MasterError;
 use crate::report::TextTable;
-use crate::scenario;
 use crate::settings::SettingError;
 
 /// Why the checks could not be made at all.
@@ -123,8 +123,8 @@ impl Fmus {
     /// When one is missing or damaged.
     pub fn open(folder: &Path) -> Result<Self, FmuError> {
         let open = |file: &str| Fmu::open(folder.join(file));
-        let [nabfc, pds, pd] = scenario::PAPER.map(|scenario| scenario.fmu);
-        Ok(Self { plant: open(scenario::PLANT)?, controllers: [open(nabfc)?, open(pds)?, open(pd)?] })
+        let [nabfc, pds, pd] = grasp::PAPER.map(|controller| controller.fmu);
+        Ok(Self { plant: open(grasp::PLANT)?, controllers: [open(nabfc)?, open(pds)?, open(pd)?] })
     }
 
     /// The controller of a model name.

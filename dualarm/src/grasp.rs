@@ -1,4 +1,5 @@
-//! The scenarios of the paper, and the controllers a user can name: which FMU, which settings, what the paper states.
+//! The parts of the grasp: the plant, its controllers by name and what the paper states of them, its actuators' limits.
+//! What is run with them is a [`scenario`](crate::scenario)'s matter.
 
 use crate::fmi::Instance;
 use crate::metrics::Limits;
@@ -7,77 +8,44 @@ use crate::settings::Setting;
 /// File name of the plant.
 pub const PLANT: &str = "DualArmPlant.fmu";
 
-/// A controller with its settings.
+/// A controller of the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Scenario {
-    /// What the user types.
+pub struct Controller {
+    /// What the user types; also the name of the built-in scenario of the paper's case with it.
     pub key: &'static str,
     /// What figures and tables say.
     pub title: &'static str,
     /// File name of the controller.
     pub fmu: &'static str,
-    /// Names and values to set.
+    /// Names and values that make this controller of the FMU.
     settings: &'static [(&'static str, &'static str)],
     /// How long the paper says the contact force takes, or an empty text.
     pub paper: &'static str,
 }
 
 /// Neuro-adaptive boundary force control.
-pub const NABFC: Scenario =
-    Scenario { key: "nabfc", title: "NABFC", fmu: "NabfcController.fmu", settings: &[], paper: "less than 0.5 s" };
+pub const NABFC: Controller =
+    Controller { key: "nabfc", title: "NABFC", fmu: "NabfcController.fmu", settings: &[], paper: "less than 0.5 s" };
 /// The same with the faster gains.
-pub const NABFC_FAST: Scenario =
-    Scenario { key: "nabfc-fast", title: "NABFC, fast preset", settings: &[("preset", "fast")], paper: "", ..NABFC };
+pub const NABFC_FAST: Controller =
+    Controller { key: "nabfc-fast", title: "NABFC, fast preset", settings: &[("preset", "fast")], paper: "", ..NABFC };
 /// Proportional-derivative control with strain feedback.
-pub const PDS: Scenario =
-    Scenario { key: "pds", title: "PDS", fmu: "PdsController.fmu", settings: &[], paper: "almost 2 s" };
+pub const PDS: Controller =
+    Controller { key: "pds", title: "PDS", fmu: "PdsController.fmu", settings: &[], paper: "almost 2 s" };
 /// Proportional-derivative control.
-pub const PD: Scenario =
-    Scenario { key: "pd", title: "PD", fmu: "PdController.fmu", settings: &[], paper: "much longer" };
-
-/// Where the grasp starts from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Start {
-    /// What the user types.
-    pub key: &'static str,
-    /// Names and values to set.
-    settings: &'static [(&'static str, &'static str)],
-}
-
-/// The paper's start: everything at rest, no contact force. One force is then tensile for the first milliseconds.
-pub const REST: Start = Start { key: "rest", settings: &[] };
-/// At rest with a static contact force of 0.05 N, a tenth of the paper's target: both forces stay compressive.
-///
-/// With y = L/2, (12) and (16) give `l θ_i = w_i(l) = −λ_i l³/(3 EI_i)` and `λ_i = (−1)^i f`, so `θ_1 = f l²/(3 EI_1)`
-/// and `θ_2 = −f l²/(3 EI_2)`. The numbers are those of the paper's arms.
-pub const PRELOAD: Start =
-    Start { key: "preload", settings: &[("theta1_0", "0.005797101449275363"), ("theta2_0", "-0.005797101449275363")] };
-/// All starts a user can name.
-pub const STARTS: &[Start] = &[REST, PRELOAD];
-
-impl Start {
-    /// The start a user names.
-    #[must_use]
-    pub fn find(key: &str) -> Option<&'static Self> {
-        STARTS.iter().find(|start| start.key == key)
-    }
-
-    /// Its settings.
-    pub fn settings(&self) -> impl Iterator<Item = Setting> {
-        self.settings.iter().map(|(name, value)| Setting::new(*name, *value))
-    }
-}
+pub const PD: Controller =
+    Controller { key: "pd", title: "PD", fmu: "PdController.fmu", settings: &[], paper: "much longer" };
 
 /// All controllers a user can name.
-pub const CONTROLLERS: &[Scenario] = &[NABFC, NABFC_FAST, PDS, PD];
-/// The scenarios of the paper, in its order.
-pub const PAPER: [Scenario; 3] = [NABFC, PDS, PD];
+pub const CONTROLLERS: &[Controller] = &[NABFC, NABFC_FAST, PDS, PD];
+/// The controllers the paper compares, in its order.
+pub const PAPER: [Controller; 3] = [NABFC, PDS, PD];
 
-impl Scenario {
+impl Controller {
     /// The controller a user names.
     #[must_use]
     pub fn find(key: &str) -> Option<&'static Self> {
-        CONTROLLERS.iter().find(|scenario| scenario.key == key)
+        CONTROLLERS.iter().find(|controller| controller.key == key)
     }
 
     /// Its settings.

@@ -1,0 +1,67 @@
+//! What is to be simulated: the command line's words become a [`System`].
+
+use std::path::{Path, PathBuf};
+
+use crate::cli::Failure;
+use crate::fmi::Fmu;
+use crate::grasp::{self, Controller};
+use crate::scenario::{BuiltIn, Scenario, ScenarioError};
+use crate::system::{System, SystemError};
+
+/// Reads the description and opens the FMUs. `words` are what the user wrote without an option, `fmus` is the folder of
+/// the packaged FMUs.
+pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Result<System, Failure> {
+    let controller = controller.and_then(Controller::find);
+    let scenario = match (words, controller) {
+        ([], None) => BuiltIn::find(grasp::NABFC.key)?.scenario()?,
+        // The paper's case with this controller has its own stop time.
+        ([], Some(controller)) => return Ok(BuiltIn::find(controller.key)?.scenario()?.system(fmus)?),
+        ([word], _) if has_extension(word, "toml") => Scenario::read(word)?,
+        ([word], _) if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
+        (files, None) => return of_fmus(files),
+        (_, Some(_)) => return Err(Failure::usage("--controller cannot be used with FMU files, only with a scenario")),
+    };
+    let scenario = match controller {
+        Some(controller) => scenario.with_controller(controller)?,
+        None => scenario,
+    };
+    Ok(scenario.system(fmus)?)
+}
+
+fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
+    if let Some(scenario) = files.iter().find(|file| has_extension(file, "toml")) {
+        let message = format!("{} is a scenario; it runs alone, without other files", scenario.display());
+        return Err(Failure::usage(message));
+    }
+    let fmus = files.iter().map(Fmu::open).collect::<Result<Vec<_>, _>>()?;
+    Ok(System::of_fmus(&fmus))
+}
+
+fn has_extension(path: &Path, expected: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(expected))
+}
+
+/// A bare word that is no file can only be the name of a scenario.
+fn is_name(word: &Path) -> bool {
+    word.extension().is_none() && word.components().count() == 1 && !word.exists()
+}
+
+impl From<ScenarioError> for Failure {
+    fn from(error: ScenarioError) -> Self {
+        match error {
+            ScenarioError::Content { .. } | ScenarioError::Unknown { .. } | ScenarioError::NoController { .. } => {
+                Self::usage(error)
+            }
+            _ => Self::failed(error),
+        }
+    }
+}
+
+impl From<SystemError> for Failure {
+    fn from(error: SystemError) -> Self {
+        match error {
+            SystemError::Setting { .. } => Self::usage(error),
+            SystemError::Master(_) => Self::failed(error),
+        }
+    }
+}

@@ -1,0 +1,295 @@
+//! The text of a scenario file.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::path::PathBuf;
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error as _, MapAccess, Visitor};
+use toml::Spanned;
+
+use super::{Scenario, ScenarioError};
+use crate::master::Coupling;
+use crate::settings::{self, Setting};
+use crate::signal::{Shape, Signal};
+use crate::system::{Experiment, Located};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    title: String,
+    #[serde(default)]
+    description: String,
+    fmus: Vec<PathBuf>,
+    #[serde(default)]
+    experiment: ExperimentTable,
+    #[serde(default)]
+    parameters: BTreeMap<String, Spanned<Value>>,
+    #[serde(default)]
+    inputs: BTreeMap<String, Spanned<Input>>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ExperimentTable {
+    start: Option<f64>,
+    stop: Option<f64>,
+    step: Option<f64>,
+    interval: Option<f64>,
+    coupling: Option<CouplingName>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum CouplingName {
+    GaussSeidel,
+    Jacobi,
+}
+
+/// A constant, as the text that a [`Setting`] takes.
+struct Value(String);
+
+enum Input {
+    Constant(String),
+    Varying(Signal),
+}
+
+/// A number, or a truth value as 1 or 0.
+struct Number(f64);
+
+pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
+    let content = |offset: usize, message: String| {
+        let (line, column) = position(text, offset);
+        ScenarioError::Content { file: file.to_owned(), line, column, message }
+    };
+    let read: File = toml::from_str(text)
+        .map_err(|error| content(error.span().map_or(0, |span| span.start), with_suggestion(error.message())))?;
+    if read.fmus.is_empty() {
+        return Err(content(0, "fmus names no file".to_owned()));
+    }
+    let place = |offset: usize| Some(format!("{file}:{}", position(text, offset).0));
+    let mut settings = Vec::new();
+    for (name, value) in read.parameters {
+        let place = place(value.span().start);
+        settings.push(Located { item: Setting::new(name, value.into_inner().0), place });
+    }
+    let mut inputs = Vec::new();
+    for (name, input) in read.inputs {
+        let place = place(input.span().start);
+        match input.into_inner() {
+            Input::Constant(value) => settings.push(Located { item: Setting::new(name, value), place }),
+            Input::Varying(signal) => inputs.push(Located { item: (name, signal), place }),
+        }
+    }
+    let ExperimentTable { start, stop, step, interval, coupling } = read.experiment;
+    let coupling = coupling.map(|name| match name {
+        CouplingName::GaussSeidel => Coupling::GaussSeidel,
+        CouplingName::Jacobi => Coupling::Jacobi,
+    });
+    Ok(Scenario {
+        title: read.title,
+        description: read.description.trim().to_owned(),
+        fmus: read.fmus,
+        experiment: Experiment { start, stop, step, coupling, interval },
+        settings,
+        inputs,
+        folder: None,
+    })
+}
+
+/// Line and column, from 1, of a byte of a text.
+fn position(text: &str, offset: usize) -> (usize, usize) {
+    let before = text.get(..offset).unwrap_or(text);
+    let line_start = before.rfind('\n').map_or(0, |end| end + 1);
+    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
+}
+
+/// Adds "did you mean" to serde's message about an unknown name, which quotes the name and then every known one in
+/// backticks.
+fn with_suggestion(message: &str) -> String {
+    let message = message.trim_end();
+    if !message.starts_with("unknown ") {
+        return message.to_owned();
+    }
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let Some(wrong) = quoted.next() else { return message.to_owned() };
+    let similar: Vec<_> = settings::closest(wrong, quoted).into_iter().take(1).map(str::to_owned).collect();
+    format!("{message}{}", settings::suggestion(&similar))
+}
+
+/// What a nested table under a name most likely was meant to be.
+const DOTTED: &str = "a value (write \"Component.name\" with its quotation marks)";
+
+impl<'de> Deserialize<'de> for Value {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Constant;
+        impl Visitor<'_> for Constant {
+            type Value = Value;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(DOTTED)
+            }
+            fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+                Ok(Value(value.to_string()))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+                Ok(Value(value.to_string()))
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+                Ok(Value(value.to_string()))
+            }
+            fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+                Ok(Value(value.to_owned()))
+            }
+        }
+        deserializer.deserialize_any(Constant)
+    }
+}
+
+impl<'de> Deserialize<'de> for Number {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Finite;
+        impl Visitor<'_> for Finite {
+            type Value = Number;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, true or false")
+            }
+            fn visit_bool<E>(self, value: bool) -> Result<Number, E> {
+                Ok(Number(f64::from(u8::from(value))))
+            }
+            #[allow(clippy::cast_precision_loss)] // times and values of this size are exact
+            fn visit_i64<E>(self, value: i64) -> Result<Number, E> {
+                Ok(Number(value as f64))
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Number, E> {
+                Ok(Number(value))
+            }
+        }
+        deserializer.deserialize_any(Finite)
+    }
+}
+
+impl<'de> Deserialize<'de> for Input {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Any;
+        impl<'de> Visitor<'de> for Any {
+            type Value = Input;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a value, or steps or linear with a list of [time, value]")
+            }
+            fn visit_bool<E>(self, value: bool) -> Result<Input, E> {
+                Ok(Input::Constant(value.to_string()))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<Input, E> {
+                Ok(Input::Constant(value.to_string()))
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Input, E> {
+                Ok(Input::Constant(value.to_string()))
+            }
+            fn visit_str<E>(self, value: &str) -> Result<Input, E> {
+                Ok(Input::Constant(value.to_owned()))
+            }
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Input, A::Error> {
+                const SHAPES: &[&str] = &["steps", "linear"];
+                let Some(key) = map.next_key::<String>()? else {
+                    return Err(A::Error::custom("steps or linear is missing"));
+                };
+                let shape = match key.as_str() {
+                    "steps" => Shape::Steps,
+                    "linear" => Shape::Linear,
+                    other => {
+                        return Err(A::Error::custom(format!(
+                            "unknown shape `{other}`, expected `{}`; a component's input is written \"Component.name\" with its \
+                             quotation marks",
+                            SHAPES.join("` or `")
+                        )));
+                    }
+                };
+                let points: Vec<Vec<Number>> = map.next_value()?;
+                if map.next_key::<String>()?.is_some() {
+                    return Err(A::Error::custom("an input has steps or linear, not both"));
+                }
+                let point = |point: Vec<Number>| match point[..] {
+                    [Number(time), Number(value)] => Ok((time, value)),
+                    _ => Err(A::Error::custom(format!("a point is [time, value], not {} numbers", point.len()))),
+                };
+                let points = points.into_iter().map(point).collect::<Result<_, _>>()?;
+                Signal::new(shape, points).map(Input::Varying).map_err(A::Error::custom)
+            }
+        }
+        deserializer.deserialize_any(Any)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = r#"title = "Two"
+description = """
+Long.
+"""
+fmus = ["a.fmu", "b.fmu"]
+
+[experiment]
+stop = 2
+step = 1e-3
+coupling = "jacobi"
+
+[parameters]
+M = 1.5
+order = 8
+actuator_model = "raw"
+"Plant.on" = true
+
+[inputs]
+u = 0.25
+delta_F.steps = [[0, 0], [0.5, 0.1]]
+"Plant.enable" = { steps = [[0, false], [1, true]] }
+lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
+"#;
+
+    #[test]
+    fn every_part_is_read() {
+        let scenario = parse("x.toml", GOOD).unwrap();
+        assert_eq!((scenario.title.as_str(), scenario.description.as_str()), ("Two", "Long."));
+        assert_eq!(scenario.fmus.len(), 2);
+        let Experiment { start, stop, step, coupling, interval } = scenario.experiment;
+        assert_eq!((start, stop, step, interval), (None, Some(2.0), Some(1e-3), None));
+        assert_eq!(coupling, Some(Coupling::Jacobi));
+        let settings: Vec<_> = scenario.settings.iter().map(|setting| setting.item.to_string()).collect();
+        assert_eq!(settings, ["M=1.5", "Plant.on=true", "actuator_model=raw", "order=8", "u=0.25"]);
+        assert_eq!(scenario.settings[0].place.as_deref(), Some("x.toml:13"));
+        let values: Vec<_> =
+            scenario.inputs.iter().map(|input| (input.item.0.as_str(), input.item.1.at(0.75))).collect();
+        assert_eq!(values, [("Plant.enable", 0.0), ("delta_F", 0.1), ("lambda1_ref", -0.575)]);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_place() {
+        for (from, to, expected) in [
+            ("stop = 2", "stp = 2", "x.toml:8:1: unknown field `stp`"),
+            ("stop = 2", "stp = 2", "did you mean stop?"),
+            ("fmus", "fmu", "x.toml:5:1: unknown field `fmu`"),
+            ("title = \"Two\"\n", "", "missing field `title`"),
+            ("stop = 2", "stop = \"2\"", "x.toml:8:8: invalid type: string \"2\", expected f64"),
+            ("\"jacobi\"", "\"jakobi\"", "x.toml:10:12: unknown variant `jakobi`"),
+            ("\"jacobi\"", "\"jakobi\"", "did you mean jacobi?"),
+            ("step = 1e-3", "step = 1e-3\nstep = 2", "x.toml:10:1: duplicate key"),
+            ("= 1.5", "= ", "x.toml:13:"),
+            ("\"Plant.on\"", "Plant.on", "write \"Component.name\" with its quotation marks"),
+            ("delta_F.steps", "delta_F.step", "unknown shape `step`"),
+            ("\"Plant.enable\"", "Plant.enable", "\"Component.name\" with its quotation marks"),
+            ("[0.5, 0.1]", "[-1, 0.1]", "x.toml:20:"),
+            ("[0.5, 0.1]", "[-1, 0.1]", "times must increase: -1 s follows 0 s"),
+            ("[0.5, 0.1]", "[0.5]", "x.toml:20:"),
+            ("[0.5, 0.1]", "[0.5, 0.1, 3]", "a point is [time, value], not 3 numbers"),
+            ("[0.5, 0.1]", "[0.5, \"x\"]", "expected a number, true or false"),
+            ("[0.5, 0.1]", "[0.5, nan]", "is not finite"),
+            ("[\"a.fmu\", \"b.fmu\"]", "[]", "fmus names no file"),
+        ] {
+            assert!(GOOD.contains(from), "{from}");
+            let message = parse("x.toml", &GOOD.replacen(from, to, 1)).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+        }
+    }
+}
