@@ -1,6 +1,7 @@
 """Other people's importers, each run in a process of its own; both print the table that `read_table` reads.
 
 * `ecos`: the native engine of Ecos, from the wheel `ecospy`;
+* `libcosim`: the native engine of the Open Simulation Platform, from the wheel `libcosimpy`;
 * `rust_fmi`: the crate `fmi` of rust-fmi, by way of the program in `judges/rust-fmi`.
 """
 
