@@ -114,6 +114,7 @@ pub(crate) struct Steps {
 
 impl Steps {
     /// The steps over `h`: those kept from before if they are of this size.
+    #[inline]
     pub fn of_size(kept: &mut Option<Self>, h: f64, laws: [LeakyLaw; 3]) -> Self {
         match kept {
             Some(steps) if steps.h == h => *steps,

@@ -65,6 +65,7 @@ pub struct Estimates {
 }
 
 /// Inputs of the three loops at one instant.
+#[derive(Clone, Copy)]
 struct LoopInputs {
     object: ObjectInputs,
     /// (eᵢ, ėᵢ).
@@ -183,14 +184,12 @@ impl Nabfc {
     }
 
     /// Weights Ŵ of the object network, for the record; their centres are those of the layout.
-    #[must_use]
-    pub fn object_weights(&self) -> &[f64] {
+    pub fn object_weights(&self) -> impl Iterator<Item = f64> {
         self.object.network.weights()
     }
 
     /// Weights Ûᵢ of the posture network of `arm` 0 or 1.
-    #[must_use]
-    pub fn posture_weights(&self, arm: usize) -> &[f64] {
+    pub fn posture_weights(&self, arm: usize) -> impl Iterator<Item = f64> {
         self.posture[arm].network.weights()
     }
 
@@ -263,13 +262,12 @@ impl Law for Nabfc {
         let shear_dot_rate = rates.measured.tip_shear_dot;
         let held = *rates == Inputs::HELD;
         let used = self.shear_rate.sampled(h, shear_dot, shear_dot_rate);
-        let [first, second] = [0, 1].map(|node| {
-            if held {
-                self.loop_inputs(inputs, used[node])
-            } else {
-                self.loop_inputs(&inputs.after(NODES[node] * h, rates), used[node])
-            }
-        });
+        let [first, second] = if held {
+            let first = self.loop_inputs(inputs, used[0]);
+            [first, LoopInputs { object: ObjectInputs { shear_dot: used[1], ..first.object }, ..first }]
+        } else {
+            [0, 1].map(|node| self.loop_inputs(&inputs.after(NODES[node] * h, rates), used[node]))
+        };
         if held && self.shear_rate.is_settled(shear_dot) {
             self.object.step(h, &first.object);
         } else {

@@ -1,10 +1,10 @@
 //! Object-position loop, eqs. (31)–(39).
 
 use crate::adaptation::{LeakyLaw, Steps};
+use crate::exponential::tanh;
 use crate::gains::{Gains, ObjectGains, RbfLayout};
 use crate::rbf::Network;
 use crate::sat::{sat, sat_slope};
-use libm::tanh;
 use serde::{Deserialize, Serialize};
 
 /// What the loop sees at one instant.

@@ -1,10 +1,10 @@
 //! Posture loop of one arm, eqs. (49)–(57).
 
 use crate::adaptation::{LeakyLaw, Steps};
+use crate::exponential::tanh;
 use crate::gains::{Gains, PostureGains, RbfLayout};
 use crate::rbf::Network;
 use crate::sat::{sat, sat_slope};
-use libm::tanh;
 use serde::{Deserialize, Serialize};
 
 /// Controller of one hub: its gains, its estimates Ĵ, π̂, Û.

@@ -14,11 +14,17 @@
 //!
 //! A Gaussian of the whole vector is the product of one-dimensional ones, and along an equally spaced axis those are a
 //! common factor times powers of another: `exp(−(x−c)²/b²) = exp(−x²/b²) exp(2xc/b²) exp(−c²/b²)`. So an evaluation needs
-//! two exponentials per axis, not one per node; and the activations of a grid are the products of those along its first
-//! axis with those of its other axes, so these two lists stand for all of them.
+//! few exponentials, not one per node:
 //!
-//! Far outside the box every activation tends to zero and nothing else happens: values below 10⁻³⁰ on an axis count as
-//! zero, which keeps denormal numbers out of the products.
+//! * a grid two per axis; and its activations are the products of those along its first axis with those of its other
+//!   axes, so these two lists stand for all of them;
+//! * a star one per axis and one more, because `exp(−‖x‖²/b²)` is common to all its nodes.
+//!
+//! Far outside the box every activation tends to zero and nothing else happens: values below 10⁻³⁰ count as zero (on
+//! each axis of a grid, in all of a star), which keeps denormal numbers out of the products.
+//!
+//! Everything comes in fours, [`Lanes`]: the axes while the basis is evaluated, the nodes while the weights learn. What
+//! is left over is filled up with zeros, so that no loop has a remainder and every sum the same order on any processor.
 
 // Inlined into functions for wide registers, and indexed in step, or the compiler does not use these registers.
 #![allow(clippy::inline_always, clippy::needless_range_loop)]
@@ -36,14 +42,20 @@ pub const MAX_PER_AXIS: usize = 9;
 /// Narrowest and widest Gaussians in normalised units. Narrower ones would underflow inside the box.
 pub const WIDTHS: std::ops::RangeInclusive<f64> = 0.1..=10.0;
 
-/// Running sums of an inner product.
+/// Numbers that are computed with at once: a register where the processor has one of that width.
 const LANES: usize = 4;
 
-/// Room for the exponents of all axes of a network.
-const EXPONENTS: usize = 16;
+/// Four numbers side by side.
+type Lanes = [f64; LANES];
 
-/// Activations along one axis that are smaller count as zero.
+/// Room for the axes of a network, in fours, with one lane to spare.
+const MAX_GROUPS: usize = 2;
+
+/// Activations that are smaller count as zero.
 const NEGLIGIBLE: f64 = 1e-30;
+
+/// Where the common factor of a star is smaller, all its activations are negligible.
+const NOTHING_IS_NEAR: f64 = 1e-200;
 
 /// Where the centres are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -79,6 +91,33 @@ impl Layout {
         }
     }
 
+    /// Lanes of a row, in fours.
+    fn row_length(self, dimensions: usize) -> usize {
+        match self {
+            Self::Grid(_) => (self.nodes(dimensions) / self.rows()).div_ceil(LANES),
+            Self::Star(rings) => 1 + 2 * rings * groups(dimensions),
+        }
+    }
+
+    /// Where the weight of a node is: the row, and the lane in it.
+    ///
+    /// The row of a star has its origin first, then position by position along the axes those of all axes side by side.
+    fn place(self, dimensions: usize, node: usize) -> (usize, usize) {
+        match self {
+            Self::Grid(_) => {
+                let row = self.nodes(dimensions) / self.rows();
+                (node / row, node % row)
+            }
+            Self::Star(rings) => (
+                0,
+                node.checked_sub(1).map_or(0, |index| {
+                    let (axis, position) = (index / (2 * rings), index % (2 * rings));
+                    LANES * (1 + position * groups(dimensions)) + axis
+                }),
+            ),
+        }
+    }
+
     /// Number of nodes in `dimensions` dimensions.
     #[must_use]
     pub fn nodes(self, dimensions: usize) -> usize {
@@ -87,6 +126,11 @@ impl Layout {
             Self::Star(rings) => 1 + 2 * rings * dimensions,
         }
     }
+}
+
+/// Fours of the axes of a network, with one lane to spare: there is the common factor of a star.
+const fn groups(dimensions: usize) -> usize {
+    (dimensions + 1).div_ceil(LANES)
 }
 
 /// Equally spaced Gaussians on [−1, 1].
@@ -100,11 +144,8 @@ struct Axis {
     /// Beyond this |x| every Gaussian is negligible.
     reach: f64,
     /// exp(−c²/b²) of the centres.
-    heights: AxisValues,
+    heights: [f64; MAX_PER_AXIS],
 }
-
-/// The activations along one axis.
-type AxisValues = [f64; MAX_PER_AXIS];
 
 impl Axis {
     fn new(nodes: usize, width: f64) -> Self {
@@ -113,7 +154,8 @@ impl Axis {
             nodes,
             spacing,
             sharpness: width.powi(-2),
-            reach: 1.0 + width * (-NEGLIGIBLE.ln()).sqrt(),
+            // A little farther than where the outermost is just negligible, so that rounding cannot matter.
+            reach: 1.0 + 1.01 * width * (-NEGLIGIBLE.ln()).sqrt(),
             heights: [0.0; MAX_PER_AXIS],
         };
         for node in 0..nodes {
@@ -126,33 +168,47 @@ impl Axis {
         (node as f64 - 0.5 * (self.nodes - 1) as f64) * self.spacing
     }
 
-    /// The exponents of [`values`](Self::values): −x²/b² and xΔ/b².
+    /// The inputs in fours, clamped to the reach, and zeros.
     ///
-    /// With |x| clamped to the reach and b ≥ 0.1 none exceeds 370, so nothing overflows.
+    /// With b ≥ 0.1 no exponent of one axis, x²/b² or xΔ/b², exceeds 370, so no power of their exponentials overflows.
     #[inline(always)]
-    fn exponents(&self, x: f64) -> [f64; 2] {
-        let x = x.clamp(-self.reach, self.reach);
-        [-x * x * self.sharpness, x * self.spacing * self.sharpness]
+    fn clamped<const D: usize>(&self, x: [f64; D]) -> [Lanes; MAX_GROUPS] {
+        const { assert!(groups(D) <= MAX_GROUPS) };
+        let mut clamped = [[0.0; LANES]; MAX_GROUPS];
+        for axis in 0..D {
+            clamped[axis / LANES][axis % LANES] = x[axis].clamp(-self.reach, self.reach);
+        }
+        clamped
     }
 
-    /// exp(−(x − cⱼ)²/b²) of the first `N` = `self.nodes` nodes, from the exponentials of the [`exponents`](Self::exponents).
+    /// `scale` exp(−(x − cⱼ)²/b²)/exp(−x²/b²) of the `N` = `self.nodes` nodes of four axes, from exp(xΔ/b²) of each.
     #[inline(always)]
-    fn values<const N: usize>(&self, [peak, half_step]: [f64; 2]) -> [f64; N] {
-        // exp(xΔ/b²): the centres are even multiples of Δ/2 when N is odd, odd ones when it is even.
-        let (up, down) = (half_step * half_step, (half_step * half_step).recip());
-        let mut powers = [1.0; N];
+    fn values<const N: usize>(&self, scale: Lanes, half_step: Lanes) -> [Lanes; N] {
+        // exp(2xc/b²): the centres are even multiples of Δ/2 when N is odd, odd ones when it is even.
+        let (mut up, mut down) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..LANES {
+            up[lane] = half_step[lane] * half_step[lane];
+            down[lane] = 1.0 / up[lane];
+        }
+        let mut powers = [[1.0; LANES]; N];
         let middle = N / 2;
         if N.is_multiple_of(2) {
-            powers[middle] = half_step;
-            powers[middle - 1] = half_step.recip();
+            for lane in 0..LANES {
+                powers[middle][lane] = half_step[lane];
+                powers[middle - 1][lane] = 1.0 / half_step[lane];
+            }
         }
         for node in middle + 1..N {
-            powers[node] = powers[node - 1] * up;
-            powers[N - 1 - node] = powers[N - node] * down;
+            for lane in 0..LANES {
+                powers[node][lane] = powers[node - 1][lane] * up[lane];
+                powers[N - 1 - node][lane] = powers[N - node][lane] * down[lane];
+            }
         }
         for node in 0..N {
-            let value = peak * self.heights[node] * powers[node];
-            powers[node] = if value > NEGLIGIBLE { value } else { 0.0 };
+            for lane in 0..LANES {
+                let value = scale[lane] * self.heights[node] * powers[node][lane];
+                powers[node][lane] = if value > NEGLIGIBLE { value } else { 0.0 };
+            }
         }
         powers
     }
@@ -168,14 +224,15 @@ pub struct Network<const D: usize> {
     layout: Layout,
     width: f64,
     axis: Axis,
-    weights: Vec<f64>,
+    /// Row by row, see [`Layout::place`].
+    weights: Vec<Lanes>,
     point: [f64; D],
-    /// One-dimensional activations at the point.
-    axes: [AxisValues; D],
-    /// A grid's products of all axes but the first; all activations of a star.
-    inner: Vec<f64>,
-    /// Ŵᵀ Y at the point, if it is known.
-    output: Option<f64>,
+    /// Activations along a grid's first axis, one per row; a star has one row only, and 1.
+    outer: [f64; MAX_PER_AXIS],
+    /// What all rows share: a grid's products of all axes but the first; all activations of a star.
+    inner: Vec<Lanes>,
+    /// Ŵᵀ Y at the point, if it is known: four sums that make it up.
+    output: Option<Lanes>,
 }
 
 /// What is stored of a network.
@@ -193,7 +250,7 @@ struct StoredNetworkError;
 
 impl<const D: usize> From<Network<D>> for Stored {
     fn from(network: Network<D>) -> Self {
-        Self { layout: network.layout, width: network.width, weights: network.weights }
+        Self { layout: network.layout, width: network.width, weights: network.weights().collect() }
     }
 }
 
@@ -204,7 +261,11 @@ impl<const D: usize> TryFrom<Stored> for Network<D> {
         if !layout.is_possible() || !WIDTHS.contains(&width) || weights.len() != layout.nodes(D) {
             return Err(StoredNetworkError);
         }
-        Ok(Self { weights, ..Self::new(layout, width) })
+        let mut network = Self::new(layout, width);
+        for (node, weight) in weights.into_iter().enumerate() {
+            network.set_weight(node, weight);
+        }
+        Ok(network)
     }
 }
 
@@ -212,16 +273,16 @@ impl<const D: usize> Network<D> {
     /// A network with zero weights and Gaussians of `width` b > 0 in normalised units.
     #[must_use]
     pub fn new(layout: Layout, width: f64) -> Self {
-        let nodes = layout.nodes(D);
+        let row_length = layout.row_length(D);
         Self {
             layout,
             width,
             axis: Axis::new(layout.per_axis(), width),
-            weights: vec![0.0; nodes],
+            weights: vec![[0.0; LANES]; layout.rows() * row_length],
             // Unlike any point, so that nothing counts as evaluated.
             point: [f64::NAN; D],
-            axes: [[0.0; MAX_PER_AXIS]; D],
-            inner: vec![0.0; nodes / layout.rows()],
+            outer: [1.0; MAX_PER_AXIS],
+            inner: vec![[0.0; LANES]; row_length],
             output: None,
         }
     }
@@ -234,14 +295,21 @@ impl<const D: usize> Network<D> {
 
     /// Sets all weights to zero.
     pub fn reset(&mut self) {
-        self.weights.fill(0.0);
+        self.weights.fill([0.0; LANES]);
         self.output = None;
     }
 
-    /// The weights Ŵ, one per node.
-    #[must_use]
-    pub fn weights(&self) -> &[f64] {
-        &self.weights
+    /// The weights Ŵ, node by node.
+    pub fn weights(&self) -> impl Iterator<Item = f64> {
+        (0..self.layout.nodes(D)).map(|node| {
+            let (row, lane) = self.layout.place(D, node);
+            self.weights.as_flattened()[LANES * row * self.inner.len() + lane]
+        })
+    }
+
+    fn set_weight(&mut self, node: usize, weight: f64) {
+        let (row, lane) = self.layout.place(D, node);
+        self.weights.as_flattened_mut()[LANES * row * self.inner.len() + lane] = weight;
     }
 
     /// Centre cⱼ of a node in normalised units.
@@ -267,9 +335,7 @@ impl<const D: usize> Network<D> {
         centre
     }
 
-    /// Evaluates the basis at the normalised input `x`.
-    ///
-    /// Only the components that have changed since the last time are evaluated.
+    /// Evaluates the basis at the normalised input `x`, unless it is evaluated there.
     pub fn activate(&mut self, x: [f64; D]) {
         if self.point == x {
             return;
@@ -311,111 +377,120 @@ impl<const D: usize> Network<D> {
         }
     }
 
-    /// Evaluates the `N` Gaussians of every axis whose component has changed.
-    #[inline(always)]
-    fn fill_axes<const N: usize>(&mut self, x: [f64; D]) {
-        const { assert!(2 * D <= EXPONENTS) };
-        let mut exponents = [0.0; EXPONENTS];
-        let mut count = 0;
-        for (old, new) in self.point.into_iter().zip(x) {
-            if old != new {
-                exponents[count..count + 2].copy_from_slice(&self.axis.exponents(new));
-                count += 2;
-            }
-        }
-        // All at once, in whole registers.
-        exp_all(&mut exponents[..count.next_multiple_of(4)]);
-        let mut pairs = exponents.as_chunks().0.iter();
-        for ((values, old), new) in self.axes.iter_mut().zip(self.point).zip(x) {
-            if old != new
-                && let Some(pair) = pairs.next()
-            {
-                values[..N].copy_from_slice(&self.axis.values::<N>(*pair));
-            }
-        }
-        self.point = x;
-    }
-
     /// Tensor product of all axes but the first, the last one running fastest; `N` nodes per axis.
     #[inline(always)]
     fn fill_grid<const N: usize>(&mut self, x: [f64; D]) {
-        self.fill_axes::<N>(x);
-        let inner = self.inner.as_mut_slice();
+        let axis = &self.axis;
+        let groups = groups(D);
+        // exp(−x²/b²), then exp(xΔ/b²): all at once.
+        let mut exponentials = [[0.0; LANES]; 2 * MAX_GROUPS];
+        for (group, x) in axis.clamped(x).iter().enumerate().take(groups) {
+            for lane in 0..LANES {
+                exponentials[group][lane] = -x[lane] * x[lane] * axis.sharpness;
+                exponentials[groups + group][lane] = x[lane] * axis.spacing * axis.sharpness;
+            }
+        }
+        exp_all(exponentials[..2 * groups].as_flattened_mut());
+        let mut values = [[[0.0; LANES]; N]; MAX_GROUPS];
+        for group in 0..groups {
+            values[group] = axis.values::<N>(exponentials[group], exponentials[groups + group]);
+        }
+        for node in 0..N {
+            self.outer[node] = values[0][node][0];
+        }
+        let inner = self.inner.as_flattened_mut();
         inner[0] = 1.0;
         let mut filled = 1;
-        for axis in &self.axes[1..] {
+        for axis in 1..D {
+            let mut factors = [0.0; N];
+            for node in 0..N {
+                factors[node] = values[axis / LANES][node][axis % LANES];
+            }
             // From the back, so that no product is overwritten before it is expanded.
             for node in (0..filled).rev() {
-                let product = inner[node];
-                let mut products = [0.0; N];
-                for (product_here, value) in products.iter_mut().zip(axis) {
-                    *product_here = product * value;
+                let mut products = [inner[node]; N];
+                for (product, factor) in products.iter_mut().zip(factors) {
+                    *product *= factor;
                 }
                 inner[node * N..][..N].copy_from_slice(&products);
             }
             filled *= N;
         }
+        self.point = x;
     }
 
-    /// The origin, then axis by axis the nodes from −1 to 1 without the origin; `N` nodes per axis.
+    /// The origin, then the positions from −1 to 1 without the origin; `N` nodes per axis.
     #[inline(always)]
     fn fill_star<const N: usize>(&mut self, x: [f64; D]) {
-        self.fill_axes::<N>(x);
-        let middle = N / 2;
-        // Products of the middle values of all axes before and after each axis: no division, so zeros are harmless.
-        let mut others = [1.0; D];
-        let mut product = 1.0;
-        for (other, axis) in others.iter_mut().zip(&self.axes) {
-            *other = product;
-            product *= axis[middle];
-        }
-        let (origin, nodes) = self.inner.split_at_mut(1);
-        origin[0] = product;
-        product = 1.0;
-        for (other, axis) in others.iter_mut().zip(&self.axes).rev() {
-            *other *= product;
-            product *= axis[middle];
-        }
-        if middle == 0 {
-            return;
-        }
-        for ((nodes, other), axis) in nodes.chunks_exact_mut(2 * middle).zip(others).zip(&self.axes) {
-            for ring in 0..middle {
-                nodes[ring] = other * axis[ring];
-                nodes[middle + ring] = other * axis[middle + 1 + ring];
+        let axis = &self.axis;
+        let groups = groups(D);
+        let clamped = axis.clamped(x);
+        let mut squares = [0.0; LANES];
+        for x in clamped {
+            for lane in 0..LANES {
+                squares[lane] += x[lane] * x[lane];
             }
         }
+        // exp(xΔ/b²) of each axis, then exp(−‖x‖²/b²): all at once.
+        let mut exponentials = [[0.0; LANES]; MAX_GROUPS];
+        for group in 0..groups {
+            for lane in 0..LANES {
+                exponentials[group][lane] = clamped[group][lane] * axis.spacing * axis.sharpness;
+            }
+        }
+        exponentials[D / LANES][D % LANES] = -total(squares) * axis.sharpness;
+        exp_all(exponentials[..groups].as_flattened_mut());
+        // One axis alone makes ‖x‖²/b² at most 370. So where it is 460, the other axes leave nothing of any node.
+        let common = exponentials[D / LANES][D % LANES];
+        let common = if common > NOTHING_IS_NEAR { common } else { 0.0 };
+        let (origin, nodes) = self.inner.split_at_mut(1);
+        origin[0][0] = if common > NEGLIGIBLE { common } else { 0.0 };
+        let middle = N / 2;
+        for group in 0..groups {
+            let mut scale = [common; LANES];
+            for lane in 0..LANES {
+                // No axis, no node.
+                if group * LANES + lane >= D {
+                    scale[lane] = 0.0;
+                }
+            }
+            let values = axis.values::<N>(scale, exponentials[group]);
+            for position in 0..middle {
+                nodes[position * groups + group] = values[position];
+                nodes[(middle + position) * groups + group] = values[middle + 1 + position];
+            }
+        }
+        self.point = x;
     }
 
     /// The weights row by row, each row with the activation that it shares.
-    fn rows(&self) -> impl Iterator<Item = (&[f64], f64)> {
-        self.weights.chunks_exact(self.inner.len()).zip(self.outer())
-    }
-
-    /// Activations along a grid's first axis; a star has one row only.
-    #[inline(always)]
-    fn outer(&self) -> AxisValues {
-        if matches!(self.layout, Layout::Grid(_)) { self.axes[0] } else { [1.0; MAX_PER_AXIS] }
+    fn rows(&self) -> impl Iterator<Item = (&[Lanes], f64)> {
+        self.weights.chunks_exact(self.inner.len()).zip(self.outer)
     }
 
     /// Ŵᵀ Y at the last activation.
     #[must_use]
     pub fn output(&self) -> f64 {
-        self.output.unwrap_or_else(|| self.rows().map(|(row, factor)| factor * dot(row, &self.inner)).sum())
+        total(self.output.unwrap_or_else(|| {
+            let mut sums = [0.0; LANES];
+            for (row, factor) in self.rows() {
+                add_scaled(&mut sums, factor, products(row, &self.inner));
+            }
+            sums
+        }))
     }
 
     /// ‖Y‖² at the last activation: the gain with which the network learns there.
     #[must_use]
     pub fn learning_gain(&self) -> f64 {
-        let outer = self.outer();
-        let outer = &outer[..self.layout.rows()];
-        dot(outer, outer) * dot(&self.inner, &self.inner)
+        let outer: f64 = self.outer[..self.layout.rows()].iter().map(|factor| factor * factor).sum();
+        outer * total(products(&self.inner, &self.inner))
     }
 
     /// ‖Ŵ‖.
     #[must_use]
     pub fn norm(&self) -> f64 {
-        dot(&self.weights, &self.weights).sqrt()
+        total(products(&self.weights, &self.weights)).sqrt()
     }
 
     /// d‖Ŵ‖/dt at the last activation, for weights that follow `law` with the forcing s Y: Ŵᵀ(dŴ/dt)/‖Ŵ‖, and from zero
@@ -434,7 +509,7 @@ impl<const D: usize> Network<D> {
     #[must_use]
     pub fn gradient(&self) -> [f64; D] {
         let mut gradient = [0.0; D];
-        for (node, (weight, activation)) in self.weights.iter().zip(self.activations()).enumerate() {
+        for (node, (weight, activation)) in self.weights().zip(self.activations()).enumerate() {
             let pull = -2.0 * self.axis.sharpness * weight * activation;
             for ((slope, x), c) in gradient.iter_mut().zip(self.point).zip(self.centre(node)) {
                 // A point so far out that this overflows activates nothing.
@@ -444,10 +519,12 @@ impl<const D: usize> Network<D> {
         gradient
     }
 
-    /// All activations, one per node.
+    /// All activations, node by node.
     fn activations(&self) -> impl Iterator<Item = f64> {
-        let inner = &self.inner;
-        self.outer().into_iter().take(self.layout.rows()).flat_map(move |factor| inner.iter().map(move |y| factor * y))
+        (0..self.layout.nodes(D)).map(|node| {
+            let (row, lane) = self.layout.place(D, node);
+            self.outer[row] * self.inner.as_flattened()[lane]
+        })
     }
 
     /// Ŵ ← decay·Ŵ + weight·Y, with the Y of the last activation.
@@ -469,20 +546,22 @@ impl<const D: usize> Network<D> {
 
     #[inline(always)]
     fn adapt_here(&mut self, decay: f64, weight: f64) {
-        let outer = self.outer();
-        let mut output = -0.0;
-        for (row, factor) in self.weights.chunks_exact_mut(self.inner.len()).zip(outer) {
-            output += factor * adapt_row(row, &self.inner, decay, weight * factor);
+        let mut sums = [0.0; LANES];
+        let mut rest = self.weights.as_mut_slice();
+        for factor in &self.outer[..self.layout.rows()] {
+            let (row, others) = rest.split_at_mut(self.inner.len());
+            add_scaled(&mut sums, *factor, adapt_row(row, &self.inner, decay, weight * factor));
+            rest = others;
         }
-        // What `output` would find, to the bit: the same operations in the same order.
-        self.output = Some(output);
+        // What `output` would find, to the bit: the same operations in the same order. It adds the four up, because here
+        // the compiler would take the registers apart for that from the beginning.
+        self.output = Some(sums);
     }
 }
 
-/// w ← decay·w + weight·y; returns [`dot`] of the new w with y.
+/// w ← decay·w + weight·y; returns [`products`] of the new w with y.
 #[inline(always)]
-fn adapt_row(w: &mut [f64], y: &[f64], decay: f64, weight: f64) -> f64 {
-    let ((w, w_rest), (y, y_rest)) = (w.as_chunks_mut::<LANES>(), y.as_chunks::<LANES>());
+fn adapt_row(w: &mut [Lanes], y: &[Lanes], decay: f64, weight: f64) -> Lanes {
     let mut sums = [0.0; LANES];
     for (w, y) in w.iter_mut().zip(y) {
         // All lanes before the store, or the compiler leaves them one by one; and no closure, which would not be compiled
@@ -496,26 +575,31 @@ fn adapt_row(w: &mut [f64], y: &[f64], decay: f64, weight: f64) -> f64 {
             sums[lane] += new[lane] * y[lane];
         }
     }
-    let mut rest = -0.0;
-    for (w, y) in w_rest.iter_mut().zip(y_rest) {
-        *w = decay * *w + weight * y;
-        rest += *w * y;
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    sums
 }
 
-/// Inner product with four running sums, which the compiler can keep in vector registers.
+/// The inner product of two lists, in four sums.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
+fn products(a: &[Lanes], b: &[Lanes]) -> Lanes {
     let mut sums = [0.0; LANES];
-    for (x, y) in a.iter().zip(b) {
+    for (a, b) in a.iter().zip(b) {
         for lane in 0..LANES {
-            sums[lane] += x[lane] * y[lane];
+            sums[lane] += a[lane] * b[lane];
         }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    sums
+}
+
+#[inline(always)]
+fn add_scaled(sums: &mut Lanes, factor: f64, row: Lanes) {
+    for lane in 0..LANES {
+        sums[lane] += factor * row[lane];
+    }
+}
+
+/// What the four sums add up to.
+fn total(sums: Lanes) -> f64 {
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
 #[cfg(test)]
@@ -541,8 +625,8 @@ mod tests {
 
     fn weighted<const D: usize>(layout: Layout, width: f64) -> Network<D> {
         let mut network = Network::<D>::new(layout, width);
-        for (node, weight) in network.weights.iter_mut().enumerate() {
-            *weight = (1.7 * node as f64).sin();
+        for node in 0..layout.nodes(D) {
+            network.set_weight(node, (1.7 * node as f64).sin());
         }
         network
     }

@@ -136,12 +136,12 @@ proptest! {
         }
         let (mut law, paper) = with_history(&gains, &history);
         let commands = law.commands(&inputs);
-        let (before, before_w) = (law.estimates(), law.object_weights().to_vec());
-        let before_u = [0, 1].map(|arm| law.posture_weights(arm).to_vec());
+        let (before, before_w) = (law.estimates(), law.object_weights().collect::<Vec<_>>());
+        let before_u = [0, 1].map(|arm| law.posture_weights(arm).collect::<Vec<_>>());
         // Without leakage the estimates move linearly within a held step: differences are exact rates.
         law.step(1.0, &inputs, &Inputs::HELD).unwrap();
         let after = law.estimates();
-        let weights_part = |before: &[f64], after: &[f64]| -> f64 {
+        let weights_part = |before: &[f64], after: Vec<f64>| -> f64 {
             before.iter().zip(after).map(|(b, a)| b * (a - b)).sum()
         };
         let x = paper.signals(&inputs);
@@ -156,7 +156,7 @@ proptest! {
         let v_dot = x.z1 * x.z1_dot + x.s * m_s_dot
             - (m - before.m_hat) * (after.m_hat - before.m_hat) / o.b1
             + before.epsilon_hat * (after.epsilon_hat - before.epsilon_hat) / o.gamma1
-            + weights_part(&before_w, law.object_weights()) / o.a1;
+            + weights_part(&before_w, law.object_weights().collect()) / o.a1;
         let expected = -slope * x.z1 * x.z1 - x.z1 * (x.q3[0] + x.q3[1]) - o.eta * x.s * sat(x.s) - o.k * x.s * x.s;
         // Terms of magnitude up to 1e4 cancel.
         prop_assert!((v_dot - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{v_dot} {expected}");
@@ -169,7 +169,7 @@ proptest! {
             let v_dot = e * e_dot + s * j_s_dot
                 - (j - before.j_hat[i]) * (after.j_hat[i] - before.j_hat[i]) / g.g1
                 + before.pi_hat[i] * (after.pi_hat[i] - before.pi_hat[i]) / g.zeta1
-                + weights_part(before_u, law.posture_weights(i)) / g.a3;
+                + weights_part(before_u, law.posture_weights(i).collect()) / g.a3;
             let expected = -slope * e * e - g.xi * s * sat(s) - g.k * s * s;
             prop_assert!((v_dot - expected).abs() < 1e-10 * (1.0 + expected.abs()), "{v_dot} {expected}");
         }

@@ -29,16 +29,18 @@ pub(crate) struct Slot {
 pub(crate) struct RealSlot<M> {
     pub lens: Lens<M, f64>,
     pub slot: Slot,
+    /// The least value it may have, finite: [`f64::MIN`] where none is declared.
     pub min: f64,
+    /// The greatest, likewise.
     pub max: f64,
     pub ramp: Option<Lens<M, f64>>,
     pub rate: Option<(Lens<M, f64>, u64)>,
 }
 
 impl<M> RealSlot<M> {
-    /// Whether the variable may have this value. NaN and infinities are never accepted.
+    /// Whether the variable may have this value. NaN and infinities never are between two finite numbers.
     pub fn accepts(&self, value: f64) -> bool {
-        self.min <= value && value <= self.max && value.is_finite()
+        self.min <= value && value <= self.max
     }
 }
 
@@ -134,8 +136,8 @@ impl<M: Model> Layout<M> {
                 self.reals.push(RealSlot {
                     lens: Arc::clone(lens),
                     slot,
-                    min: variable.min.unwrap_or(f64::NEG_INFINITY),
-                    max: variable.max.unwrap_or(f64::INFINITY),
+                    min: variable.min.unwrap_or(f64::MIN).max(f64::MIN),
+                    max: variable.max.unwrap_or(f64::MAX).min(f64::MAX),
                     ramp: variable.ramp.clone(),
                     rate: variable.rate.as_ref().map(|(lens, e)| (Arc::clone(lens), 1 << e.0)),
                 });

@@ -197,28 +197,29 @@ impl<M: Model> Slave<M> {
     }
 
     /// What to go back to if the model does not accept new values of tunable parameters. Not on the way of a step, where
-    /// only inputs are set.
-    fn before_tuning(&self, parameters: bool) -> Option<M> {
-        (parameters && self.state.phase == Phase::StepComplete).then(|| self.state.model.clone())
+    /// only inputs are set; boxed, so that nothing is moved about there.
+    fn before_tuning(&self, changed: Changed) -> Option<Box<M>> {
+        (changed.parameters() && self.state.phase == Phase::StepComplete).then(|| Box::new(self.state.model.clone()))
     }
 
-    /// Concludes setting variables that have all been checked: inputs make the outputs stale that depend on them; parameters make the model initialize again, or retune.
-    fn after_set(&mut self, inputs: bool, parameters: bool, old: Option<M>) -> Outcome {
+    /// Concludes setting variables that have all been checked: inputs make the outputs stale that depend on them;
+    /// parameters make the model initialize again, or retune.
+    fn after_set(&mut self, changed: Changed, old: Option<Box<M>>) -> Outcome {
         if self.state.phase != Phase::StepComplete {
             // The initial state may depend on both.
-            self.state.uninitialized |= inputs | parameters;
+            self.state.uninitialized |= changed.inputs() | changed.parameters();
             return Ok(Status::Ok);
         }
-        if parameters {
+        if changed.parameters() {
             if let Err(failure) = self.state.model.retuned() {
                 if let Some(old) = old {
-                    self.state.model = old;
+                    self.state.model = *old;
                 }
                 let undone = self.state.model.retuned();
                 return Err(Refusal::error(undone.err().unwrap_or(failure).to_string()));
             }
             self.state.stale = all();
-        } else if inputs {
+        } else if changed.inputs() {
             self.state.stale |= self.layout.input_dependent;
         }
         Ok(Status::Ok)
@@ -236,21 +237,20 @@ impl<M: Model> Slave<M> {
     ) -> Outcome {
         self.check(Call::Set, what)?;
         let layout = Arc::clone(&self.layout);
-        let (mut inputs, mut parameters) = (false, false);
+        let mut changed = Changed::default();
         for (reference, value) in references.iter().zip(values) {
             let slot = find(slots(&layout), *reference)?;
             self.check_settable(slot)?;
             let variable = &layout.variables[slot.variable as usize];
             accept(variable, value).map_err(|why| Refusal::error(format!("{}: {why}", variable.name)))?;
-            inputs |= slot.causality == Causality::Input;
-            parameters |= slot.causality == Causality::Parameter;
+            changed.add(slot.causality);
         }
-        let old = self.before_tuning(parameters);
+        let old = self.before_tuning(changed);
         for (reference, value) in references.iter().zip(values) {
             let slot = find(slots(&layout), *reference)?;
             write(&layout.variables[slot.variable as usize].access, &mut self.state.model, *value);
         }
-        self.after_set(inputs, parameters, old)
+        self.after_set(changed, old)
     }
 
     /// Runs what the variables need and reads them.
@@ -358,6 +358,28 @@ impl<M: Model> Slave<M> {
     }
 }
 
+/// What kinds of variables a call sets.
+#[derive(Clone, Copy, Default)]
+struct Changed(u8);
+
+impl Changed {
+    fn add(&mut self, causality: Causality) {
+        self.0 |= 1 << causality as u8;
+    }
+
+    fn has(self, causality: Causality) -> bool {
+        self.0 & (1 << causality as u8) != 0
+    }
+
+    fn inputs(self) -> bool {
+        self.has(Causality::Input)
+    }
+
+    fn parameters(self) -> bool {
+        self.has(Causality::Parameter)
+    }
+}
+
 fn find(slots: &[Slot], reference: u32) -> Result<&Slot, Refusal> {
     slots.get(reference as usize).ok_or_else(|| no_such(reference))
 }
@@ -428,9 +450,10 @@ impl<M: Model> AnySlave for Slave<M> {
             }
         }
         self.evaluate(wanted)?;
+        let (reals, model) = (self.layout.reals.as_slice(), &mut self.state.model);
         for (reference, value) in references.iter().zip(values) {
-            if let Some(real) = self.layout.reals.get(*reference as usize) {
-                *value = *(real.lens)(&mut self.state.model);
+            if let Some(real) = reals.get(*reference as usize) {
+                *value = *(real.lens)(model);
             }
         }
         Ok(Status::Ok)
@@ -480,24 +503,25 @@ impl<M: Model> AnySlave for Slave<M> {
 
     fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check(Call::Set, "fmi2SetReal")?;
-        let (mut inputs, mut parameters) = (false, false);
+        let mut changed = Changed::default();
         let now = self.state.phase.settable_bit();
         for (reference, value) in references.iter().zip(values) {
             match self.layout.reals.get(*reference as usize) {
                 Some(real) if real.slot.settable & now != 0 && real.accepts(*value) => {
-                    inputs |= real.slot.causality == Causality::Input;
-                    parameters |= real.slot.causality == Causality::Parameter;
+                    changed.add(real.slot.causality);
                 }
                 _ => return Err(self.no_real_to_set(*reference, *value)),
             }
         }
-        let old = self.before_tuning(parameters);
+        let old = self.before_tuning(changed);
+        let (reals, model) = (self.layout.reals.as_slice(), &mut self.state.model);
         for (reference, value) in references.iter().zip(values) {
-            if let Some(real) = self.layout.reals.get(*reference as usize) {
-                *(real.lens)(&mut self.state.model) = *value;
+            if let Some(real) = reals.get(*reference as usize) {
+                let place = (real.lens)(model);
+                *place = *value;
             }
         }
-        self.after_set(inputs, parameters, old)
+        self.after_set(changed, old)
     }
 
     fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Outcome {
@@ -796,7 +820,7 @@ fn accept_integer<M>(variable: &Variable<M>, value: i32) -> Result<(), String> {
 
 #[cold]
 fn out_of_range(name: &str, value: f64, min: f64, max: f64) -> Refusal {
-    let range = match (min.is_finite(), max.is_finite()) {
+    let range = match (min > f64::MIN, max < f64::MAX) {
         (true, true) => format!("it must be between {min:?} and {max:?}"),
         (true, false) => format!("it must be finite and at least {min:?}"),
         (false, true) => format!("it must be finite and at most {max:?}"),
