@@ -1,39 +1,12 @@
 //! What a host calls at every communication step allocates nothing, once a step of that size has been made; and how much
 //! memory an instance holds.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::ffi::CString;
 use std::ptr::null_mut;
 
+use allocation_counter::measure;
 use fmi2_export::ffi::calls;
 use fmi2_export::ffi::types::{CallbackFunctions, Component, Status};
-
-thread_local! {
-    /// Allocations so far, and bytes in use.
-    static COUNTED: Cell<(usize, isize)> = const { Cell::new((0, 0)) };
-}
-
-struct Counting;
-
-// SAFETY: passes everything on to the system's allocator.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let (count, bytes) = COUNTED.get();
-        COUNTED.set((count + 1, bytes + layout.size().cast_signed()));
-        // SAFETY: the caller's promise, here and below.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        let (count, bytes) = COUNTED.get();
-        COUNTED.set((count, bytes - layout.size().cast_signed()));
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 const NO_CALLBACKS: CallbackFunctions = CallbackFunctions {
     logger: None,
@@ -98,9 +71,8 @@ fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
         let c = instance(&description.guid);
         let mut time = 0.0;
         run(c, &outputs, 0..3, &mut time);
-        let before = COUNTED.get();
-        run(c, &outputs, 3..1000, &mut time);
-        assert_eq!(COUNTED.get(), before, "{}", description.name);
+        let steps = measure(|| run(c, &outputs, 3..1000, &mut time));
+        assert_eq!((steps.count_total, steps.bytes_current), (0, 0), "{}", description.name);
         // SAFETY: as a host does.
         unsafe { calls::free_instance(c) };
     }
@@ -111,23 +83,26 @@ fn an_instance_is_small_and_leaves_nothing_behind() {
     for model in controller_fmu::FMUS.models() {
         let description = model.description().unwrap();
         let outputs: Vec<u32> = (14..24).collect();
-        let measure = || {
-            let before = COUNTED.get().1;
-            let c = instance(&description.guid);
-            run(c, &outputs, 0..10, &mut 0.0);
-            (c, COUNTED.get().1 - before)
+        let create = || {
+            let mut component = null_mut();
+            let held = measure(|| {
+                component = instance(&description.guid);
+                run(component, &outputs, 0..10, &mut 0.0);
+            });
+            (component, held.bytes_current)
         };
-        let start = COUNTED.get().1;
-        let (first, with_layout) = measure();
-        let (second, alone) = measure();
-        println!("{}: first instance {with_layout} bytes, another {alone} bytes", description.name);
-        assert!(with_layout < 256 << 10 && alone < 16 << 10);
-        // SAFETY: as a host does.
-        unsafe {
-            calls::free_instance(first);
-            calls::free_instance(second);
-        }
+        let all = measure(|| {
+            let (first, with_layout) = create();
+            let (second, alone) = create();
+            println!("{}: first instance {with_layout} bytes, another {alone} bytes", description.name);
+            assert!((1..256 << 10).contains(&with_layout) && (1..16 << 10).contains(&alone));
+            // SAFETY: as a host does.
+            unsafe {
+                calls::free_instance(first);
+                calls::free_instance(second);
+            }
+        });
         // What is left is the panic hook, which has no size, and what the standard library keeps once.
-        assert!(COUNTED.get().1 - start < 1 << 10, "{} bytes stay", COUNTED.get().1 - start);
+        assert!(all.bytes_current < 1 << 10, "{} bytes stay", all.bytes_current);
     }
 }

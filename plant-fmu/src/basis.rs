@@ -1,5 +1,7 @@
 //! Polynomials on one element: Jacobi and Legendre, their derivatives, Gauss quadrature.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 /// Jacobi polynomial P_n^{(α,β)}(t) on [−1, 1] by its three-term recurrence (DLMF 18.9.2).
 pub(crate) fn jacobi(n: usize, alpha: f64, beta: f64, t: f64) -> f64 {
     let mut previous = 1.0;
@@ -33,10 +35,16 @@ pub(crate) fn legendre(n: usize, t: f64) -> f64 {
 }
 
 /// Nodes and weights of the n-point Gauss–Legendre rule on [0, 1], exact for degree 2n − 1.
+///
+/// Basic arithmetic only, no function of the system's mathematics library: the same bits on every machine.
 pub(crate) fn gauss(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {
-            let mut t = -((i as f64 + 0.75) / (n as f64 + 0.5) * std::f64::consts::PI).cos();
+            // The usual guess, −cos φ, by Bhāskara's formula: off by at most 0.0017 in the middle, where the nodes are far
+            // apart, and by less towards the ends.
+            let phi = (i as f64 + 0.75) / (n as f64 + 0.5) * PI;
+            let cosine = |phi: f64| (PI * PI - 4.0 * phi * phi) / (PI * PI + phi * phi);
+            let mut t = if phi < FRAC_PI_2 { -cosine(phi) } else { cosine(PI - phi) };
             // Newton from this guess converges quadratically; six steps reach rounding for every n used here.
             for _ in 0..6 {
                 t -= legendre(n, t) / jacobi_derivative(1, n, 0.0, 0.0, t);
