@@ -248,7 +248,7 @@ fn inputs<L: FmuLaw>(variables: &mut Variables<Controller<L>>) {
         .ramp(|m| &mut m.input_rates.measured.y_object)
         .unit("m")
         .nominal(0.05)
-        .description("Measured position of the object");
+        .description("Measured position y_M of the object's centre above hub 1");
     variables
         .input("y_object_dot", |m| &mut m.inputs.measured.y_object_dot)
         .ramp(|m| &mut m.input_rates.measured.y_object_dot)
@@ -282,7 +282,7 @@ fn inputs<L: FmuLaw>(variables: &mut Variables<Controller<L>>) {
         .input("lambda1_ref", |m| &mut m.inputs.reference.lambda1_ref)
         .ramp(|m| &mut m.input_rates.reference.lambda1_ref)
         .unit("N")
-        .description("Wanted multiplier lambda1; the wanted contact force is -lambda1_ref at both tips");
+        .description("Wanted multiplier lambda1; the wanted contact force at both tips is -lambda1_ref, so a squeeze is negative");
     angle(variables.input("theta1_ref", |m| &mut m.inputs.reference.theta1_ref), "rad", "deg")
         .ramp(|m| &mut m.input_rates.reference.theta1_ref)
         .nominal(0.1)

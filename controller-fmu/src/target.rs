@@ -31,7 +31,7 @@ impl Arms {
         parameter!("EI1", "N.m2", PHYSICAL, "flexural rigidity of arm 1", ei[0]),
         parameter!("EI2", "N.m2", PHYSICAL, "flexural rigidity of arm 2", ei[1]),
         parameter!("l", "m", PHYSICAL, "length of each arm", length),
-        parameter!("L", "m", PHYSICAL, "distance between the hubs", hub_distance),
+        parameter!("L", "m", PHYSICAL, "width of the object and distance of the hubs", hub_distance),
     ];
 
     /// Checks every parameter against its range.

@@ -72,7 +72,7 @@ impl Model for Counter {
         variables.output("text", outputs, |m| &mut m.text).description("The count in words");
         variables
             .output_array("history", outputs, |m| &mut m.history)
-            .description("Start times of the last steps, {i} ago");
+            .descriptions(|i| format!("Start time of the step {} ago", i + 1));
     }
 
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {

@@ -219,10 +219,15 @@ impl<M: 'static> VariableBuilder<'_, M> {
         self
     }
 
-    /// What the variable is, in one line. Required. In an array, `{i}` stands for the element's index from 1.
+    /// What the variable is, in one line. Required.
     pub fn description(self, text: &str) -> Self {
+        self.descriptions(|_| text.to_owned())
+    }
+
+    /// What each element of an array is, in one line, from its index counted from 0.
+    pub fn descriptions(self, text: impl Fn(usize) -> String) -> Self {
         for (i, variable) in self.variables.iter_mut().enumerate() {
-            variable.description = text.replace("{i}", &(i + 1).to_string());
+            variable.description = text(i);
         }
         self
     }

@@ -252,7 +252,7 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
     let mut arms = PerArm { variables, evaluation: measured, rates };
     arms.declare(
         "theta{}",
-        "Angle of hub {}",
+        "Angle of hub {}, counter-clockwise",
         |o| &mut o.measured.theta,
         |o| &mut o.rates.measured.theta,
         |b| angle(b, "rad", "deg").nominal(0.1),
@@ -269,7 +269,7 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
         .rate(rates, |m| &mut m.outputs.rates.measured.y_object)
         .unit("m")
         .nominal(0.05)
-        .description("Position y_M of the object's centre");
+        .description("Position y_M of the object's centre above hub 1; L/2 when straight arms just touch it");
     arms.variables
         .output("y_object_dot", measured, |m| &mut m.outputs.measured.y_object_dot)
         .rate(rates, |m| &mut m.outputs.rates.measured.y_object_dot)
@@ -304,7 +304,7 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let mut arms = PerArm { variables, evaluation: direct, rates };
     arms.declare(
         "lambda{}",
-        "Lagrange multiplier of constraint {}, eqs. (13) and (14); for arm 1 the negative contact force",
+        "Lagrange multiplier of constraint {}, eqs. (13) and (14): contact_force1 = -lambda1, contact_force2 = lambda2",
         |o| &mut o.direct.lambda,
         |o| &mut o.rates.direct.lambda,
         |b| b.unit("N").depends_on(["u_cmd"]).depends_linearly_on(["delta_F"]),
@@ -322,7 +322,7 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
             .rate(rates, move |m| &mut m.outputs.rates.direct.torque[arm])
             .unit("N.m")
             .depends_on([format!("tau{}_cmd", arm + 1)])
-            .description(&format!("Torque that actuator {} delivers", arm + 1));
+            .description(&format!("Torque that actuator {} delivers, within its limits", arm + 1));
     }
     variables
         .output("u", direct, |m| &mut m.outputs.direct.force)
@@ -330,7 +330,7 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .unit("N")
         .nominal(0.1)
         .depends_on(["u_cmd"])
-        .description("Force that the object's actuator delivers");
+        .description("Force that the object's actuator delivers, within its limits");
     variables
         .output("in_contact", direct, |m| &mut m.outputs.in_contact)
         .depends_on(["u_cmd", "delta_F"])
@@ -343,7 +343,7 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let mut arms = PerArm { variables, evaluation: shape, rates };
     arms.declare(
         "tip_deflection{}",
-        "Deflection w(l) of the tip of arm {}",
+        "Deflection w(l) of the tip of arm {}, back from the line that turns with the hub",
         |o| &mut o.shape.tip_deflection,
         |o| &mut o.rates.tip_deflection,
         |b| b.unit("m").nominal(0.01),
@@ -393,7 +393,10 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
             .rate_array(rates, move |m| &mut m.outputs.rates.deflection[arm][..])
             .unit("m")
             .nominal(0.01)
-            .description(&format!("Deflection of arm {} at x = ({{i}}-1)/{} l", arm + 1, DEFLECTION_POINTS - 1));
+            .descriptions(|point| {
+                let place = point as f64 / (DEFLECTION_POINTS - 1) as f64;
+                format!("Deflection w(x) of arm {} at x = {place} l", arm + 1)
+            });
     }
 }
 
@@ -419,7 +422,12 @@ fn common_parameters(variables: &mut Variables<DualArmPlant>) {
     type Field = fn(&mut Parameters) -> &mut f64;
     let positive: [(&str, Field, &str, &str); 3] = [
         ("l", |p| &mut p.length, "m", "Length of each arm"),
-        ("L", |p| &mut p.object_width, "m", "Distance L: the straight arms meet the object at y_M = L/2"),
+        (
+            "L",
+            |p| &mut p.object_width,
+            "m",
+            "Width of the object and distance of the hubs: straight arms just touch it",
+        ),
         ("M", |p| &mut p.object_mass, "kg", "Mass of the object"),
     ];
     for (name, field, unit, description) in positive {
@@ -460,7 +468,7 @@ fn common_parameters(variables: &mut Variables<DualArmPlant>) {
         .description("Polynomial degree of the bending moment over each arm; the velocity has two less");
     variables
         .parameter("actuator_model", |m| &mut m.parameters.actuator_model)
-        .description("How the actuators turn commands into torques and the force");
+        .description("How the actuators turn commands into torques and the force; by default without dead zone");
 }
 
 fn channel_parameters(
