@@ -5,8 +5,8 @@
 //! * [`fmi`] is the importer, [`master`] steps FMUs together on a [`grid`], with [`wiring`] by equal names,
 //!   [`settings`] by name and [`signal`]s over time; [`record`] keeps the results.
 //! * A [`system`] is what the master runs; a [`scenario`] file describes one.
-//! * [`mod@package`] builds the project's own FMUs, [`grasp`] names them, [`metrics`] judges a run, [`figures`] and
-//!   [`report`] show it.
+//! * [`mod@package`] builds the project's own FMUs, [`grasp`] names them, [`metrics`] judges a run, [`figures`],
+//!   [`report`] and [`page`] show it, the page with the models' [`parameters`].
 //! * [`mod@verify`] holds the FMUs against exact and independent solutions.
 //! * [`cli`] is the command line, [`files`] writes files whole or not at all.
 
@@ -20,6 +20,8 @@ pub mod grid;
 pub mod master;
 pub mod metrics;
 pub mod package;
+pub mod page;
+pub mod parameters;
 pub mod record;
 pub mod report;
 pub mod scenario;

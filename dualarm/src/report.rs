@@ -181,15 +181,17 @@ pub fn tables(outcomes: &[Outcome]) -> (TextTable, TextTable) {
 #[must_use]
 pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str) -> String {
     let mut text = format!(
-        "# Grasping with two flexible arms: NABFC, PDS and PD\n\n{setup}\n\n{}",
+        "# Grasping with two flexible arms: NABFC, PDS and PD\n\n{setup}\n\n\
+         [report.html](report.html) shows the same runs to play with: the arms in motion, curves to zoom into, the parameters \
+         of every model.\n\n{}",
         metrics_markdown(outcomes).replace("\n## ", "\n### ").replacen("## ", "### ", 1)
     );
     text += "\n## Figures\n\n\
              Numbers are those of the paper. Each figure is there as SVG and PNG. Where curves look thick, they vibrate: \
              PD and PDS hardly damp the antisymmetric bending of the two arms, at about 90 Hz.\n";
     for figure in figures {
-        let NamedFigure { name, caption, .. } = figure;
-        let _ = write!(text, "\n### {caption}\n\n![{caption}](figures/{name}.svg)\n");
+        let NamedFigure { name, caption, note, .. } = figure;
+        let _ = write!(text, "\n### {caption}\n\n![{caption}](figures/{name}.svg)\n\n{note}\n");
     }
     text += "\n## Data\n\n";
     for outcome in outcomes {

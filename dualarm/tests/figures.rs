@@ -6,6 +6,7 @@ use dualarm::figures::text::{missing, width};
 use dualarm::figures::{self, Outcome, raster};
 use dualarm::grasp;
 use dualarm::metrics::{Limits, Metrics};
+use dualarm::parameters::{ModelParameters, Parameter, Value};
 use dualarm::record::{Column, Sink, Table};
 use roxmltree::{Document, Node};
 
@@ -42,7 +43,29 @@ fn outcome(scenario: grasp::Controller, pole: f64) -> Outcome {
     }
     let limit = |high: f64| Some(Limits { low: -high, high });
     let metrics = Metrics::of(&table, [limit(2.0), limit(2.0), limit(0.3)]).unwrap();
-    Outcome { scenario, table, metrics }
+    Outcome { scenario, table, metrics, models: vec![plant()] }
+}
+
+/// The true values that Fig. 6 states.
+fn plant() -> ModelParameters {
+    let parameter = |(name, value): (&str, f64)| Parameter {
+        name: name.into(),
+        value: Value::Real(value),
+        unit: None,
+        description: String::new(),
+    };
+    let values = [("m1", 0.1), ("m2", 0.1), ("M", 0.3), ("J1", 0.0073), ("J2", 0.0073)];
+    ModelParameters { parameters: values.map(parameter).into(), ..ModelParameters::default() }
+}
+
+#[test]
+fn fig_6_states_the_true_values() {
+    let svg = figures::all(&[outcome(grasp::NABFC, 15.4)])
+        .iter()
+        .find(|figure| figure.name == "fig06")
+        .map(|figure| figure.figure.to_svg())
+        .unwrap();
+    assert!(svg.contains("(true: 0.5 kg)") && svg.contains("(true: 0.0073 kg·m²)"));
 }
 
 #[test]

@@ -19,6 +19,8 @@ use crate::files;
 use crate::grasp::{self, Controller};
 use crate::grid::TimeGrid;
 use crate::metrics::Metrics;
+use crate::page::{self, Page, rows::Rows};
+use crate::parameters::ModelParameters;
 use crate::record::{Every, Pick, Table};
 use crate::report;
 use crate::scenario::BuiltIn;
@@ -55,25 +57,26 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let grid = TimeGrid::new(0.0, arguments.stop, arguments.step).map_err(Failure::usage)?;
     arguments.job.package(quiet)?;
     let begin = Instant::now();
-    let outcomes = simulate_all(arguments, &grid, quiet)?;
+    let (outcomes, rows): (Vec<_>, Vec<_>) = simulate_all(arguments, &grid, quiet)?.into_iter().unzip();
     let figures = figures::all(&outcomes);
     write_results(arguments, &grid, &outcomes, &figures, quiet)?;
+    let page = Page { outcomes: &outcomes, rows: &rows, grid: &grid, setup: &setup(arguments, &grid) };
+    files::write(arguments.job.out.join("report.html"), page.to_html())?;
     if !quiet {
         let (forces, efforts) = report::tables(&outcomes);
-        let (report, seconds) = (arguments.job.out.join("report.md"), begin.elapsed().as_secs_f64());
+        let (out, seconds) = (arguments.job.out.display(), begin.elapsed().as_secs_f64());
         print(&format!(
-            "{}\n{}\n{} with {} figures, in {seconds:.1} s\n",
+            "{}\n{}\n{out}/report.html to play with, {out}/report.md with {} figures, in {seconds:.1} s\n",
             forces.to_terminal(),
             efforts.to_terminal(),
-            report.display(),
             figures.len()
         ));
     }
     Ok(())
 }
 
-/// Runs the scenarios, each in a thread of its own with its own instances.
-fn simulate_all(arguments: &Arguments, grid: &TimeGrid, quiet: bool) -> Result<Vec<Outcome>, Failure> {
+/// Runs the scenarios, each in a thread of its own with its own instances; with each result the rows of the page.
+fn simulate_all(arguments: &Arguments, grid: &TimeGrid, quiet: bool) -> Result<Vec<(Outcome, Table)>, Failure> {
     let progress = Progress::new(quiet);
     let bars = grasp::PAPER.map(|controller| progress.bar(controller.title, grid.steps()));
     thread::scope(|scope| {
@@ -91,16 +94,18 @@ fn simulate(
     arguments: &Arguments,
     grid: &TimeGrid,
     bar: &ProgressBar,
-) -> Result<Outcome, Failure> {
+) -> Result<(Outcome, Table), Failure> {
     let system = BuiltIn::find(controller.key)?.scenario()?.system(&arguments.job.folder.fmus)?;
     let mut master = system.master(arguments.coupling.into())?;
     master.initialize(grid)?;
     let limits = grasp::actuator_limits(master.instance(0));
+    let models = [ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(1))?].into();
     let columns = master.record(|_| true);
     // Every step of the signals that are drawn and judged; everything else only as often as the CSV file wants it.
     let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
+    let mut shown = Rows::new(grid, Pick::new(&columns, page::wants));
     let mut all = Every::new(CSV_INTERVAL, grid.stop(), Table::new(columns));
-    master.run(grid, 0.0, &mut (&mut drawn, &mut all), &mut |done| bar.set_position(done))?;
+    master.run(grid, 0.0, &mut ((&mut drawn, &mut shown), &mut all), &mut |done| bar.set_position(done))?;
     bar.finish();
     master.finish()?;
 
@@ -109,7 +114,7 @@ fn simulate(
         code: 1,
         message: format!("{} and {} do not offer the outputs a comparison needs", grasp::PLANT, controller.fmu),
     })?;
-    Ok(Outcome { scenario: *controller, table: drawn.sink, metrics })
+    Ok((Outcome { scenario: *controller, table: drawn.sink, metrics, models }, shown.into_table()))
 }
 
 fn write_results(
@@ -124,19 +129,24 @@ fn write_results(
     files::write(out.join("metrics.csv"), report::metrics_csv(results))?;
     files::write(out.join("metrics.md"), report::metrics_markdown(outcomes))?;
     draw_all(&out.join("figures"), figures, quiet)?;
+    files::write(out.join("report.md"), report::report(outcomes, figures, &setup(arguments, grid)))?;
+    Ok(())
+}
+
+/// How the runs were made, in sentences.
+fn setup(arguments: &Arguments, grid: &TimeGrid) -> String {
     let coupling = match arguments.coupling {
         CouplingName::Jacobi => "Jacobi",
         CouplingName::GaussSeidel => "Gauss–Seidel",
     };
-    let setup = format!(
-        "`DualArmPlant.fmu` with each of the three controller FMUs, co-simulated by `dualarm` {} through their FMI 2.0 \
-         interface: step {} ms, {coupling} coupling, {} s, parameters of the paper.",
+    format!(
+        "DualArmPlant.fmu with each of the three controller FMUs, co-simulated by dualarm {} through their FMI 2.0 \
+         interface: step {} ms, {coupling} coupling, {} s. Plant, PDS and PD have the parameters of the paper (Section IV); \
+         the gains of NABFC are this project\u{2019}s own, for the paper gives none.",
         env!("CARGO_PKG_VERSION"),
         grid.step() * 1e3,
         grid.stop()
-    );
-    files::write(out.join("report.md"), report::report(outcomes, figures, &setup))?;
-    Ok(())
+    )
 }
 
 /// Draws all figures as SVG and PNG, on all processors.

@@ -10,6 +10,7 @@ pub mod text;
 
 use crate::grasp::Controller;
 use crate::metrics::Metrics;
+use crate::parameters::ModelParameters;
 use crate::record::Table;
 use chart::Figure;
 
@@ -22,6 +23,8 @@ pub struct Outcome {
     pub table: Table,
     /// How good it was.
     pub metrics: Metrics,
+    /// Parameters of plant and controller, in this order.
+    pub models: Vec<ModelParameters>,
 }
 
 /// A figure with the name of its files.
@@ -31,6 +34,8 @@ pub struct NamedFigure {
     pub name: String,
     /// What it shows, in one line.
     pub caption: String,
+    /// How to read it: what lines and shades mean, in sentences.
+    pub note: String,
     /// The figure.
     pub figure: Figure,
 }

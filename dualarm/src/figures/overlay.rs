@@ -3,7 +3,10 @@
 use plotters::style::RGBColor;
 
 use super::chart::{Curve, Figure, Mark, Panel, Target, palette};
-use super::paper::{SUBSCRIPTS, angle_target, below_each_other, control_label, force_target, points, with_close_up};
+use super::paper::{
+    ANGLE_NOTE, FORCE_NOTE, SUBSCRIPTS, angle_target, below_each_other, control_label, force_target, points,
+    with_close_up,
+};
 use super::text::number;
 use super::{NamedFigure, Outcome};
 
@@ -86,6 +89,7 @@ fn hero(outcomes: &[Outcome]) -> NamedFigure {
     NamedFigure {
         name: HERO.into(),
         caption: caption.into(),
+        note: FORCE_NOTE.into(),
         figure: Figure {
             title: "Contact force without a force sensor: time until it stays within ±2 % of the target".into(),
             size: (1200, 440),
@@ -104,7 +108,7 @@ fn forces(outcomes: &[Outcome]) -> NamedFigure {
         targets: force_target(&outcomes[0].table),
         ..Panel::default()
     };
-    stacked("overlay-forces", "Contact forces", vec![vec![panel(1)], vec![panel(2)]], 560)
+    stacked("overlay-forces", "Contact forces", vec![vec![panel(1)], vec![panel(2)]], 560, FORCE_NOTE)
 }
 
 fn angles(outcomes: &[Outcome]) -> NamedFigure {
@@ -117,7 +121,7 @@ fn angles(outcomes: &[Outcome]) -> NamedFigure {
         targets: angle_target(&outcomes[0].table, arm),
         ..Panel::default()
     };
-    stacked("overlay-angles", "Hub angles", vec![vec![panel(1)], vec![panel(2)]], 560)
+    stacked("overlay-angles", "Hub angles", vec![vec![panel(1)], vec![panel(2)]], 560, ANGLE_NOTE)
 }
 
 fn controls(outcomes: &[Outcome]) -> NamedFigure {
@@ -131,13 +135,16 @@ fn controls(outcomes: &[Outcome]) -> NamedFigure {
             ..Panel::default()
         })
     };
-    stacked("overlay-controls", "Control signals, actuator outputs", ["tau1", "tau2", "u"].map(row).into(), 700)
+    let rows = ["tau1", "tau2", "u"].map(row).into();
+    let note = "Where the start kicks, its first 20 ms have a panel of their own, and the other panel cuts them off.";
+    stacked("overlay-controls", "Control signals, actuator outputs", rows, 700, note)
 }
 
-fn stacked(name: &str, subject: &str, rows: Vec<Vec<Panel>>, height: u32) -> NamedFigure {
+fn stacked(name: &str, subject: &str, rows: Vec<Vec<Panel>>, height: u32, note: &str) -> NamedFigure {
     NamedFigure {
         name: name.into(),
         caption: format!("{subject} of the three controllers"),
+        note: note.into(),
         figure: Figure {
             title: format!("{subject} — three controllers"),
             size: (720, height),

@@ -63,7 +63,7 @@ impl Entry {
         let (subject, size, rows) = match self.kind {
             Kind::Force(arm) => (format!("Contact force, arm {arm}"), SIZE, single(force(table, arm, range))),
             Kind::Angle(arm) => (format!("Hub angle, arm {arm}"), SIZE, single(angle(table, arm, range))),
-            Kind::Estimates => ("Norms of the estimated parameters".into(), TALL, estimates(table, range)),
+            Kind::Estimates => ("Norms of the estimated parameters".into(), TALL, estimates(outcome, range)),
             Kind::Torques => {
                 let rows = vec![control(table, "tau1", range), control(table, "tau2", range)];
                 ("Torques at the roots".into(), TALL, below_each_other(rows))
@@ -78,10 +78,32 @@ impl Entry {
         NamedFigure {
             name: format!("fig{number:02}"),
             caption: format!("Fig. {number} — {subject} ({title})"),
+            note: self.kind.note().into(),
             figure: Figure { title: format!("Fig. {number} — {subject} ({title})"), size, rows },
         }
     }
 }
+
+impl Kind {
+    fn note(self) -> &'static str {
+        match self {
+            Self::Force(_) => FORCE_NOTE,
+            Self::Angle(_) => ANGLE_NOTE,
+            Self::Estimates => {
+                "The mass and the inertias are adaptive gains of the law, the disturbances bounds that it learns. They stop \
+                 where the errors vanish and need not reach the true values, which the panels state; m̂ must stay well below \
+                 (docs/controllers.md says why)."
+            }
+            Self::Torques | Self::TipForce => {
+                "Solid: what the actuator puts out; dotted: what the controller commands. Where the start kicks, its first \
+                 20 ms have a panel of their own, and the other panel cuts them off."
+            }
+        }
+    }
+}
+
+pub(super) const FORCE_NOTE: &str = "Horizontal line: the target, shaded: ±2 % of it.";
+pub(super) const ANGLE_NOTE: &str = "Horizontal line: the target.";
 
 /// A round time span that shows the settling and some calm after it.
 fn window(outcome: &Outcome) -> (f64, f64) {
@@ -212,15 +234,22 @@ pub(super) fn control_label(signal: &str) -> String {
     }
 }
 
-/// Each estimate has its own unit, so each has its own panel; the two arms share one.
-fn estimates(table: &Table, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
+/// Each estimate has its own unit, so each has its own panel; the two arms share one, the object has another colour.
+fn estimates(outcome: &Outcome, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
+    let plant = outcome.models.first();
+    let true_value = |names: &[&str]| names.iter().map(|name| plant?.real(name)).sum::<Option<f64>>();
+    let mass = with_truth("mass", true_value(&["m1", "m2", "M"]), "kg");
+    let inertias = [true_value(&["J1"]), true_value(&["J2"])];
+    // One number for both hubs, where they are alike.
+    let inertias = with_truth("hub inertias", inertias[0].filter(|_| inertias[0] == inertias[1]), "kg·m²");
     let panel = |label: &str, signals: &[&str], heading: &str, last: bool| {
-        let colors = [palette::BLUE, palette::VERMILION];
+        let is_object = signals.len() == 1;
+        let colors = if is_object { [palette::PURPLE; 2] } else { [palette::BLUE, palette::VERMILION] };
         let curves = signals.iter().zip(colors).enumerate().map(|(arm, (signal, color))| Curve {
-            name: if signals.len() > 1 { format!("arm {}", arm + 1) } else { String::new() },
+            name: if is_object { "object".into() } else { format!("arm {}", arm + 1) },
             color,
             dotted: arm > 0, // on top of the first arm's, which it may hide
-            points: points(table, signal, 1.0).into_iter().map(|(time, value)| (time, value.abs())).collect(),
+            points: points(&outcome.table, signal, 1.0).into_iter().map(|(time, value)| (time, value.abs())).collect(),
         });
         Panel {
             heading: Some(heading.into()),
@@ -234,8 +263,8 @@ fn estimates(table: &Table, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
     };
     vec![
         vec![
-            panel("|m̂| (kg)", &["m_hat"], "mass", false),
-            panel("|Ĵ| (kg·m²)", &["J1_hat", "J2_hat"], "hub inertias", false),
+            panel("|m̂| (kg)", &["m_hat"], &mass, false),
+            panel("|Ĵ| (kg·m²)", &["J1_hat", "J2_hat"], &inertias, false),
         ],
         vec![
             panel("|ε̂| (N)", &["epsilon_hat"], "disturbance, object", false),
@@ -246,4 +275,10 @@ fn estimates(table: &Table, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
             panel("‖Û‖", &["U1_norm", "U2_norm"], "networks, hubs", true),
         ],
     ]
+}
+
+/// A heading that states the true value, which is often far outside the curve's axis.
+fn with_truth(heading: &str, value: Option<f64>, unit: &str) -> String {
+    // Sums such as 0.1 + 0.1 + 0.3 have digits that only rounding puts there.
+    value.map_or(heading.into(), |value| format!("{heading} (true: {} {unit})", (value * 1e9).round() / 1e9))
 }

@@ -185,8 +185,8 @@ impl Verification {
         for (title, table) in self.tables() {
             let _ = write!(text, "\n## {title}\n\n{}", table.to_markdown());
         }
-        let NamedFigure { name, caption, .. } = &self.figure;
-        let _ = write!(text, "\n## Convergence\n\n![{caption}](figures/{name}.svg)\n");
+        let NamedFigure { name, caption, note, .. } = &self.figure;
+        let _ = write!(text, "\n## Convergence\n\n![{caption}](figures/{name}.svg)\n\n{note}\n");
         text
     }
 

@@ -250,6 +250,7 @@ pub fn convergence(fmus: &Fmus) -> Result<(NamedFigure, Vec<Check>), VerifyError
         points: errors.iter().map(|(order, errors)| (f64::from(*order), errors[mode].max(FLOOR).log10())).collect(),
     };
     let caption = "Spectral convergence: relative errors of natural frequencies over the order".to_owned();
+    let note = "One curve per natural frequency: a straight line down would be exponential convergence.".to_owned();
     let figure = Figure {
         title: "Natural frequencies identified from the FMU: error over the order".into(),
         size: (720, 380),
@@ -274,5 +275,5 @@ pub fn convergence(fmus: &Fmus) -> Result<(NamedFigure, Vec<Check>), VerifyError
         bound: 0.6_f64.powi(8),
         unit: "1",
     };
-    Ok((NamedFigure { name: "convergence".into(), caption, figure }, vec![check]))
+    Ok((NamedFigure { name: "convergence".into(), caption, note, figure }, vec![check]))
 }

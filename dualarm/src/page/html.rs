@@ -1,0 +1,58 @@
+//! Text inside HTML.
+
+/// A text so that nothing in it is markup, between tags or inside a quoted attribute.
+#[must_use]
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            '\'' => escaped += "&#39;",
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// JSON that can stand inside a `<script>` element: without `<` nothing can close it or open a comment.
+#[must_use]
+pub fn json_in_script(json: &serde_json::Value) -> String {
+    json.to_string().replace('<', "\\u003c")
+}
+
+/// Replaces every `{{name}}` of a template by `value(name)`; what is put in is not looked at again.
+///
+/// # Panics
+/// When the template names something that `value` does not know, or does not close a name.
+pub fn fill(template: &str, value: impl Fn(&str) -> Option<String>) -> String {
+    let mut parts = template.split("{{");
+    let mut filled = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (name, rest) = part.split_once("}}").expect("the page's template closes every name");
+        filled += &value(name).unwrap_or_else(|| panic!("the page's template knows no {name}"));
+        filled += rest;
+    }
+    filled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hostile_text_stays_text() {
+        assert_eq!(escape("<b title='\"'>&"), "&lt;b title=&#39;&quot;&#39;&gt;&amp;");
+        let json = json_in_script(&serde_json::json!({ "a": "</script><!--<script>" }));
+        assert!(!json.contains('<'), "{json}");
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&json).unwrap()["a"], "</script><!--<script>");
+    }
+
+    #[test]
+    fn what_is_filled_in_is_not_a_template() {
+        let value = |name: &str| (name == "a").then(|| "{{b}}".to_owned());
+        assert_eq!(fill("x {{a}} y {{a}}", value), "x {{b}} y {{b}}");
+    }
+}
