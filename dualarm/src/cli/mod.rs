@@ -22,7 +22,7 @@ use crate::verify::VerifyError;
 /// What a user reads below the help text.
 const AFTER_HELP: &str = "\
 Examples:
-  dualarm                                    package, run, compare; see results/report.md
+  dualarm                                    package, run, compare; see results/report.html
   dualarm package                            write the four FMUs to dist/
   dualarm simulate --controller pds -o pds.csv
   dualarm simulate --controller nabfc --coupling jacobi --step 1e-3 --set DualArmPlant.M=0.4
