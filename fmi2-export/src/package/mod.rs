@@ -4,38 +4,80 @@
 //!
 //! ```ignore
 //! // src/main.rs
+//! use fmi2_export::package::{self, Document};
+//!
 //! fn main() -> std::process::ExitCode {
-//!     fmi2_export::package::main(&my_model::FMUS, &[])
+//!     package::main(&my_model::FMUS, &[Document {
+//!         model: "MyModel",
+//!         text: include_str!("../documentation/MyModel.md"),
+//!         license: include_str!("../LICENSE"),
+//!         ..Document::new()
+//!     }])
 //! }
 //! ```
 //!
-//! `cargo run` then builds the library in release mode and writes `NAME.fmu`.
+//! `cargo run` then builds the library in release mode and writes `NAME.fmu`. Besides the description and the library it
+//! has a page of documentation, `documentation/index.html`: what the author says in the [`Document`], a table of the
+//! variables and all else that the declarations say. It needs no network, no script and no font.
 
 mod archive;
 mod arguments;
 mod build;
 mod document;
+mod response;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 pub use archive::{Archive, platform_folder};
 pub use build::BuildError;
+pub use response::{OfTime, Panel, Response, ResponseError};
 
-use crate::ffi::Library;
+use crate::ffi::{ExportedModel, Library};
 use crate::{DeclarationError, Description};
 use arguments::{Command, HELP, parse};
 
+/// What a model's author says of it besides its declarations. Every part is optional.
+#[derive(Clone, Copy, Debug)]
+pub struct Document<'a> {
+    /// Name of the model.
+    pub model: &'a str,
+    /// What it models and how, in Markdown; formulas in LaTeX between `$`, or `$$` on lines of their own. Headings start
+    /// at the second level (`##`). Images are [`files`](Self::files) below `documentation/`.
+    pub text: &'a str,
+    /// The icon that tools show, as PNG: becomes `model.png`.
+    pub icon: &'a [u8],
+    /// The licence's text: becomes `documentation/licenses/license.txt`.
+    pub license: &'a str,
+    /// A run whose results the page shows.
+    pub response: Option<Response<'a>>,
+    /// How the archive was made, as one would type it; `cargo run` if empty.
+    pub command: &'a str,
+    /// Further files.
+    pub files: &'a [File<'a>],
+}
+
+impl Document<'_> {
+    /// Nothing, to fill up a definition with: `Document { model: "Lag", text: "…", ..Document::new() }`.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { model: "", text: "", icon: &[], license: "", response: None, command: "", files: &[] }
+    }
+}
+
+impl Default for Document<'_> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// A file to put into a model's archive besides what is generated.
 #[derive(Clone, Copy, Debug)]
-pub struct File {
-    /// Name of the model; empty for all models of the library.
-    pub model: &'static str,
-    /// Path in the archive, e.g. `documentation/figure.svg`. `documentation/content.html` is special: it becomes the
-    /// body of the generated `documentation/index.html`, above the table of variables.
-    pub path: &'static str,
+pub struct File<'a> {
+    /// Path in the archive, e.g. `documentation/figure.svg`.
+    pub path: &'a str,
     /// Its content.
-    pub content: &'static [u8],
+    pub content: &'a [u8],
 }
 
 /// Why packaging failed.
@@ -51,6 +93,30 @@ pub enum PackageError {
     /// The library could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// There is a document for a model that the library does not have.
+    #[error("there is a document for {model:?}, but the models of this library are {}", known.join(", "))]
+    NoSuchModel {
+        /// The document's model.
+        model: String,
+        /// The models there are.
+        known: Vec<&'static str>,
+    },
+    /// A part of a document cannot become part of an FMU.
+    #[error("document of {model}: {problem}")]
+    Document {
+        /// The model.
+        model: &'static str,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// The run for the page's figure failed.
+    #[error("response of {model}: {source}")]
+    Response {
+        /// The model.
+        model: &'static str,
+        /// Why.
+        source: ResponseError,
+    },
     /// A file could not be read or written.
     #[error("cannot {action} {}: {source}", path.display())]
     File {
@@ -80,8 +146,8 @@ impl PackageError {
 
 /// The packaging program: parses the command line, does what it says, reports errors. See `--help`.
 #[must_use]
-pub fn main(library: &'static Library, files: &[File]) -> ExitCode {
-    match run(library, files) {
+pub fn main(library: &'static Library, documents: &[Document<'_>]) -> ExitCode {
+    match run(library, documents) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
@@ -90,11 +156,17 @@ pub fn main(library: &'static Library, files: &[File]) -> ExitCode {
     }
 }
 
-fn run(library: &'static Library, files: &[File]) -> Result<(), PackageError> {
-    let descriptions: Vec<Description> =
-        library.models().iter().map(|model| model.description()).collect::<Result<_, _>>()?;
-    match parse()? {
-        Command::Help => print!("{HELP}"),
+fn run(library: &'static Library, documents: &[Document<'_>]) -> Result<(), PackageError> {
+    let command = parse()?;
+    if matches!(command, Command::Help) {
+        print!("{HELP}");
+        return Ok(());
+    }
+    let models = library.models();
+    let descriptions: Vec<Description> = models.iter().map(|model| model.description()).collect::<Result<_, _>>()?;
+    check_names(documents, &descriptions)?;
+    match command {
+        Command::Help => {}
         Command::Describe { out } => {
             create(&out)?;
             for description in &descriptions {
@@ -110,12 +182,22 @@ fn run(library: &'static Library, files: &[File]) -> Result<(), PackageError> {
             };
             let binary = std::fs::read(&library).map_err(PackageError::file("read", &library))?;
             create(&out)?;
-            for description in &descriptions {
-                println!("{}", write(description, &binary, files, &out)?.display());
+            for (model, description) in models.iter().zip(&descriptions) {
+                let none = Document::new();
+                let document = documents.iter().find(|document| document.model == description.name).unwrap_or(&none);
+                println!("{}", write(*model, description, &binary, document, &out)?.display());
             }
         }
     }
     Ok(())
+}
+
+fn check_names(documents: &[Document<'_>], descriptions: &[Description]) -> Result<(), PackageError> {
+    let known: Vec<&'static str> = descriptions.iter().map(|description| description.name).collect();
+    match documents.iter().find(|document| !known.contains(&document.model)) {
+        Some(stray) => Err(PackageError::NoSuchModel { model: stray.model.to_owned(), known }),
+        None => Ok(()),
+    }
 }
 
 /// Which models' descriptions differ from the files `NAME.xml` in a folder, or have none there. For a test in crates that
@@ -139,22 +221,26 @@ fn create(folder: &Path) -> Result<(), PackageError> {
     std::fs::create_dir_all(folder).map_err(PackageError::file("create", folder))
 }
 
-/// Writes `NAME.fmu` into a folder. The file appears under its name only when it is complete.
+/// Writes `NAME.fmu` into a folder. The file appears under its name only when it is complete. The same library, model and
+/// document give the same bytes.
 ///
 /// # Errors
-/// If it cannot be written, or if FMI 2.0 does not know the platform.
-pub fn write(description: &Description, binary: &[u8], files: &[File], folder: &Path) -> Result<PathBuf, PackageError> {
+/// If it cannot be written, if the document is at odds with the model, or if FMI 2.0 does not know the platform.
+pub fn write(
+    model: &'static dyn ExportedModel,
+    description: &Description,
+    binary: &[u8],
+    document: &Document<'_>,
+    folder: &Path,
+) -> Result<PathBuf, PackageError> {
     let path = folder.join(format!("{}.fmu", description.name));
-    let ours = || files.iter().filter(|file| file.model.is_empty() || file.model == description.name);
-    let content = ours().find(|file| file.path == document::CONTENT).map_or(&b""[..], |file| file.content);
     let extension = std::env::consts::DLL_EXTENSION;
 
     let mut archive = Archive::new();
     archive.add("modelDescription.xml", description.xml.as_bytes());
     archive.add(format!("binaries/{}/{}.{extension}", platform_folder()?, description.name), binary);
-    archive.add("documentation/index.html", document::index(description, &String::from_utf8_lossy(content)).as_bytes());
-    for file in ours().filter(|file| file.path != document::CONTENT) {
-        archive.add(file.path, file.content);
+    for (path, content) in document::files(model, description, document)? {
+        archive.add(path, &content);
     }
     archive.write(&path)?;
     Ok(path)

@@ -1,0 +1,142 @@
+//! What the model's author has written, from Markdown with LaTeX formulas to HTML with `MathML`, which browsers show
+//! without scripts, fonts or a network.
+
+use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
+use pulldown_latex::config::DisplayMode;
+use pulldown_latex::{RenderConfig, Storage, push_mathml};
+
+/// A text as HTML.
+pub struct Text {
+    /// Elements for the page's body.
+    pub html: String,
+    /// Identifiers and titles of the second-level headings.
+    pub headings: Vec<(String, String)>,
+    /// Addresses of the images.
+    pub images: Vec<String>,
+}
+
+/// A formula that is no LaTeX.
+#[derive(Debug)]
+pub struct FormulaError {
+    /// The formula.
+    pub formula: String,
+    /// What is wrong with it.
+    pub reason: String,
+}
+
+/// Reads Markdown. HTML in it is shown as it stands: the page is the program's to make.
+///
+/// # Errors
+/// The first formula that is no LaTeX.
+pub fn read(markdown: &str) -> Result<Text, FormulaError> {
+    let options = Options::ENABLE_TABLES | Options::ENABLE_MATH | Options::ENABLE_FOOTNOTES;
+    let mut text = Text { html: String::new(), headings: Vec::new(), images: Vec::new() };
+    let mut events = Vec::new();
+    // Where the heading being read began, and its title so far.
+    let mut heading: Option<(usize, String)> = None;
+    for event in Parser::new_ext(markdown, options) {
+        match &event {
+            Event::Start(Tag::Heading { level: HeadingLevel::H2, .. }) => heading = Some((events.len(), String::new())),
+            Event::Text(part) | Event::Code(part) => {
+                if let Some((_, title)) = &mut heading {
+                    title.push_str(part);
+                }
+            }
+            Event::End(TagEnd::Heading(HeadingLevel::H2)) => {
+                if let Some((start, title)) = heading.take() {
+                    let id = identifier(&title);
+                    if let Event::Start(Tag::Heading { id: slot, .. }) = &mut events[start] {
+                        *slot = Some(CowStr::from(id.clone()));
+                    }
+                    text.headings.push((id, title));
+                }
+            }
+            Event::Start(Tag::Image { dest_url, .. }) => text.images.push(dest_url.to_string()),
+            _ => {}
+        }
+        events.push(match event {
+            Event::InlineMath(formula) => Event::InlineHtml(mathml(&formula, DisplayMode::Inline)?.into()),
+            Event::DisplayMath(formula) => {
+                // What is wider than a phone can be scrolled.
+                let math = mathml(&formula, DisplayMode::Block)?;
+                Event::InlineHtml(format!("<span class=\"formula\">{math}</span>").into())
+            }
+            Event::Html(html) | Event::InlineHtml(html) => Event::Text(html),
+            other => other,
+        });
+    }
+    pulldown_cmark::html::push_html(&mut text.html, events.into_iter());
+    Ok(text)
+}
+
+fn mathml(formula: &str, display_mode: DisplayMode) -> Result<String, FormulaError> {
+    let error = |reason: String| FormulaError { formula: formula.to_owned(), reason };
+    let storage = Storage::new();
+    // The writer shows errors in the page; here they stop the packaging.
+    let events = pulldown_latex::Parser::new(formula, &storage)
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|reason| error(reason.to_string()))?;
+    let mut html = String::new();
+    let events = events.into_iter().map(Ok::<_, pulldown_latex::ParserError>);
+    let config = RenderConfig { display_mode, ..RenderConfig::default() };
+    push_mathml(&mut html, events, config).map_err(|reason| error(reason.to_string()))?;
+    // pulldown-latex 0.8 writes HTML that is no XML: it escapes its own entity, but not the symbols < and &, and forgets
+    // the blank before an attribute.
+    let repairs = [
+        ("&amp;nbsp;", "\u{a0}"),
+        ("&nbsp;", "\u{a0}"),
+        ("><</", ">&lt;</"),
+        (">&</", ">&amp;</"),
+        ("\"minsize=", "\" minsize="),
+    ];
+    Ok(repairs.iter().fold(html, |html, (wrong, right)| html.replace(wrong, right)))
+}
+
+/// A heading's title as an identifier: `What it models` becomes `what-it-models`.
+fn identifier(title: &str) -> String {
+    let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    format!("text-{}", words.map(str::to_lowercase).collect::<Vec<_>>().join("-"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formulas_become_mathml_and_headings_can_be_linked_to() {
+        let text = read("## The *beam* `EI`\nWith $\\dot x$:\n$$EI\\, w''(0) = -\\lambda l$$\n").unwrap();
+        assert_eq!(text.headings, [("text-the-beam-ei".to_owned(), "The beam EI".to_owned())]);
+        assert!(text.html.contains("<h2 id=\"text-the-beam-ei\">"));
+        assert!(text.html.contains("<math display=\"inline\">") && text.html.contains("<math display=\"block\">"));
+        assert!(text.html.contains('λ') && !text.html.contains('$'), "{}", text.html);
+    }
+
+    #[test]
+    fn formulas_are_well_formed_xml() {
+        let html = read("$\\bigl( a \\ b~c \\bigr)\\ \\text{if } x<1 \\& y$").unwrap().html;
+        let mut reader = quick_xml::Reader::from_str(&html);
+        loop {
+            match reader.read_event().expect(&html) {
+                quick_xml::events::Event::Eof => break,
+                quick_xml::events::Event::Start(element) | quick_xml::events::Event::Empty(element) => {
+                    assert!(element.attributes().all(|attribute| attribute.is_ok()), "{html}");
+                }
+                _ => {}
+            }
+        }
+        assert!(!html.contains("nbsp"), "{html}");
+    }
+
+    #[test]
+    fn html_is_shown_and_not_done() {
+        let html = read("<script>alert(1)</script>\n\nand <b>this</b> & $a<b$").unwrap().html;
+        assert!(!html.contains("<script") && !html.contains("<b>") && html.contains("&lt;script&gt;"), "{html}");
+    }
+
+    #[test]
+    fn what_is_no_formula_is_named() {
+        let error = read("$\\frac{1}$ and more").err().unwrap();
+        assert_eq!(error.formula, "\\frac{1}");
+        assert!(!error.reason.is_empty());
+    }
+}

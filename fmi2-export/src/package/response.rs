@@ -1,0 +1,320 @@
+//! A run of a model whose results its page shows: the model's own code, stepped by the packaging program.
+
+use std::fmt::Write as _;
+
+use crate::Experiment;
+use crate::ffi::ExportedModel;
+use crate::ffi::types::{CallbackFunctions, Status};
+use crate::interface::{Interface, Kind, VariableFacts};
+use crate::layout::BaseType;
+use crate::logger::Logger;
+use crate::slave::{AnySlave, Refusal};
+use crate::variable::Causality;
+
+/// A value as a function of the time (s).
+pub type OfTime = fn(f64) -> f64;
+
+/// A run whose results the page shows, in one panel or several.
+///
+/// ```
+/// use fmi2_export::package::{Panel, Response};
+/// let step = Response {
+///     caption: "Step of the voltage, and a load from 0.5 s on.",
+///     start: &[("voltage", 12.0)],
+///     inputs: &[("load", |time| if time < 0.5 { 0.0 } else { 0.02 })],
+///     stop_time: 1.0,
+///     step_size: 1e-3,
+///     panels: &[Panel { title: "Speed", variables: &["speed"] }, Panel { title: "Current", variables: &["current"] }],
+/// };
+/// # let _ = step;
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Response<'a> {
+    /// What is done, in Markdown.
+    pub caption: &'a str,
+    /// Values of parameters, and of inputs that stay constant. Booleans are 0 or 1, enumerations numbered from 1.
+    pub start: &'a [(&'a str, f64)],
+    /// Inputs as functions of the time (s), held over each step.
+    pub inputs: &'a [(&'a str, OfTime)],
+    /// How long to simulate (s).
+    pub stop_time: f64,
+    /// Communication step size (s).
+    pub step_size: f64,
+    /// What is shown.
+    pub panels: &'a [Panel<'a>],
+}
+
+/// Some variables over time, all of one unit.
+#[derive(Clone, Copy, Debug)]
+pub struct Panel<'a> {
+    /// What they are.
+    pub title: &'a str,
+    /// Their names: at most four.
+    pub variables: &'a [&'a str],
+}
+
+/// Why there are no results.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResponseError {
+    /// The model has no such variable.
+    #[error("there is no variable {name:?}{}", hint.as_ref().map_or_else(String::new, |hint| format!("; did you mean {hint:?}?")))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The name that is most like it.
+        hint: Option<String>,
+    },
+    /// A variable of this kind cannot take part as wanted.
+    #[error("{name} {problem}")]
+    Unfit {
+        /// Its name.
+        name: String,
+        /// Why not.
+        problem: &'static str,
+    },
+    /// The times make no sense.
+    #[error("stop_time {stop_time} and step_size {step_size} (s) must be positive, and at most 100 000 steps")]
+    Times {
+        /// The wanted end.
+        stop_time: f64,
+        /// The wanted step size.
+        step_size: f64,
+    },
+    /// The model refused a call.
+    #[error("the model refused at {time} s: {message}")]
+    Refused {
+        /// When.
+        time: f64,
+        /// What it said.
+        message: String,
+    },
+}
+
+/// What a run has given.
+pub struct Run<'i> {
+    pub times: Vec<f64>,
+    /// The inputs over time, with their values from each time on.
+    pub inputs: Vec<Series<'i>>,
+    /// The shown variables of each panel.
+    pub panels: Vec<Vec<Series<'i>>>,
+}
+
+/// Values of a variable.
+pub struct Series<'i> {
+    pub variable: &'i VariableFacts,
+    pub values: Vec<f64>,
+}
+
+/// Runs a model. As most masters do, it records what the outputs are after each step, with the inputs of that step.
+///
+/// # Errors
+/// If the run names what is not there, or the model refuses.
+pub fn run<'i>(
+    model: &'static dyn ExportedModel,
+    interface: &'i Interface,
+    response: &Response<'_>,
+) -> Result<Run<'i>, ResponseError> {
+    let Response { stop_time, step_size, .. } = *response;
+    let steps = (stop_time / step_size).round();
+    if !(step_size > 0.0 && (1.0..=1e5).contains(&steps)) {
+        return Err(ResponseError::Times { stop_time, step_size });
+    }
+    let start = settings(interface, response.start)?;
+    let (functions, inputs): (Vec<_>, Vec<_>) = response
+        .inputs
+        .iter()
+        .map(|(name, function)| Ok((*function, series(input(interface, name)?))))
+        .collect::<Result<Vec<_>, ResponseError>>()?
+        .into_iter()
+        .unzip();
+    let panels = response.panels.iter().map(|panel| shown(interface, panel)).collect::<Result<_, _>>()?;
+    let mut run = Run { times: Vec::new(), inputs, panels };
+
+    let refused = |time| move |refusal: Refusal| ResponseError::Refused { time, message: refusal.message };
+    let mut slave =
+        model.instantiate().map_err(|error| ResponseError::Refused { time: 0.0, message: error.to_string() })?;
+    let experiment = Experiment { start_time: 0.0, stop_time: None, tolerance: None };
+    let begin = |slave: &mut dyn AnySlave, run: &mut Run<'_>| {
+        for (variable, value) in &start {
+            set(slave, variable, *value)?;
+        }
+        slave.setup_experiment(experiment)?;
+        slave.enter_initialization()?;
+        run.apply(slave, &functions, 0.0)?;
+        slave.exit_initialization()?;
+        run.record(slave, 0.0)
+    };
+    begin(&mut *slave, &mut run).map_err(refused(0.0))?;
+    let silent = silent_logger();
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // At most 100 000.
+    for i in 0..steps as u32 {
+        let (time, end) = (f64::from(i) * step_size, f64::from(i + 1) * step_size);
+        let mut step = || {
+            if i > 0 {
+                run.apply(&mut *slave, &functions, time)?;
+            }
+            slave.do_step(time, end - time, &silent)?;
+            run.record(&mut *slave, end)
+        };
+        step().map_err(refused(time))?;
+    }
+    for (series, function) in run.inputs.iter_mut().zip(&functions) {
+        series.values.push(function(stop_time));
+    }
+    Ok(run)
+}
+
+impl Run<'_> {
+    /// Sets the inputs for the step from `time` on.
+    fn apply(&mut self, slave: &mut dyn AnySlave, functions: &[OfTime], time: f64) -> Result<(), Refusal> {
+        for (series, function) in self.inputs.iter_mut().zip(functions) {
+            let value = function(time);
+            series.values.push(value);
+            slave.set_real(&[series.variable.reference.index], &[value])?;
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, slave: &mut dyn AnySlave, time: f64) -> Result<(), Refusal> {
+        self.times.push(time);
+        for series in self.panels.iter_mut().flatten() {
+            series.values.push(get(slave, series.variable)?);
+        }
+        Ok(())
+    }
+
+    /// The shown variables as CSV, each once.
+    pub fn results_csv(&self) -> String {
+        let mut columns: Vec<&Series<'_>> = Vec::new();
+        for series in self.panels.iter().flatten() {
+            if !columns.iter().any(|other| std::ptr::eq(other.variable, series.variable)) {
+                columns.push(series);
+            }
+        }
+        csv(&self.times, &columns)
+    }
+
+    /// The inputs over time as CSV, if there are any.
+    pub fn inputs_csv(&self) -> Option<String> {
+        (!self.inputs.is_empty()).then(|| csv(&self.times, &self.inputs.iter().collect::<Vec<_>>()))
+    }
+}
+
+/// Numbers are written so that they read back as the same.
+fn csv(times: &[f64], columns: &[&Series<'_>]) -> String {
+    let mut csv = String::from("time");
+    for series in columns {
+        let _ = write!(csv, ",\"{}\"", series.variable.name.replace('"', "\"\""));
+    }
+    for (i, time) in times.iter().enumerate() {
+        let _ = write!(csv, "\n{time}");
+        for series in columns {
+            let _ = write!(csv, ",{}", series.values[i]);
+        }
+    }
+    csv.push('\n');
+    csv
+}
+
+fn series(variable: &VariableFacts) -> Series<'_> {
+    Series { variable, values: Vec::new() }
+}
+
+fn settings<'i>(
+    interface: &'i Interface,
+    start: &[(&str, f64)],
+) -> Result<Vec<(&'i VariableFacts, f64)>, ResponseError> {
+    let setting = |(name, value): &(&str, f64)| {
+        let variable = find(interface, name)?;
+        match (variable.causality, variable.kind) {
+            (Causality::Output | Causality::Local, _) => {
+                Err(unfit(variable, "is computed by the model: it cannot be set"))
+            }
+            (_, Kind::String) => Err(unfit(variable, "is a string: it cannot be set to a number")),
+            _ => Ok((variable, *value)),
+        }
+    };
+    start.iter().map(setting).collect()
+}
+
+fn input<'i>(interface: &'i Interface, name: &str) -> Result<&'i VariableFacts, ResponseError> {
+    let variable = find(interface, name)?;
+    if (variable.causality, variable.kind) == (Causality::Input, Kind::Real) {
+        Ok(variable)
+    } else {
+        Err(unfit(variable, "is no input of type Real: it cannot follow a function of time"))
+    }
+}
+
+fn shown<'i>(interface: &'i Interface, panel: &Panel<'_>) -> Result<Vec<Series<'i>>, ResponseError> {
+    let variables: Vec<_> = panel.variables.iter().map(|name| find(interface, name)).collect::<Result<_, _>>()?;
+    for (i, variable) in variables.iter().enumerate() {
+        if variable.kind == Kind::String {
+            return Err(unfit(variable, "is a string: it cannot be drawn"));
+        }
+        if variable.unit != variables[0].unit || variable.display_unit != variables[0].display_unit {
+            return Err(unfit(variable, "has another unit than the first variable of its panel"));
+        }
+        if i >= 4 {
+            return Err(unfit(variable, "is the fifth variable of its panel, at most four can be told apart"));
+        }
+    }
+    Ok(variables.into_iter().map(series).collect())
+}
+
+fn unfit(variable: &VariableFacts, problem: &'static str) -> ResponseError {
+    ResponseError::Unfit { name: variable.name.clone(), problem }
+}
+
+fn find<'i>(interface: &'i Interface, name: &str) -> Result<&'i VariableFacts, ResponseError> {
+    interface.variables.iter().find(|variable| variable.name == name).ok_or_else(|| {
+        let likeness = |known: &VariableFacts| strsim::jaro_winkler(&known.name, name);
+        let nearest = interface.variables.iter().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+        let hint = nearest.filter(|known| likeness(known) > 0.7).map(|known| known.name.clone());
+        ResponseError::Unknown { name: name.to_owned(), hint }
+    })
+}
+
+fn set(slave: &mut dyn AnySlave, variable: &VariableFacts, value: f64) -> Result<Status, Refusal> {
+    let reference = [variable.reference.index];
+    #[allow(clippy::cast_possible_truncation)] // What is no whole number is refused.
+    let integer = || {
+        let whole = value as i32;
+        if f64::from(whole) == value {
+            Ok([whole])
+        } else {
+            Err(Refusal::error(format!("{} cannot be {value}: it must be a whole number", variable.name)))
+        }
+    };
+    match variable.reference.base {
+        BaseType::Integer => slave.set_integer(&reference, &integer()?),
+        BaseType::Boolean => slave.set_boolean(&reference, &integer()?),
+        BaseType::Real | BaseType::String => slave.set_real(&reference, &[value]),
+    }
+}
+
+fn get(slave: &mut dyn AnySlave, variable: &VariableFacts) -> Result<f64, Refusal> {
+    let reference = [variable.reference.index];
+    let (mut real, mut integer) = ([0.0], [0]);
+    match variable.reference.base {
+        BaseType::Integer => slave.get_integer(&reference, &mut integer)?,
+        BaseType::Boolean => slave.get_boolean(&reference, &mut integer)?,
+        BaseType::Real | BaseType::String => {
+            slave.get_real(&reference, &mut real)?;
+            return Ok(real[0]);
+        }
+    };
+    Ok(f64::from(integer[0]))
+}
+
+fn silent_logger() -> Logger {
+    let functions = CallbackFunctions {
+        logger: None,
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: std::ptr::null_mut(),
+    };
+    Logger::new(&functions, std::ffi::CString::default(), false)
+}
