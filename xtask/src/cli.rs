@@ -1,5 +1,7 @@
 //! The command line.
 
+use std::path::PathBuf;
+
 /// What `cargo xtask --help` prints.
 pub const HELP: &str = "\
 Developer commands of this workspace.
@@ -18,6 +20,9 @@ Commands:
   describe
          Renew modelDescription/*.xml after a change of an FMU's variables. Look at the difference before
          you commit it: it is what users of the FMUs will see.
+  new-fmu PATH
+         Make a crate in the new folder PATH that exports a model as an FMU, ready to be changed. The folder's
+         name becomes the crate's: cargo xtask new-fmu ../dc-motor
   counts [--record NOTE]
          Count the instructions of a communication step (with valgrind, if it is installed) and fail if one
          costs over 5 % more than the last entry of docs/performance/instructions.csv.
@@ -52,6 +57,11 @@ pub enum Request {
     Check,
     /// Renew the checked-in descriptions.
     Describe,
+    /// Make a new model crate.
+    NewFmu {
+        /// Its folder.
+        path: PathBuf,
+    },
     /// Compare instruction counts with their history.
     Counts {
         /// Add them to the history with this remark instead.
@@ -81,6 +91,7 @@ pub fn parse(args: impl IntoIterator<Item = String>) -> Result<Request, String> 
         "test" => parse_test(args),
         "check" => alone(Request::Check, "check", args),
         "describe" => alone(Request::Describe, "describe", args),
+        "new-fmu" => parse_new_fmu(args),
         "counts" => parse_counts(args),
         other => Err(format!("unknown command `{other}`")),
     }
@@ -92,6 +103,14 @@ fn alone(request: Request, name: &str, mut args: impl Iterator<Item = String>) -
         None => Ok(request),
         Some("-h" | "--help") => Ok(Request::Help),
         Some(other) => Err(format!("`{name}` takes no argument, got `{other}`")),
+    }
+}
+
+fn parse_new_fmu(mut args: impl Iterator<Item = String>) -> Result<Request, String> {
+    match (args.next().as_deref(), args.next()) {
+        (Some("-h" | "--help"), _) => Ok(Request::Help),
+        (Some(path), None) if !path.starts_with('-') => Ok(Request::NewFmu { path: path.into() }),
+        _ => Err("`new-fmu` takes one argument, the new folder".into()),
     }
 }
 
@@ -148,6 +167,7 @@ mod tests {
         assert_eq!(parsed("counts"), Ok(Request::Counts { record: None }));
         assert_eq!(parsed("counts --record why"), Ok(Request::Counts { record: Some("why".into()) }));
         assert_eq!(parsed("describe"), Ok(Request::Describe));
+        assert_eq!(parsed("new-fmu ../dc-motor"), Ok(Request::NewFmu { path: "../dc-motor".into() }));
         assert_eq!(parsed("test"), Ok(Request::Test { selection: Selection::All, pytest_args: vec![] }));
         assert_eq!(parsed("test --rust"), Ok(Request::Test { selection: Selection::Rust, pytest_args: vec![] }));
     }
@@ -171,6 +191,9 @@ mod tests {
             "check now",
             "describe all",
             "counts x",
+            "new-fmu",
+            "new-fmu a b",
+            "new-fmu --fast",
             "counts --record",
         ] {
             assert!(parsed(line).is_err(), "{line}");
@@ -183,6 +206,7 @@ mod tests {
             "test",
             "check",
             "describe",
+            "new-fmu",
             "counts",
             "--record",
             "help",

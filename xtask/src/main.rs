@@ -4,6 +4,7 @@
 //! cargo xtask test     every test there is: Rust, the packaged FMUs, Python, the code checks
 //! cargo xtask check    formatting, lints and documentation only
 //! cargo xtask describe renews modelDescription/*.xml
+//! cargo xtask new-fmu  a new model crate from the template of fmi2-export
 //! cargo xtask counts   instructions per communication step, against their history
 //! ```
 //!
@@ -14,6 +15,7 @@ mod cli;
 mod counts;
 mod python;
 mod steps;
+mod template;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -30,6 +32,7 @@ fn main() -> ExitCode {
         Ok(Request::Test { selection, pytest_args }) => test(selection, &pytest_args),
         Ok(Request::Check) => check(),
         Ok(Request::Describe) => describe(),
+        Ok(Request::NewFmu { path }) => new_fmu(&path),
         Ok(Request::Counts { record }) => counts(record.as_deref()),
         Err(message) => {
             eprintln!("error: {message}\n\nTry `cargo xtask --help`.");
@@ -102,6 +105,20 @@ fn describe() -> ExitCode {
         });
     }
     steps.finish()
+}
+
+/// `cargo xtask new-fmu`: for those who come with a model of their own.
+fn new_fmu(path: &Path) -> ExitCode {
+    match template::create(&Tree::find().root, path) {
+        Ok(next) => {
+            print!("{next}");
+            ExitCode::SUCCESS
+        }
+        Err(message) => {
+            eprintln!("error: {message}");
+            ExitCode::FAILURE
+        }
+    }
 }
 
 /// `cargo xtask counts`: what a step costs, compared with the history or added to it.
