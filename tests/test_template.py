@@ -62,9 +62,9 @@ def test_fmpy_finds_no_problem(fmu: Path) -> None:
     assert read_model_description(str(fmu)).modelName == NAME
 
 
-@pytest.mark.parametrize(("insulation", "factor"), [("bare", 1.0), ("wrapped", 0.1)])
+@pytest.mark.parametrize(("insulation", "factor"), [(1, 1.0), (2, 0.1)], ids=["bare", "wrapped"])
 @pytest.mark.parametrize("step", [1.0, 7.0])
-def test_simulation_is_the_exact_solution(fmu: Path, insulation: str, factor: float, step: float) -> None:
+def test_simulation_is_the_exact_solution(fmu: Path, insulation: int, factor: float, step: float) -> None:
     """C dT/dt = P - G (T - Ta) from T = Ta: T = Ta + P/G (1 - exp(-G t/C))."""
     start = {"heating_power": 100.0, "ambient_temperature": 280.0, "temperature_0": 280.0, "insulation": insulation}
     result = simulate_fmu(str(fmu), stop_time=700.0, output_interval=step, start_values=start)

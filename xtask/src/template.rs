@@ -37,8 +37,8 @@ pub fn create(root: &Path, path: &Path) -> Result<String, String> {
         }
     }
     Ok(format!(
-        "{0} has a model that works, {model}. Next:\n\n    cd {0}\n    cargo run     # writes dist/{model}.fmu\n    \
-         cargo test\n\nThen make it yours: README.md there says where to begin.\n",
+        "{0} has a model that works, {model}. Next:\n\n    cd {0}\n    cargo run --release    # writes dist/{model}.fmu\n    \
+         cargo test --release\n\nThen make it yours: README.md there says where to begin.\n",
         path.display()
     ))
 }

@@ -51,7 +51,7 @@ pub struct Document<'a> {
     pub license: &'a str,
     /// A run whose results the page shows.
     pub response: Option<Response<'a>>,
-    /// How the archive was made, as one would type it; `cargo run` if empty.
+    /// How the archive was made, as one would type it; `cargo run --release` if empty.
     pub command: &'a str,
     /// Further files.
     pub files: &'a [File<'a>],
@@ -110,7 +110,7 @@ pub enum PackageError {
         problem: String,
     },
     /// The run for the page's figure failed.
-    #[error("response of {model}: {source}")]
+    #[error("response in the document of {model}: {source}")]
     Response {
         /// The model.
         model: &'static str,
@@ -176,16 +176,22 @@ fn run(library: &'static Library, documents: &[Document<'_>]) -> Result<(), Pack
             }
         }
         Command::Package { out, library } => {
+            // First what can be wrong with the documents: building takes longer.
+            let none = Document::new();
+            let document = |name| documents.iter().find(|document| document.model == name).unwrap_or(&none);
+            let extras = models
+                .iter()
+                .zip(&descriptions)
+                .map(|(model, description)| document::files(*model, description, document(description.name)));
+            let extras = extras.collect::<Result<Vec<_>, _>>()?;
             let library = match library {
                 Some(path) => path,
                 None => build::library()?,
             };
             let binary = std::fs::read(&library).map_err(PackageError::file("read", &library))?;
             create(&out)?;
-            for (model, description) in models.iter().zip(&descriptions) {
-                let none = Document::new();
-                let document = documents.iter().find(|document| document.model == description.name).unwrap_or(&none);
-                println!("{}", write(*model, description, &binary, document, &out)?.display());
+            for (description, files) in descriptions.iter().zip(&extras) {
+                println!("{}", assemble(description, &binary, files, &out)?.display());
             }
         }
     }
@@ -233,14 +239,23 @@ pub fn write(
     document: &Document<'_>,
     folder: &Path,
 ) -> Result<PathBuf, PackageError> {
+    assemble(description, binary, &document::files(model, description, document)?, folder)
+}
+
+fn assemble(
+    description: &Description,
+    binary: &[u8],
+    files: &[(String, Vec<u8>)],
+    folder: &Path,
+) -> Result<PathBuf, PackageError> {
     let path = folder.join(format!("{}.fmu", description.name));
     let extension = std::env::consts::DLL_EXTENSION;
 
     let mut archive = Archive::new();
     archive.add("modelDescription.xml", description.xml.as_bytes());
     archive.add(format!("binaries/{}/{}.{extension}", platform_folder()?, description.name), binary);
-    for (path, content) in document::files(model, description, document)? {
-        archive.add(path, &content);
+    for (path, content) in files {
+        archive.add(path, content);
     }
     archive.write(&path)?;
     Ok(path)

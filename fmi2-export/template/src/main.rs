@@ -1,4 +1,4 @@
-//! Packages the FMU: `cargo run`.
+//! Packages the FMU: `cargo run --release`.
 
 use fmi2_export::package::{self, Document, Panel, Response};
 
