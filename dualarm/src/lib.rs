@@ -7,6 +7,7 @@
 //! * A [`system`] is what the master runs; a [`scenario`] file describes one.
 //! * [`mod@package`] builds the project's own FMUs, [`grasp`] names them, [`metrics`] judges a run, [`figures`],
 //!   [`report`] and [`page`] show it, the page with the models' [`parameters`].
+//! * [`ssp`] reads and writes systems of FMUs in one file.
 //! * [`mod@verify`] holds the FMUs against exact and independent solutions.
 //! * [`cli`] is the command line, [`files`] writes files whole or not at all.
 
@@ -27,6 +28,7 @@ pub mod report;
 pub mod scenario;
 pub mod settings;
 pub mod signal;
+pub mod ssp;
 pub mod system;
 pub mod verify;
 pub mod wiring;

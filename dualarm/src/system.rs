@@ -22,6 +22,8 @@ pub struct System {
     pub settings: Vec<Located<Setting>>,
     /// Free inputs (`name` or `Component.name`) that change over time.
     pub inputs: Vec<Located<(String, Signal)>>,
+    /// What the reader of the description noticed and the user should hear.
+    pub remarks: Vec<String>,
     /// How the author suggests to run it.
     pub experiment: Experiment,
 }
@@ -86,6 +88,7 @@ impl System {
             connections: Connections::ByName,
             settings: Vec::new(),
             inputs: Vec::new(),
+            remarks: Vec::new(),
             experiment: Experiment::default(),
         }
     }

@@ -1,7 +1,8 @@
-"""Other people's importers, each run in a process of its own; both print the table that `read_table` reads.
+"""Other people's importers, each run in a process of its own; all print the table that `read_table` reads.
 
 * `ecos`: the native engine of Ecos, from the wheel `ecospy`;
 * `libcosim`: the native engine of the Open Simulation Platform, from the wheel `libcosimpy`;
+* `ssp`: the two engines, reading systems from .ssp files;
 * `rust_fmi`: the crate `fmi` of rust-fmi, by way of the program in `judges/rust-fmi`.
 """
 

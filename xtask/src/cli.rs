@@ -18,7 +18,7 @@ Commands:
   check  Run the code checks only: cargo fmt --check, cargo clippy, cargo doc, warnings denied.
          What needs a toolchain component that is not installed is skipped, and said so.
   describe
-         Renew modelDescription/*.xml after a change of an FMU's variables. Look at the difference before
+         Renew modelDescription/ after a change of an FMU's variables. Look at the difference before
          you commit it: it is what users of the FMUs will see.
   new-fmu PATH
          Make a crate in the new folder PATH that exports a model as an FMU, ready to be changed. The folder's

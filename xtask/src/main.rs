@@ -3,7 +3,7 @@
 //! ```text
 //! cargo xtask test     every test there is: Rust, the packaged FMUs, Python, the code checks
 //! cargo xtask check    formatting, lints and documentation only
-//! cargo xtask describe renews modelDescription/*.xml
+//! cargo xtask describe renews modelDescription/
 //! cargo xtask new-fmu  a new model crate from the template of fmi2-export
 //! cargo xtask counts   instructions per communication step, against their history
 //! ```
@@ -95,15 +95,16 @@ fn check() -> ExitCode {
     steps.finish()
 }
 
-/// `cargo xtask describe`: each model crate's program writes its descriptions.
+/// `cargo xtask describe`: each model crate's program writes its descriptions, and the tool those of the systems.
 fn describe() -> ExitCode {
     let tree = Tree::find();
-    let mut steps = Runner::new(2);
+    let mut steps = Runner::new(3);
     for (name, package) in [("Plant", "plant-fmu"), ("Controllers", "controller-fmu")] {
         steps.step(name, || {
             run(tree.cargo(&["run", "--quiet", "--package", package, "--", "--describe", "modelDescription"]))
         });
     }
+    steps.step("Systems", || run(tree.cargo(&["run", "--release", "--", "package", "--describe", "modelDescription"])));
     steps.finish()
 }
 

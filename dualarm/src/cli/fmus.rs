@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Failure;
-use super::package::say;
-use crate::package::{package, repository};
+use super::package::package_all;
 
 /// The folder of the packaged FMUs.
 #[derive(Debug, Clone, Args)]
@@ -42,10 +41,10 @@ impl Default for Job {
 }
 
 impl Job {
-    /// Builds and packages the FMUs, unless the user wants those that are there.
+    /// Builds and packages the FMUs and systems, unless the user wants those that are there.
     pub fn package(&self, quiet: bool) -> Result<(), Failure> {
         if !self.no_package {
-            package(repository(), &self.folder.fmus, quiet, &mut |doing| say(quiet, doing))?;
+            package_all(&self.folder.fmus, quiet)?;
         }
         Ok(())
     }

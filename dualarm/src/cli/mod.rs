@@ -17,6 +17,8 @@ use crate::files::WriteError;
 use crate::fmi::{CallError, FmuError};
 use crate::master::MasterError;
 use crate::package::PackageError;
+use crate::ssp::SspError;
+use crate::ssp::compose::ComposeError;
 use crate::verify::VerifyError;
 
 /// What a user reads below the help text.
@@ -84,7 +86,7 @@ macro_rules! failures {
         })*
     };
 }
-failures![io::Error, CallError, FmuError, MasterError, PackageError, VerifyError, WriteError];
+failures![io::Error, CallError, ComposeError, FmuError, MasterError, PackageError, SspError, VerifyError, WriteError,];
 
 /// Prints to standard output. A reader that has gone (`| head`) is no failure.
 fn print(text: &str) {

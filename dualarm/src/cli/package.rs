@@ -1,26 +1,61 @@
 //! `dualarm package`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::{Failure, print};
+use crate::files;
 use crate::package::{package, repository};
+use crate::ssp::compose;
+
+const AFTER_HELP: &str = "\
+Leaves the FMUs, and each controller with the plant as one system: DualArmGrasp-NABFC.ssp, -PDS.ssp and -PD.ssp (SSP \
+1.0), which `dualarm simulate`, Ecos, FMPy, OMSimulator and others run.
+
+Examples:
+  dualarm package                     dist/*.fmu and dist/*.ssp
+  dualarm package --out ~/fmus        elsewhere";
 
 /// Arguments of `dualarm package`.
 #[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Folder for the .fmu files
+    /// Folder for the .fmu and .ssp files
     #[arg(long, short, default_value = "dist", value_name = "FOLDER")]
     out: PathBuf,
+    /// Only renew the systems' descriptions (.ssd, .ssv) below this folder, from the FMUs' descriptions (.xml) in it
+    #[arg(long, value_name = "FOLDER", conflicts_with = "out")]
+    describe: Option<PathBuf>,
 }
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
-    let fmus = package(repository(), &arguments.out, quiet, &mut |doing| say(quiet, doing))?;
-    if !quiet {
-        for path in fmus {
+    if let Some(folder) = &arguments.describe {
+        return describe(folder, quiet);
+    }
+    for path in package_all(&arguments.out, quiet)? {
+        if !quiet {
             let size = std::fs::metadata(&path).map_or(0, |file| file.len());
             print(&format!("{}  {:.2} MB\n", path.display(), size as f64 / 1e6));
+        }
+    }
+    Ok(())
+}
+
+/// Builds the FMUs, composes the systems, and writes both to a folder.
+pub fn package_all(out: &Path, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
+    let mut written = package(repository(), out, quiet, &mut |doing| say(quiet, doing))?;
+    say(quiet, "composing the systems");
+    written.extend(compose::write_packages(out)?);
+    Ok(written)
+}
+
+fn describe(folder: &Path, quiet: bool) -> Result<(), Failure> {
+    for (path, text) in compose::describe_packages(folder)? {
+        let path = folder.join(path);
+        files::write(&path, text)?;
+        if !quiet {
+            print(&format!("{}\n", path.display()));
         }
     }
     Ok(())

@@ -26,7 +26,8 @@ use crate::system::System;
 use output::Output;
 
 const AFTER_HELP: &str = "\
-What to run: a scenario's name (see --list), a scenario file (.toml), or FMUs (.fmu). FMUs run in the order given, each \
+What to run: a scenario's name (see --list), a scenario file (.toml), a system in one file (.ssp; a variant in it as \
+FILE.ssp#VARIANT.ssd), or FMUs (.fmu). FMUs run in the order given, each \
 input connected to the output of the same name of another FMU. What the options leave open, the scenario says, or else \
 the first FMU's default experiment.
 
@@ -35,6 +36,7 @@ Examples:
   dualarm simulate --controller pd -o pd.csv     with another controller
   dualarm simulate preload                       a scenario that is built in
   dualarm simulate my-grasp.toml -o out.csv      a scenario of your own
+  dualarm simulate dist/DualArmGrasp-PD.ssp      a system in one file
   dualarm simulate --set EI1=0.12                in every FMU that has EI1
   dualarm simulate --set DualArmPlant.EI1=0.12   only in the plant: the controller
                                                  does not know
@@ -44,8 +46,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// Scenario or FMUs [default: nabfc]
-    #[arg(value_name = "SCENARIO|FMU")]
+    /// Scenario, SSP or FMUs [default: nabfc]
+    #[arg(value_name = "SCENARIO|SSP|FMU")]
     what: Vec<PathBuf>,
     /// List the built-in scenarios
     #[arg(long, exclusive = true)]
@@ -119,7 +121,8 @@ pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
     let recorded = if measures { 0.0 } else { interval };
 
     master.initialize(&grid)?;
-    let mut warnings = master.warnings().to_vec();
+    let mut warnings = system.remarks.clone();
+    warnings.extend_from_slice(master.warnings());
     warnings.extend(grid_remark(&grid, interval));
     warnings.extend(unconnected(&master));
     let limits = grasp::actuator_limits(master.instance(0));

@@ -6,6 +6,8 @@ use crate::cli::Failure;
 use crate::fmi::Fmu;
 use crate::grasp::{self, Controller};
 use crate::scenario::{BuiltIn, Scenario, ScenarioError};
+use crate::ssp::Package;
+use crate::ssp::package::is_ssp;
 use crate::system::{System, SystemError};
 
 /// Reads the description and opens the FMUs. `words` are what the user wrote without an option, `fmus` is the folder of
@@ -17,9 +19,12 @@ pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Resul
         // The paper's case with this controller has its own stop time.
         ([], Some(controller)) => return Ok(BuiltIn::find(controller.key)?.scenario()?.system(fmus)?),
         ([word], _) if has_extension(word, "toml") => Scenario::read(word)?,
+        ([word], None) if is_ssp(word) => return Ok(Package::open(word)?.system()?),
         ([word], _) if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
         (files, None) => return of_fmus(files),
-        (_, Some(_)) => return Err(Failure::usage("--controller cannot be used with FMU files, only with a scenario")),
+        (_, Some(_)) => {
+            return Err(Failure::usage("--controller cannot be used with .fmu and .ssp files, only with a scenario"));
+        }
     };
     let scenario = match controller {
         Some(controller) => scenario.with_controller(controller)?,
@@ -31,6 +36,10 @@ pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Resul
 fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
     if let Some(scenario) = files.iter().find(|file| has_extension(file, "toml")) {
         let message = format!("{} is a scenario; it runs alone, without other files", scenario.display());
+        return Err(Failure::usage(message));
+    }
+    if let Some(package) = files.iter().find(|file| is_ssp(file)) {
+        let message = format!("{} is a system of its own; it runs alone, without other files", package.display());
         return Err(Failure::usage(message));
     }
     let fmus = files.iter().map(Fmu::open).collect::<Result<Vec<_>, _>>()?;
