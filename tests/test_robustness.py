@@ -8,17 +8,22 @@ tau_max), 0.05 s at most. So 0.5 s is physically possible in every case below; t
 
 from __future__ import annotations
 
+import csv
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from .conftest import ROOT
 from .contract import CONTROLLERS
 from .harness import CoSimulation, Fmu, Result
 from .measures import FORCE, settling_time
+from .test_native import dualarm
 
 LIMITS_HALVED = {"k_M1": 1.1, "k_m1": -1.1, "k_M2": 0.16, "k_m2": -0.16}
 
@@ -47,7 +52,7 @@ CASES = {
     "J + 50 %": Case({"J1": 0.01095, "J2": 0.01095}),
     "EI known 20 % too high": Case(known_stiffness=1.2),
     "EI known 20 % too low": Case(known_stiffness=0.8),
-    "limits halved": Case(LIMITS_HALVED),
+    "actuator limits halved": Case(LIMITS_HALVED),
     "h = 0.05 ms": Case(step=5e-5),
     "h = 0.2 ms": Case(step=2e-4),
     "h = 0.5 ms": Case(step=5e-4),
@@ -89,6 +94,69 @@ def test_nabfc_settles_within_half_a_second(name: str, fmus: Mapping[str, Fmu]) 
     # Nothing swings to and fro at the end; 10 % of the limit would be a limit cycle of the object's loop.
     assert np.ptp(result["u"][late]) < 0.1 * force_limit(case)
     assert np.ptp(result["tau1"][late]) < 1e-2
+
+
+def documented() -> dict[str, list[str]]:
+    """The table of docs/verification.md: what becomes of NABFC, PDS and PD in each case."""
+    text = (ROOT / "docs" / "verification.md").read_text(encoding="utf-8").split("## Robustness of the defaults")[1]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in text.splitlines() if line.startswith("|")]
+    # The force that a wrong EI leads to is in brackets.
+    return {re.sub(r" \([\d.]+ N\)", "", name).replace("−", "-"): cells for name, *cells in rows[2:]}
+
+
+def simulate(case: Case, controller: str, folder: Path) -> Result:
+    """The case by the command line tool, as a reader would run it."""
+    settings = dict(case.plant)
+    if case.known_stiffness != 1.0:
+        settings |= {f"{controller}.EI{arm}": 0.115 * case.known_stiffness for arm in (1, 2)}
+    stop = 12.0 if settings.get(f"{controller}.EI1") else STOPS[controller]  # where a force ends takes longer
+    output = folder / "run.csv"
+    flags = [flag for name, value in settings.items() for flag in ("--set", f"{name}={value!r}")]
+    done = dualarm(
+        *("simulate", "--controller", controller.removesuffix("Controller").lower(), "--stop", repr(stop)),
+        *(
+            "--step",
+            repr(case.step),
+            "--coupling",
+            case.coupling.replace("_", "-"),
+            "--interval",
+            repr(case.step if case.step > 2e-4 else 1e-3),
+        ),
+        *(*flags, "--quiet", "-o", str(output)),
+    )
+    assert done.returncode == 0, done.stderr
+    with output.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    columns = dict(zip(header, np.array(rows, dtype=float).T))
+    return Result(columns.pop("time"), columns)
+
+
+def test_every_case_is_documented() -> None:
+    assert list(documented()) == list(CASES)
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("name", CASES)
+def test_documented_robustness(name: str, controller: str, tmp_path: Path) -> None:
+    """Cell by cell: a settling time to its last digit, or what happens instead."""
+    case, said = CASES[name], documented()[name][CONTROLLERS.index(controller)]
+    result = simulate(case, controller, tmp_path)
+    time, torque = result.time, result["tau1"]
+    late = time > 0.9 * time[-1]
+    forces = [result[force] for force in ("contact_force1", "contact_force2")]
+    settled = max(settling_time(time, force, case.force) for force in forces)
+    if said == "τ at its limits":
+        assert np.max(torque[late]) > 1.9
+        assert np.min(torque[late]) < -1.9
+    elif said == "vibrates (unstable)":
+        middle = (time > 0.6 * time[-1]) & (time < 0.7 * time[-1])
+        assert np.ptp(torque[late]) > 1.2 * np.ptp(torque[middle])
+    elif said.startswith("ends at"):
+        assert math.isinf(settled)
+        assert [force[-1] for force in forces] == pytest.approx([float(said.split()[2])] * 2, abs=1e-3)
+    else:
+        number = said.removesuffix(" s")
+        assert settled == pytest.approx(float(number), abs=1.01 * 10.0 ** -len(number.split(".")[1]))
 
 
 @pytest.mark.parametrize("step", [1e-4, 1e-3])
