@@ -97,10 +97,16 @@ pub struct SampledStep {
 }
 
 impl SampledStep {
+    /// What one node contributes: the step is the part of the first, followed by that of the second.
+    #[must_use]
+    pub fn part(&self, node: usize) -> HeldStep {
+        HeldStep { decay: if node == 0 { self.decay } else { 1.0 }, weight: self.weights[node] }
+    }
+
     /// The estimate after the step.
     #[must_use]
     pub fn apply(&self, x: f64, forcing: [f64; 2]) -> f64 {
-        self.decay * x + self.weights[0] * forcing[0] + self.weights[1] * forcing[1]
+        self.part(1).apply(self.part(0).apply(x, forcing[0]), forcing[1])
     }
 }
 

@@ -6,6 +6,7 @@
 #[macro_use]
 pub mod parameter;
 pub mod adaptation;
+mod estimator;
 pub mod exponential;
 mod fmu;
 pub mod gains;

@@ -153,13 +153,14 @@ impl Nabfc {
     /// The present estimates.
     #[must_use]
     pub fn estimates(&self) -> Estimates {
-        let [arm1, arm2] = &self.posture;
+        let object = &self.object.estimator;
+        let [arm1, arm2] = self.posture.each_ref().map(|posture| &posture.estimator);
         Estimates {
-            m_hat: self.object.m_hat,
-            j_hat: [arm1.j_hat, arm2.j_hat],
-            epsilon_hat: self.object.epsilon_hat,
-            pi_hat: [arm1.pi_hat, arm2.pi_hat],
-            w_norm: self.object.network.norm(),
+            m_hat: object.inertia,
+            j_hat: [arm1.inertia, arm2.inertia],
+            epsilon_hat: object.bound,
+            pi_hat: [arm1.bound, arm2.bound],
+            w_norm: object.network.norm(),
             u_norm: [arm1.network.norm(), arm2.network.norm()],
         }
     }
@@ -168,29 +169,29 @@ impl Nabfc {
     #[must_use]
     pub fn estimate_rates(&mut self, inputs: &Inputs) -> Estimates {
         let at = self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot));
-        let [m_hat, epsilon_hat, w_norm] = self.object.estimate_rates(&at.object);
+        let object = self.object.estimate_rates(&at.object);
         let [arm1, arm2] = [0, 1].map(|i| {
             let (e, e_dot) = at.posture[i];
             self.posture[i].estimate_rates(e, e_dot)
         });
         Estimates {
-            m_hat,
-            j_hat: [arm1[0], arm2[0]],
-            epsilon_hat,
-            pi_hat: [arm1[1], arm2[1]],
-            w_norm,
-            u_norm: [arm1[2], arm2[2]],
+            m_hat: object.inertia,
+            j_hat: [arm1.inertia, arm2.inertia],
+            epsilon_hat: object.bound,
+            pi_hat: [arm1.bound, arm2.bound],
+            w_norm: object.norm,
+            u_norm: [arm1.norm, arm2.norm],
         }
     }
 
     /// Weights Ŵ of the object network, for the record; their centres are those of the layout.
     pub fn object_weights(&self) -> impl Iterator<Item = f64> {
-        self.object.network.weights()
+        self.object.estimator.network.weights()
     }
 
     /// Weights Ûᵢ of the posture network of `arm` 0 or 1.
     pub fn posture_weights(&self, arm: usize) -> impl Iterator<Item = f64> {
-        self.posture[arm].network.weights()
+        self.posture[arm].estimator.network.weights()
     }
 
     /// What the loops see, given the shear rates to use.
