@@ -107,6 +107,14 @@ fn time(folder: &std::path::Path) -> Result<()> {
         println!("{:<44}{restore:>10.0}", format!("restore a state, {name}"));
         instance.free_state(saved)?;
     }
+    let mut slave = Slave::plant(folder, None)?;
+    let (mut time, mut long) = (0.0, false);
+    let alternating = nanoseconds(2000, || {
+        let size = if long { 2.0 * common::STEP } else { common::STEP };
+        slave.instance.do_step(time, size).expect("a step");
+        (time, long) = (time + size, !long);
+    });
+    println!("{:<44}{alternating:>10.0}", "fmi2DoStep alone, plant, two sizes in turn");
     for (name, file, inputs, outputs) in [
         ("plant", PLANT, &common::COMMANDS[..], &common::MEASURED[..]),
         ("nabfc", NABFC.fmu, &common::MEASURED[..], &common::COMMANDS[..]),
