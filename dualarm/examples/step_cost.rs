@@ -139,11 +139,11 @@ fn sizes(folder: &std::path::Path) -> Result<()> {
     let mut lowest = Vec::new();
     for round in 0..ROUNDS {
         for (index, (order, count)) in SIZES.into_iter().enumerate() {
-            let found = size(folder, order, count)?;
+            let found = cost(folder, order, count)?;
             match lowest.get_mut(index) {
                 None => lowest.push(found),
                 Some(row) => {
-                    let Size { step, floor, new_size, start, .. } = row;
+                    let Cost { step, floor, new_size, start, .. } = row;
                     for (low, now) in [step, floor, new_size, start].into_iter().zip(found.times()) {
                         *low = low.min(now);
                     }
@@ -153,14 +153,14 @@ fn sizes(folder: &std::path::Path) -> Result<()> {
         eprintln!("round {} of {ROUNDS} done", round + 1);
     }
     println!("order,instances,step_ns,floor_ns,new_size_us,start_us,resident_kib");
-    for ((order, count), Size { step, floor, new_size, start, memory }) in SIZES.into_iter().zip(lowest) {
+    for ((order, count), Cost { step, floor, new_size, start, memory }) in SIZES.into_iter().zip(lowest) {
         println!("{order},{count},{step:.0},{floor:.0},{new_size:.0},{start:.0},{memory:.0}");
     }
     Ok(())
 }
 
 /// Cost of one plant among some.
-struct Size {
+struct Cost {
     /// A step \[ns\].
     step: f64,
     /// The bare product \[ns\].
@@ -173,13 +173,13 @@ struct Size {
     memory: f64,
 }
 
-impl Size {
+impl Cost {
     fn times(&self) -> [f64; 4] {
         [self.step, self.floor, self.new_size, self.start]
     }
 }
 
-fn size(folder: &std::path::Path, order: i32, count: usize) -> Result<Size> {
+fn cost(folder: &std::path::Path, order: i32, count: usize) -> Result<Cost> {
     let resident = resident_kib();
     let fmu = open(folder, PLANT)?;
     let begin = Instant::now();
@@ -202,7 +202,7 @@ fn size(folder: &std::path::Path, order: i32, count: usize) -> Result<Size> {
     }) / count as f64;
     let mut product = DenseProduct::new(usize::try_from(order).unwrap_or_default());
     let floor = nanoseconds(2000, || _ = black_box(product.multiply()));
-    Ok(Size { step, floor, new_size, start, memory })
+    Ok(Cost { step, floor, new_size, start, memory })
 }
 
 /// Memory of this process that is in use, where the system tells.
