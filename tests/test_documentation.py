@@ -60,6 +60,8 @@ def test_files_are_where_the_standard_wants_them(name: str) -> None:
 def test_every_variable_stands_in_the_table_as_in_the_xml(name: str) -> None:
     rows = {text(row.find("th")): row for row in page(name).iterfind(".//table[@class='variables']/tbody/tr")}
     variables = description(name).findall("ModelVariables/ScalarVariable")
+    types = description(name).iterfind("TypeDefinitions/SimpleType")
+    items = {kind.get("name"): kind.findall("Enumeration/Item") for kind in types}
     assert set(rows) == {variable.get("name") for variable in variables}
     for variable in variables:
         row, kind = rows[variable.get("name")], variable[0]
@@ -69,10 +71,18 @@ def test_every_variable_stands_in_the_table_as_in_the_xml(name: str) -> None:
             assert cells["unit"] == kind.get("unit", "1")
         else:
             assert cells["unit"] == kind.get("declaredType", kind.tag)
-        for bound in filter(None, (kind.get("min"), kind.get("max"))):
-            assert bound in cells["range"].split()
+        bounds = [float(kind.get(bound)) for bound in ("min", "max") if kind.get(bound) is not None]
+        if kind.tag == "Enumeration":
+            bounds = [1, len(items[kind.get("declaredType")])]
+        shown = re.findall(r"[-+.\de]+", cells.get("range", ""))
+        assert [float(bound) for bound in shown] == bounds  # exactly the same doubles
         start = row.find("td[@class='start']/code")
-        assert (None if start is None else start.text) == kind.get("start")
+        if kind.get("start") is None:
+            assert start is None
+        elif kind.tag == "Real":
+            assert float(start.text) == float(kind.get("start"))
+        else:
+            assert start.text == kind.get("start")
         heading = text(row.getparent().getparent().getprevious().getprevious())
         assert variable.get("causality") in heading.lower()
         assert ("Tunable" in heading) == (variable.get("variability") == "tunable")

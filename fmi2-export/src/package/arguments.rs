@@ -16,7 +16,7 @@ Options:
   -h, --help          print this help
 
 Examples:
-  cargo run                              dist/NAME.fmu for each model of the crate
+  cargo run --release                    dist/NAME.fmu for each model of the crate
   cargo run -- --describe descriptions   the XML, to look at or to check in
 ";
 

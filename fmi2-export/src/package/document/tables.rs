@@ -102,9 +102,9 @@ fn range(variable: &VariableFacts) -> String {
         return format!("1 … {}", kind.items.len());
     }
     match (variable.min, variable.max) {
-        (Some(min), Some(max)) => format!("{} … {}", variable.number(min), variable.number(max)),
-        (Some(min), None) => format!("≥ {}", variable.number(min)),
-        (None, Some(max)) => format!("≤ {}", variable.number(max)),
+        (Some(min), Some(max)) => format!("{} … {}", exact(min), exact(max)),
+        (Some(min), None) => format!("≥ {}", exact(min)),
+        (None, Some(max)) => format!("≤ {}", exact(max)),
         (None, None) => String::new(),
     }
 }
@@ -112,7 +112,11 @@ fn range(variable: &VariableFacts) -> String {
 /// The start value, with the name of the item or the value in the display unit beside it.
 fn start(variable: &VariableFacts) -> String {
     let Some(start) = &variable.start else { return String::new() };
-    let mut html = format!("<code>{}</code>", escape(start));
+    let given = match (variable.kind, start.parse()) {
+        (Kind::Real, Ok(value)) => exact(value),
+        _ => start.clone(),
+    };
+    let mut html = format!("<code>{}</code>", escape(given));
     let shown = match (variable.kind, &variable.display_unit) {
         (Kind::Enumeration(kind), _) => {
             let index = start.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
@@ -129,6 +133,11 @@ fn start(variable: &VariableFacts) -> String {
         let _ = write!(html, " <span class=\"shown\">({})</span>", escape(&shown));
     }
     html
+}
+
+/// The shortest text that reads back as the same number, as people write it: `0`, `0.3`, `1e9`.
+fn exact(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
 /// A number for people, to six digits.
@@ -222,6 +231,22 @@ pub fn capabilities(interface: &Interface) -> Vec<(&'static str, String)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exact_numbers_are_short_and_exact() {
+        let numbers = [
+            (0.0, "0"),
+            (1e9, "1e9"),
+            (-1e-9, "-1e-9"),
+            (99_999.5, "99999.5"),
+            (1.0, "1"),
+            (0.1 + 0.2, "0.30000000000000004"),
+        ];
+        for (value, text) in numbers {
+            assert_eq!(exact(value), text);
+            assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits());
+        }
+    }
 
     #[test]
     fn numbers_for_people_have_six_digits() {
