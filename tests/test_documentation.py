@@ -108,13 +108,24 @@ def test_page_tells_what_the_fmu_is(name: str) -> None:
         assert root.get(attribute) in everything, attribute
     assert f"communication step {root.find('DefaultExperiment').get('stepSize')} s" in everything
     for item in root.iterfind("TypeDefinitions/SimpleType/Enumeration/Item"):
-        row = next(row for row in html.iterfind(".//table[@class='items']/tbody/tr") if text(row[1]) == item.get("name"))
-        assert (text(row[0]), text(row[2])) == (item.get("value"), item.get("description"))
+        rows = {text(row[1]): row for row in html.iterfind(".//table[@class='items']/tbody/tr")}
+        value, _, meaning = map(text, rows[item.get("name")])
+        assert (value, meaning) == (item.get("value"), item.get("description"))
     units = {text(row[0]) for row in html.iterfind(".//table[@class='units']/tbody/tr")}
     assert units == {unit.get("name") for unit in root.iterfind("UnitDefinitions/Unit")}
     links = {anchor.get("href")[1:] for anchor in html.iterfind(".//nav//a")}
     assert links
     assert links <= {element.get("id") for element in html.iter() if element.get("id")}
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_page_names_the_longest_stable_steps_of_the_readme(name: str) -> None:
+    """The README's are measured by `test_steps.py`."""
+    table = (ROOT / "README.md").read_text(encoding="utf-8").split("<!-- steps")[1].split("<!-- end")[0]
+    row = next(row for row in table.splitlines() if row.startswith(f"| {name.removesuffix('Controller').upper()} |"))
+    said = text(page(name).find("body"))
+    for step in re.findall(r"(more than [\d.]+ ms|[\d.]+ ms)", row):
+        assert step in said
 
 
 @each_fmu

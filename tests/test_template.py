@@ -42,7 +42,11 @@ def cargo(crate: Path, *arguments: str) -> str:
     environment = {**os.environ, **fast, "CARGO_TARGET_DIR": str(target)}
     done = subprocess.run(
         [CARGO, arguments[0], "--offline", *arguments[1:]],
-        cwd=crate, env=environment, capture_output=True, text=True, check=False,
+        cwd=crate,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
