@@ -37,7 +37,8 @@ fn html(title: &'static str, text: &str) -> String {
 #[test]
 fn hostile_names_are_only_names() {
     let (tame, hostile) = (html("PD", "x"), html(HOSTILE, HOSTILE));
-    for markup in ["<script", "</script", "<!--", "<img", "{{"] {
+    // `packed` counts how often the data are in it: a name of the template inside a value is not filled in.
+    for markup in ["<script", "</script", "<!--", "<img", "\"packed\""] {
         assert_eq!(hostile.matches(markup).count(), tame.matches(markup).count(), "{markup}");
     }
     assert!(hostile.contains("&lt;img src=x onerror=&#39;alert(&quot;2&quot;)&#39;&gt;"));
