@@ -78,7 +78,9 @@ class Browser:
         page.set_default_timeout(20_000)
         page.on("request", lambda request: opened.requests.append(request.url))
         page.on("pageerror", lambda error: opened.problems.append(str(error)))
-        page.on("console", lambda line: opened.problems.append(line.text) if line.type in ("error", "warning") else None)
+        page.on(
+            "console", lambda line: opened.problems.append(line.text) if line.type in ("error", "warning") else None
+        )
         page.goto(path.as_uri())
         page.wait_for_selector("html[data-ready]")
         yield opened

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from lxml import etree
 
+from .browser import browser  # noqa: F401 (a fixture)
 from .harness import CoSimulation, Fmu, Result
 
 ROOT = Path(__file__).resolve().parent.parent

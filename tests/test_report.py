@@ -15,12 +15,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .browser import Browser, browser, not_here  # noqa: F401 (a fixture)
+from .browser import Browser, not_here
 from .conftest import ROOT
 from .test_native import dualarm
 
 RUNS = ("nabfc", "pds", "pd")
 UPLOT = ROOT / "dualarm" / "assets" / "uplot"
+MINUS = "\N{MINUS SIGN}"
 #: Geometry of the default plant, in m.
 ARM, OBJECT = 0.2, 0.1
 
@@ -54,11 +55,11 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Report:
 
 def show(page: Any, time: float) -> None:
     """Moves the slider to a time in s, as a hand on it would."""
-    view = page.evaluate("() => Number(document.querySelector('#scrub').max)")
     start, stop = spans(page)[0][0]
-    share = view * (time - start) / (stop - start)
-    page.evaluate(
-        "share => { const s = document.querySelector('#scrub'); s.value = share; s.dispatchEvent(new Event('input')); }", share
+    page.eval_on_selector(
+        "#scrub",
+        "(slider, share) => { slider.value = share; slider.dispatchEvent(new Event('input')); }",
+        (time - start) / (stop - start),
     )
 
 
@@ -70,7 +71,7 @@ def spans(page: Any) -> list[tuple[tuple[float, float], tuple[float, float]]]:
     for label in labels:
         match = re.search(r"from (\S+) to (\S+) s, between (\S+) and (\S+) ", label)
         assert match, label
-        low, high, bottom, top = (float(text.replace("−", "-")) for text in match.groups())
+        low, high, bottom, top = (float(text.replace(MINUS, "-")) for text in match.groups())
         found.append(((low, high), (bottom, top)))
     return found
 
@@ -107,11 +108,11 @@ def faces(page: Any) -> list[tuple[float, float]]:
 
 def shown_time(page: Any) -> float:
     """The time that the page shows, in s."""
-    number, unit = page.inner_text("#time").replace("−", "-").split()
+    number, unit = page.inner_text("#time").replace(MINUS, "-").split()
     return float(number) * {"s": 1.0, "ms": 1e-3}[unit]
 
 
-def test_it_is_one_small_file_that_asks_for_nothing(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_it_is_one_small_file_that_asks_for_nothing(report: Report, browser: Browser) -> None:
     assert report.html.stat().st_size < 3_000_000
     times = []
     for _ in range(5):
@@ -126,7 +127,7 @@ def test_it_is_one_small_file_that_asks_for_nothing(report: Report, browser: Bro
 
 @pytest.mark.parametrize("exaggeration", [1, 10, 20])
 @pytest.mark.parametrize("time", [0.0, 0.002, 0.305, 4.0])
-def test_the_picture_is_the_data(report: Report, browser: Browser, time: float, exaggeration: int) -> None:  # noqa: F811
+def test_the_picture_is_the_data(report: Report, browser: Browser, time: float, exaggeration: int) -> None:
     """Tips at the object's faces, arms at x·θ − w. Values are packed to 1e-6 of their range, paths to 1e-3 mm."""
     tolerance = 2e-3 + 1e-6 * 20 * exaggeration
     with browser.open(report.html) as opened:
@@ -155,7 +156,7 @@ def test_the_picture_is_the_data(report: Report, browser: Browser, time: float, 
                 assert y == pytest.approx(1e3 * wanted, abs=tolerance)
 
 
-def test_forces_press_on_the_object_from_both_sides(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_forces_press_on_the_object_from_both_sides(report: Report, browser: Browser) -> None:
     """Settled, arrows point at each other; 2 ms after the start, where a force is negative, its arrow says so."""
     with browser.open(report.html) as opened:
         page = opened.page
@@ -174,14 +175,15 @@ def test_forces_press_on_the_object_from_both_sides(report: Report, browser: Bro
         assert [arrow["pulls"] for arrow in arrows] == [force < 0 for force in forces]
 
 
-def test_it_moves_when_it_plays_and_stands_when_it_does_not(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_it_moves_when_it_plays_and_stands_when_it_does_not(report: Report, browser: Browser) -> None:
     with browser.open(report.html) as opened:
         page = opened.page
         before = tips(page)
         page.wait_for_timeout(300)
         assert tips(page) == before, "nothing moves by itself"
         page.get_by_role("button", name="Play").click()
-        page.wait_for_function("before => document.querySelectorAll('circle.tip')[2].cy.baseVal.value !== before", arg=-before[2][1])
+        moved = "before => document.querySelectorAll('circle.tip')[2].cy.baseVal.value !== before"
+        page.wait_for_function(moved, arg=-before[2][1])
         page.wait_for_timeout(300)
         page.get_by_role("button", name="Pause").click()
         time, stopped = shown_time(page), tips(page)
@@ -197,7 +199,7 @@ def test_it_moves_when_it_plays_and_stands_when_it_does_not(report: Report, brow
         assert shown_time(page) == pytest.approx(0.05)
 
 
-def test_zoom_is_shared_by_all_charts(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_zoom_is_shared_by_all_charts(report: Report, browser: Browser) -> None:
     with browser.open(report.html) as opened:
         page = opened.page
         whole = spans(page)
@@ -217,7 +219,9 @@ def test_zoom_is_shared_by_all_charts(report: Report, browser: Browser) -> None:
         # A pixel of the mouse is 0.025 s.
         assert zoomed[0][0] == pytest.approx((2.0, 4.0), abs=0.05)
         # Every vertical axis follows what is in view; the settled signals fill it again.
-        assert all(high - low < bottom_top[1] - bottom_top[0] for (_, (low, high)), (_, bottom_top) in zip(zoomed, whole))
+        assert all(
+            high - low < bottom_top[1] - bottom_top[0] for (_, (low, high)), (_, bottom_top) in zip(zoomed, whole)
+        )
         plot.dblclick()
         page.wait_for_timeout(100)
         assert spans(page) == whole
@@ -229,7 +233,7 @@ def test_zoom_is_shared_by_all_charts(report: Report, browser: Browser) -> None:
         assert torque[1][1] > 2.0
 
 
-def test_the_cursor_is_linked_with_all_charts_and_the_animation(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_the_cursor_is_linked_with_all_charts_and_the_animation(report: Report, browser: Browser) -> None:
     with browser.open(report.html) as opened:
         page = opened.page
         kept, stood = shown_time(page), tips(page)
@@ -246,7 +250,8 @@ def test_the_cursor_is_linked_with_all_charts_and_the_animation(report: Report, 
         # The values above the charts are those of the data.
         time = round(shown_time(page), 3)
         shown = page.eval_on_selector_all(
-            "[data-signal=contact_force2] figcaption span span", "all => all.map(one => Number(one.textContent.replace('−', '-')))"
+            "[data-signal=contact_force2] figcaption span span",
+            "all => all.map(one => Number(one.textContent.replace('\\u2212', '-')))",
         )
         assert shown == pytest.approx([report.at(run, "contact_force2", time) for run in RUNS], abs=1.5e-3)
         page.mouse.move(2, 2)
@@ -260,7 +265,7 @@ def test_the_cursor_is_linked_with_all_charts_and_the_animation(report: Report, 
         assert heads == pytest.approx([25.0] * 9, abs=0.4)
 
 
-def test_controllers_can_be_hidden(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_controllers_can_be_hidden(report: Report, browser: Browser) -> None:
     with browser.open(report.html) as opened:
         page = opened.page
         before = spans(page)
@@ -274,9 +279,11 @@ def test_controllers_can_be_hidden(report: Report, browser: Browser) -> None:  #
         assert spans(page) == before
 
 
-def test_light_and_dark(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_light_and_dark(report: Report, browser: Browser) -> None:
     """The system's choice at first, the button's from then on; curves change with it."""
-    look = "() => [getComputedStyle(document.body).backgroundColor, document.querySelector('.chart canvas').toDataURL()]"
+    look = (
+        "() => [getComputedStyle(document.body).backgroundColor, document.querySelector('.chart canvas').toDataURL()]"
+    )
     with browser.open(report.html, color_scheme="light") as opened:
         light = opened.page.evaluate(look)
     with browser.open(report.html, color_scheme="dark") as opened:
@@ -294,7 +301,7 @@ def test_light_and_dark(report: Report, browser: Browser) -> None:  # noqa: F811
     assert light[1] != dark[1]
 
 
-def test_the_keyboard_is_enough(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_the_keyboard_is_enough(report: Report, browser: Browser) -> None:
     with browser.open(report.html) as opened:
         page = opened.page
         start = shown_time(page)
@@ -319,42 +326,52 @@ def test_the_keyboard_is_enough(report: Report, browser: Browser) -> None:  # no
         for _ in range(60):
             page.keyboard.press("Tab")
             one = page.evaluate(
-                """() => { const e = document.activeElement; const style = getComputedStyle(e);
-                    return [e.id || e.textContent.trim(), (e.getAttribute('aria-label') || e.labels?.[0]?.textContent || e.textContent).trim(),
-                            style.outlineStyle, e.tagName]; }"""
+                """() => {
+                    const e = document.activeElement;
+                    const name = e.getAttribute('aria-label') || e.labels?.[0]?.textContent || e.textContent;
+                    return [e.id || e.textContent.trim(), name.trim(), getComputedStyle(e).outlineStyle, e.tagName];
+                }"""
             )
             if one[3] == "BODY":
                 break
             reached.append(one)
         assert all(name for _, name, _, _ in reached)
         assert all(outline != "none" for _, _, outline, _ in reached)
-        wanted = {"theme", "play", "scrub", "speed", "exaggeration", "NABFC", "PDS", "PD", "50 ms", "0.5 s", "2 s", "All", "+", "−"}
+        wanted = {"theme", "play", "scrub", "speed", "exaggeration", "NABFC", "PDS", "PD"}
+        wanted |= {"50 ms", "0.5 s", "2 s", "All", "+", MINUS}
         assert wanted <= {key for key, *_ in reached}
 
 
-def test_nothing_moves_for_those_who_want_no_motion(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_nothing_moves_for_those_who_want_no_motion(report: Report, browser: Browser) -> None:
     with browser.open(report.html, reduced_motion="reduce") as opened:
-        durations = opened.page.evaluate(
-            "() => [...document.querySelectorAll('*')].map(one => getComputedStyle(one)).filter(s => parseFloat(s.transitionDuration) > 0"
-            " || s.animationName !== 'none').length"
+        moving = opened.page.evaluate(
+            """() => [...document.querySelectorAll('*')].map(one => getComputedStyle(one)).filter(
+                style => parseFloat(style.transitionDuration) > 0 || style.animationName !== 'none').length"""
         )
-        assert durations == 0
+        assert moving == 0
 
 
 @pytest.mark.parametrize("width", [320, 390])
-def test_it_fits_a_phone(report: Report, browser: Browser, width: int) -> None:  # noqa: F811
-    phone = {"viewport": {"width": width, "height": 800}, "has_touch": True, "is_mobile": True, "device_scale_factor": 2}
+def test_it_fits_a_phone(report: Report, browser: Browser, width: int) -> None:
+    phone = {
+        "viewport": {"width": width, "height": 800},
+        "has_touch": True,
+        "is_mobile": True,
+        "device_scale_factor": 2,
+    }
     with browser.open(report.html, **phone) as opened:
         page = opened.page
         page.eval_on_selector_all("details", "all => all.forEach(one => { one.open = true })")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
         # What a thumb shall hit is large enough for it, and playback leaves most of the screen to the page.
-        heights = page.eval_on_selector_all("button, select", "all => all.map(one => one.getBoundingClientRect().height)")
+        heights = page.eval_on_selector_all(
+            "button, select", "all => all.map(one => one.getBoundingClientRect().height)"
+        )
         assert min(heights) >= 36
         assert page.locator("#transport").bounding_box()["height"] < 800 / 5
 
 
-def test_fingers_move_through_time_and_zoom(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_fingers_move_through_time_and_zoom(report: Report, browser: Browser) -> None:
     phone = {"viewport": {"width": 390, "height": 800}, "has_touch": True, "is_mobile": True}
     with browser.open(report.html, **phone) as opened:
         page = opened.page
@@ -364,9 +381,8 @@ def test_fingers_move_through_time_and_zoom(report: Report, browser: Browser) ->
         session = page.context.new_cdp_session(page)
 
         def touch(kind: str, *shares: float) -> None:
-            points = [
-                {"x": box["x"] + share * box["width"], "y": box["y"] + 40, "id": index} for index, share in enumerate(shares)
-            ]
+            places = [box["x"] + share * box["width"] for share in shares]
+            points = [{"x": x, "y": box["y"] + 40, "id": index} for index, x in enumerate(places)]
             session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
         touch("touchStart", 0.2)
@@ -388,7 +404,7 @@ def test_fingers_move_through_time_and_zoom(report: Report, browser: Browser) ->
         assert (low + high) / 2 == pytest.approx(4.0, abs=0.1)
 
 
-def test_metrics_are_those_of_the_table(report: Report, browser: Browser) -> None:  # noqa: F811
+def test_metrics_are_those_of_the_table(report: Report, browser: Browser) -> None:
     """Settling times as in metrics.csv; and the page works without JavaScript as far as tables go."""
     with (report.html.parent / "metrics.csv").open(newline="", encoding="utf-8") as file:
         metrics = list(csv.DictReader(file))
@@ -398,7 +414,7 @@ def test_metrics_are_those_of_the_table(report: Report, browser: Browser) -> Non
     rows = page.locator(".metrics tr", has_text="settling time, ±2 %")
     for arm in (1, 2):
         cells = rows.nth(arm - 1).locator("td").all_inner_texts()
-        assert cells == [f"{float(run[f'force{arm}_settling_2_s']):.3f} s" for run in metrics]
+        assert cells == [f"{float(run[f'force{arm}_settling_2_s']):.3f}" for run in metrics]
     assert page.locator(".parameters", has_text="rbf_nodes_posture").count() == 1
     context.close()
 
@@ -415,7 +431,6 @@ def test_the_library_is_that_of_npm(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     (package,) = tmp_path.glob("*.tgz")
     with tarfile.open(package) as archive:
-        names = {"LICENSE": "LICENSE", "uPlot.iife.min.js": "dist/uPlot.iife.min.js", "uPlot.min.css": "dist/uPlot.min.css"}
-        for ours, theirs in names.items():
-            content = archive.extractfile(f"package/{theirs}") or io.BytesIO()
-            assert (UPLOT / ours).read_bytes() == content.read(), ours
+        for name in ("LICENSE", "dist/uPlot.iife.min.js", "dist/uPlot.min.css"):
+            content = archive.extractfile(f"package/{name}") or io.BytesIO()
+            assert (UPLOT / Path(name).name).read_bytes() == content.read(), name

@@ -48,7 +48,8 @@ function createPanel(parent, run, index, data) {
 /** What one would say about the grasp at this time. */
 function stateOfGrasp(run, place, passed) {
   const pulling = [1, 2].filter((arm) => sample(run, `contact_force${arm}`, place) < -5e-4);
-  if (pulling.length > 0) return { text: `arm ${pulling.join(" and ")} pulls: no real contact`, kind: "pulls" };
+  if (pulling.length === 1) return { text: `arm ${pulling[0]} pulls: no real contact`, kind: "pulls" };
+  if (pulling.length === 2) return { text: "both arms pull: no real contact", kind: "pulls" };
   if (run.settling === null) return { text: "does not settle", kind: "" };
   const settling = `${format(run.settling, 3)} s`;
   if (passed >= run.settling) return { text: `within ±2 % since ${settling}`, kind: "settled" };

@@ -44,7 +44,10 @@ function createScene(parent, run, { arm: length, object: width }) {
       arm.line.setAttribute("d", curve(points, exaggeration * angle));
       arm.ghost.setAttribute(
         "d",
-        curve(points.map(({ x }) => ({ x, y: arm.base + exaggeration * target(x) })), exaggeration * value(`theta${index + 1}_d`)),
+        curve(
+          points.map(({ x }) => ({ x, y: arm.base + exaggeration * target(x) })),
+          exaggeration * value(`theta${index + 1}_d`),
+        ),
       );
       arm.spoke.setAttribute("transform", `rotate(${(-Math.atan(exaggeration * angle) * 180) / Math.PI})`);
       arm.torque.setAttribute("d", arc(width * 0.2, value(`tau${index + 1}`)));
@@ -59,7 +62,14 @@ function createScene(parent, run, { arm: length, object: width }) {
 function createArm(svg, index, base, width) {
   const hub = element(svg, "g", { transform: `translate(0 ${-base * MM})` });
   const radius = 0.12 * width * MM;
-  element(hub, "rect", { class: "mount", x: -1.25 * radius, y: -1.25 * radius, width: 2.5 * radius, height: 2.5 * radius, rx: 3 });
+  element(hub, "rect", {
+    class: "mount",
+    x: -1.25 * radius,
+    y: -1.25 * radius,
+    width: 2.5 * radius,
+    height: 2.5 * radius,
+    rx: 3,
+  });
   element(hub, "circle", { class: "hub", r: radius });
   const spoke = element(hub, "g", {});
   element(spoke, "path", { class: "spoke", d: `M${-0.55 * radius} 0 H${0.55 * radius}` });
@@ -112,7 +122,8 @@ function curve(points, firstSlope) {
     return (next.y - points[at - 1].y) / (next.x - points[at - 1].x);
   });
   const text = ({ x, y }) => `${round(x * MM)} ${round(-y * MM)}`;
-  const handle = (at, sign) => text({ x: points[at].x + (sign * step) / 3, y: points[at].y + (sign * step * slope[at]) / 3 });
+  const handle = (at, sign) =>
+    text({ x: points[at].x + (sign * step) / 3, y: points[at].y + (sign * step * slope[at]) / 3 });
   const pieces = points.slice(1).map((point, at) => `C${handle(at, 1)} ${handle(at + 1, -1)} ${text(point)}`);
   return `M${text(points[0])} ${pieces.join(" ")}`;
 }

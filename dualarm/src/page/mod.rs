@@ -23,14 +23,16 @@ const STYLES: [&str; 2] =
     [include_str!("../../assets/uplot/uPlot.min.css"), include_str!("../../assets/report/style.css")];
 const LIBRARY: &str = include_str!("../../assets/uplot/uPlot.iife.min.js");
 const LICENCE: &str = include_str!("../../assets/uplot/LICENSE");
-const SCRIPTS: [&str; 9] = [
+const SCRIPTS: [&str; 11] = [
     include_str!("../../assets/report/unpack.js"),
     include_str!("../../assets/report/data.js"),
     include_str!("../../assets/report/theme.js"),
     include_str!("../../assets/report/clock.js"),
     include_str!("../../assets/report/scene.js"),
-    include_str!("../../assets/report/charts.js"),
+    include_str!("../../assets/report/plot.js"),
+    include_str!("../../assets/report/mouse.js"),
     include_str!("../../assets/report/touch.js"),
+    include_str!("../../assets/report/charts.js"),
     include_str!("../../assets/report/controls.js"),
     include_str!("../../assets/report/main.js"),
 ];
@@ -97,14 +99,12 @@ impl Page<'_> {
 
     /// Which rows the page has, for its reader.
     fn rows_text(&self) -> String {
-        let interval = 1e3 * rows::interval(self.grid.stop() - self.grid.start()).max(self.grid.step());
+        let interval = rows::interval(self.grid.stop() - self.grid.start()).max(self.grid.step());
+        let [step, early, interval] = [self.grid.step(), rows::EVERY_STEP_UNTIL, interval].map(milliseconds);
         format!(
-            "Curves and animation hold every communication step ({} ms) of the first {} ms and one row per {} ms after it, \
-             with values to a millionth of each signal\u{2019}s range; metrics are of every step, and the CSV files \
-             have all digits.",
-            1e3 * self.grid.step(),
-            1e3 * rows::EVERY_STEP_UNTIL,
-            interval
+            "Curves and animation hold every communication step ({step} ms) of the first {early} ms and one row per \
+             {interval} ms after it, with values to a millionth of each signal\u{2019}s range; metrics are of every step, \
+             and the CSV files have all digits."
         )
     }
 
@@ -125,6 +125,11 @@ impl Page<'_> {
         let length = |name| plant.and_then(|plant| plant.real(name));
         json!({ "time": time, "arm": length("l"), "object": length("L"), "runs": runs })
     }
+}
+
+/// A time in s as ms, without the digits that only rounding puts there.
+fn milliseconds(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e3
 }
 
 /// As the library's first line says: `/*! … (v1.6.32) */`.

@@ -43,10 +43,10 @@ fn groups(outcomes: &[Outcome]) -> Vec<Group> {
             row(name.to_owned(), &move |outcome| cell(&outcome.metrics.forces[arm]))
         };
         let mut rows = vec![
-            force("settling time, ±2 %", |force| seconds(force.settling_2)),
-            force("settling time, ±5 %", |force| seconds(force.settling_5)),
-            force("overshoot", |force| format!("{} %", number(force.overshoot, 2))),
-            force("steady error", |force| format!("{} mN", number(1e3 * force.steady_error, 2))),
+            force("settling time, ±2 % (s)", |force| seconds(force.settling_2)),
+            force("settling time, ±5 % (s)", |force| seconds(force.settling_5)),
+            force("overshoot (%)", |force| number(force.overshoot, 2)),
+            force("steady error (mN)", |force| number(1e3 * force.steady_error, 2)),
         ];
         if arm == 0 {
             rows.insert(0, row("settling, says the paper".into(), &|outcome| outcome.scenario.paper.to_owned()));
@@ -61,10 +61,10 @@ fn groups(outcomes: &[Outcome]) -> Vec<Group> {
         Group {
             heading,
             rows: vec![
-                effort("peak", &|effort| format!("{} {unit}", number(effort.peak, 4))),
-                effort("rms", &|effort| format!("{} {unit}", number(effort.rms, 4))),
-                effort("in saturation", &|effort| {
-                    effort.saturated.map_or("–".into(), |time| format!("{} ms", number(1e3 * time, 1)))
+                effort(&format!("peak ({unit})"), &|effort| number(effort.peak, 4)),
+                effort(&format!("rms ({unit})"), &|effort| number(effort.rms, 4)),
+                effort("in saturation (ms)", &|effort| {
+                    effort.saturated.map_or("–".into(), |time| number(1e3 * time, 1))
                 }),
             ],
         }
@@ -73,7 +73,7 @@ fn groups(outcomes: &[Outcome]) -> Vec<Group> {
 }
 
 fn seconds(time: Option<f64>) -> String {
-    time.map_or("not settled".into(), |time| format!("{} s", number(time, 3)))
+    time.map_or("not settled".into(), |time| number(time, 3))
 }
 
 /// Every model's parameters, each model once unless its values differ between the runs.
