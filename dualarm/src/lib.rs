@@ -7,7 +7,7 @@
 //! * A [`system`] is what the master runs; a [`scenario`] file describes one.
 //! * [`mod@package`] builds the project's own FMUs, [`grasp`] names them, [`metrics`] judges a run, [`figures`],
 //!   [`report`] and [`page`] show it, the page with the models' [`parameters`].
-//! * [`ssp`] reads and writes systems of FMUs in one file.
+//! * [`ssp`] reads and writes systems of FMUs in one file; [`mod@release`] lays FMUs out with their reference solutions.
 //! * [`mod@verify`] holds the FMUs against exact and independent solutions.
 //! * [`cli`] is the command line, [`files`] writes files whole or not at all.
 
@@ -24,6 +24,7 @@ pub mod package;
 pub mod page;
 pub mod parameters;
 pub mod record;
+pub mod release;
 pub mod report;
 pub mod scenario;
 pub mod settings;

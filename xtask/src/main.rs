@@ -57,7 +57,9 @@ fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
         steps.step("Rust tests", || run(tree.cargo(&["test", "--workspace"])));
     }
     if selection != Selection::Rust {
-        steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package"])));
+        steps.step("Build and package the FMUs", || {
+            run(tree.cargo(&["run", "--release", "--", "package", "--release"]))
+        });
         steps.step("Python environment", || python::prepare(&tree));
         steps.step("Python tests", || run(python::pytest(&tree, pytest_args)));
     }

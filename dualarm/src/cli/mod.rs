@@ -17,6 +17,7 @@ use crate::files::WriteError;
 use crate::fmi::{CallError, FmuError};
 use crate::master::MasterError;
 use crate::package::PackageError;
+use crate::release::ReleaseError;
 use crate::ssp::SspError;
 use crate::ssp::compose::ComposeError;
 use crate::verify::VerifyError;
@@ -47,7 +48,7 @@ struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Build the FMUs from this repository and write them to a folder
+    /// Build the FMUs and systems from this repository and write them to a folder
     Package(package::Arguments),
     /// Co-simulate FMUs, connected by equal names
     Simulate(simulate::Arguments),
@@ -86,7 +87,18 @@ macro_rules! failures {
         })*
     };
 }
-failures![io::Error, CallError, ComposeError, FmuError, MasterError, PackageError, SspError, VerifyError, WriteError,];
+failures![
+    io::Error,
+    CallError,
+    ComposeError,
+    FmuError,
+    MasterError,
+    PackageError,
+    ReleaseError,
+    SspError,
+    VerifyError,
+    WriteError,
+];
 
 /// Prints to standard output. A reader that has gone (`| head`) is no failure.
 fn print(text: &str) {

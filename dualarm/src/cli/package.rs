@@ -7,6 +7,7 @@ use clap::Args;
 use super::{Failure, print};
 use crate::files;
 use crate::package::{package, repository};
+use crate::release::release;
 use crate::ssp::compose;
 
 const AFTER_HELP: &str = "\
@@ -15,7 +16,10 @@ Leaves the FMUs, and each controller with the plant as one system: DualArmGrasp-
 
 Examples:
   dualarm package                     dist/*.fmu and dist/*.ssp
-  dualarm package --out ~/fmus        elsewhere";
+  dualarm package --out ~/fmus        elsewhere
+  dualarm package --release           and dist/release: each FMU with inputs,
+                                      reference solution, options and README, as
+                                      the FMI cross-check rules want them";
 
 /// Arguments of `dualarm package`.
 #[derive(Debug, Args)]
@@ -24,6 +28,9 @@ pub struct Arguments {
     /// Folder for the .fmu and .ssp files
     #[arg(long, short, default_value = "dist", value_name = "FOLDER")]
     out: PathBuf,
+    /// Also write the release layout of the FMI cross-check rules to FOLDER/release
+    #[arg(long, conflicts_with = "describe")]
+    release: bool,
     /// Only renew the systems' descriptions (.ssd, .ssv) below this folder, from the FMUs' descriptions (.xml) in it
     #[arg(long, value_name = "FOLDER", conflicts_with = "out")]
     describe: Option<PathBuf>,
@@ -37,6 +44,14 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         if !quiet {
             let size = std::fs::metadata(&path).map_or(0, |file| file.len());
             print(&format!("{}  {:.2} MB\n", path.display(), size as f64 / 1e6));
+        }
+    }
+    if arguments.release {
+        let out = arguments.out.join("release");
+        for folder in release(&arguments.out, &out, &mut |doing| say(quiet, doing))? {
+            if !quiet {
+                print(&format!("{}\n", folder.display()));
+            }
         }
     }
     Ok(())

@@ -44,6 +44,12 @@ const PLATFORMS: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_6
     &["win32"]
 };
 
+/// The folder below `binaries/` that FMI 2.0 has for this platform.
+#[must_use]
+pub fn platform() -> &'static str {
+    PLATFORMS[0]
+}
+
 impl Fmu {
     /// Reads only the description of an FMU: works for any platform and for model exchange.
     ///

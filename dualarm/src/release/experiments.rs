@@ -1,0 +1,89 @@
+//! What each FMU is put through alone.
+
+/// An experiment with one FMU.
+#[derive(Debug, Clone, Copy)]
+pub struct Experiment {
+    /// The FMU.
+    pub model: &'static str,
+    /// What happens, and what to look at.
+    pub story: &'static str,
+    /// Stop time in s.
+    pub stop: f64,
+    /// Where the inputs come from.
+    pub inputs: Source,
+    /// The outputs of the reference solution, at most ten as the rules recommend.
+    pub outputs: &'static [&'static str],
+}
+
+/// Points of a piecewise-linear signal: time in s, value.
+type Points = &'static [(f64, f64)];
+
+/// Where the inputs of an experiment come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Source {
+    /// Straight lines through these points.
+    Ramps(&'static [(&'static str, Points)]),
+    /// What a controller measures while it controls the plant, and one of its references changes.
+    ClosedLoop {
+        /// The plant.
+        plant: &'static str,
+        /// The reference that changes.
+        reference: (&'static str, Points),
+    },
+}
+
+/// λ₁ᵈ goes from −0.5 N to −0.6 N: the wanted contact force rises by a fifth.
+const FIRMER_GRASP: (&str, Points) = ("lambda1_ref", &[(0.0, -0.5), (0.6, -0.5), (0.7, -0.6), (1.0, -0.6)]);
+
+const COMMANDS: [&str; 6] = ["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p"];
+
+/// All experiments.
+pub const EXPERIMENTS: [Experiment; 4] = [
+    Experiment {
+        model: "DualArmPlant",
+        story: "Open loop: the motors of both arms push against each other with 0.1 N.m, which squeezes the object with \
+                0.5 N; then a push of 0.05 N on the object is felt by one arm as more force and by the other as less.",
+        stop: 1.0,
+        inputs: Source::Ramps(&[
+            ("tau1_cmd", &[(0.0, 0.0), (0.2, 0.1), (1.0, 0.1)]),
+            ("tau2_cmd", &[(0.0, 0.0), (0.2, -0.1), (1.0, -0.1)]),
+            ("delta_F", &[(0.0, 0.0), (0.6, 0.0), (0.65, 0.05), (0.7, 0.0), (1.0, 0.0)]),
+        ]),
+        outputs: &[
+            "theta1",
+            "theta2",
+            "y_object",
+            "root_moment1",
+            "root_moment2",
+            "tip_shear1",
+            "tip_shear2",
+            "contact_force1",
+            "contact_force2",
+            "energy",
+        ],
+    },
+    Experiment {
+        model: "NabfcController",
+        story: "The signals it measured while it closed the grasp and then, at 0.6 s, was asked for a firmer one: its \
+                commands and its estimates of the object's mass and of the hubs' inertias.",
+        stop: 1.0,
+        inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
+        outputs: &["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p", "m_hat", "J1_hat", "J2_hat", "W_norm"],
+    },
+    Experiment {
+        model: "PdsController",
+        story: "The signals it measured while it closed the grasp and, at 0.6 s, was asked for a firmer one. Its law has \
+                no memory: the commands follow the inputs at once.",
+        stop: 1.0,
+        inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
+        outputs: &COMMANDS,
+    },
+    Experiment {
+        model: "PdController",
+        story: "The signals it measured while it closed the grasp and, at 0.6 s, was asked for a firmer one, long before \
+                the first force had settled. Its law has no memory: the commands follow the inputs at once.",
+        stop: 1.0,
+        inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
+        outputs: &COMMANDS,
+    },
+];
