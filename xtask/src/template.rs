@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Where the template is, from the root of the workspace, and what its files are.
 const TEMPLATE: &str = "fmi2-export/template";
-const FILES: [&str; 5] = ["Cargo.toml", "README.md", "documentation/MyModel.md", "src/lib.rs", "src/main.rs"];
+const FILES: [&str; 6] =
+    [".gitignore", "Cargo.toml", "README.md", "documentation/MyModel.md", "src/lib.rs", "src/main.rs"];
 
 /// Makes a crate in the new folder `path`, named as the folder, and tells what to do next. If it fails, nothing is left.
 pub fn create(root: &Path, path: &Path) -> Result<String, String> {
