@@ -47,6 +47,10 @@ fn run(arguments: &[String]) -> Anyhow<String> {
         other => return Err(format!("unknown coupling {other}").into()),
     };
 
+    let steps_per_second = step.recip().round();
+    if (steps_per_second * step - 1.0).abs() > 1e-12 {
+        return Err(format!("{step} s is no whole fraction of a second").into());
+    }
     initialize(&mut slaves, &wires, f64::from(steps) * step)?;
     let mut table = String::from("time");
     for slave in &slaves {
@@ -57,7 +61,8 @@ fn run(arguments: &[String]) -> Anyhow<String> {
     table.push('\n');
     let mut signals = [wires[0].fetch(&mut slaves)?, wires[1].fetch(&mut slaves)?];
     for i in 0..=steps {
-        let time = f64::from(i) * step;
+        // The decimal fraction itself, as the harness has it: 0.0003, not 3 * 1e-4.
+        let time = f64::from(i) / steps_per_second;
         if jacobi {
             signals = [wires[0].fetch(&mut slaves)?, wires[1].fetch(&mut slaves)?];
         }
