@@ -32,6 +32,7 @@ Commands:
 Environment:
   PYTHON            the interpreter that makes the Python environment (default: python3); 3.9 or newer
   CARGO_TARGET_DIR  the build directory (default: target)
+  CI                `true`: tests of pages install Chromium (apt-get) and fail where they would be skipped without it or npm
 
 Examples:
   cargo xtask test                                  # everything, as continuous integration does
