@@ -98,6 +98,12 @@ impl NewFile {
         finish().map_err(|source| WriteError { path: path.clone(), source })
     }
 
+    /// Where the file will be.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Makes an error of this file's path.
     #[must_use]
     pub fn error(&self, source: io::Error) -> WriteError {

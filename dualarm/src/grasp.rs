@@ -2,6 +2,7 @@
 //! What is run with them is a [`scenario`](crate::scenario)'s matter.
 
 use crate::fmi::Instance;
+use crate::master::Applied;
 use crate::metrics::Limits;
 use crate::settings::Setting;
 
@@ -52,6 +53,23 @@ impl Controller {
     pub fn settings(&self) -> impl Iterator<Item = Setting> {
         self.settings.iter().map(|(name, value)| Setting::new(*name, *value))
     }
+}
+
+/// What to say about gains that `preset = fast` of `NabfcController` leaves unused.
+pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<String> {
+    /// What holds under every preset: the arms and the references.
+    const NO_GAINS: [&str; 7] = ["preset", "EI1", "EI2", "l", "L", "lambda1_ref", "theta1_ref"];
+    let settings: Vec<_> = settings.filter(|setting| NABFC.fmu.strip_suffix(".fmu") == Some(setting.model)).collect();
+    let is_fast = |component: &str| {
+        let mut presets = settings.iter().rev().filter(|setting| setting.name == "preset");
+        let preset = presets.find(|setting| setting.component == component);
+        preset.is_some_and(|preset| ["fast", "2"].contains(&preset.value)) // the item's name or its number
+    };
+    let unused = settings.iter().filter(|setting| !NO_GAINS.contains(&setting.name) && is_fast(setting.component));
+    let remark = |Applied { component, name, .. }: &Applied| {
+        format!("{component}.{name} is not used: preset=fast has gains of its own (preset=parameters uses yours)")
+    };
+    unused.map(remark).collect()
 }
 
 /// Output limits of the plant's two motors and of the actuator at the object, from its parameters: `k_l·(k_m − m_l)`

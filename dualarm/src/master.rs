@@ -32,8 +32,8 @@ use crate::fmi::{
     CallError, Causality, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status, ValueReference, Variable,
 };
 use crate::grid::TimeGrid;
-use crate::record::{Column, Schedule, Sink};
-use crate::settings::{self, Setting, SettingError};
+use crate::record::{Column, Kind, Schedule, Sink};
+use crate::settings::{self, Place, Setting, SettingError};
 use crate::signal::Signal;
 use crate::wiring::{AmbiguousWire, Bus, Terminal, Wire, wire_by_name};
 
@@ -108,6 +108,19 @@ fn seconds(time: f64) -> String {
     digits.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
+/// A value that was set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Applied<'a> {
+    /// The component.
+    pub component: &'a str,
+    /// Its model.
+    pub model: &'a str,
+    /// The variable.
+    pub name: &'a str,
+    /// The value as written.
+    pub value: &'a str,
+}
+
 /// FMUs that run together.
 pub struct Master {
     components: Vec<Component>,
@@ -115,6 +128,7 @@ pub struct Master {
     coupling: Coupling,
     buses: Buses,
     drives: Vec<Drive>,
+    settings: Vec<(Place, String)>,
     warnings: Vec<String>,
     recording: Recording,
     /// Inputs are already those of the current communication point. Exchanging a second time would give a Jacobi
@@ -197,6 +211,7 @@ impl Master {
             coupling,
             buses,
             drives: Vec::new(),
+            settings: Vec::new(),
             warnings: Vec::new(),
             recording: Recording::default(),
             exchanged: false,
@@ -229,7 +244,18 @@ impl Master {
     pub fn apply(&mut self, setting: &Setting) -> Result<(), SettingError> {
         let set = settings::apply(setting, &mut self.components)?;
         self.drives.retain(|drive| !set.contains(&(drive.component, drive.variable)));
+        self.settings.extend(set.into_iter().map(|place| (place, setting.value.clone())));
         Ok(())
+    }
+
+    /// What [`Master::apply`] has set, in its order.
+    pub fn settings(&self) -> impl Iterator<Item = Applied<'_>> {
+        self.settings.iter().map(|((component, variable), value)| {
+            let Component { name: component, instance, .. } = &self.components[*component];
+            let description = instance.description();
+            let (model, name) = (description.model_name.as_str(), description.variables[*variable].name.as_str());
+            Applied { component, model, name, value }
+        })
     }
 
     /// Lets an input (`name`, in every component where it is free, or `Component.name`) follow a signal over time, from
@@ -344,7 +370,7 @@ impl Master {
                 .with_causality(Causality::Output)
                 .filter(|variable| wanted(&variable.name))
                 .collect();
-            let mut of = |types: &[BaseType]| -> Vec<ValueReference> {
+            let mut of = |types: &[BaseType], kind: Kind| -> Vec<ValueReference> {
                 let chosen = outputs.iter().filter(|variable| types.contains(&variable.base_type()));
                 chosen
                     .map(|variable| {
@@ -353,14 +379,14 @@ impl Master {
                         } else {
                             variable.name.clone()
                         };
-                        columns.push(Column { name, unit: variable.unit().map(str::to_owned) });
+                        columns.push(Column { name, unit: variable.unit().map(str::to_owned), kind });
                         variable.value_reference
                     })
                     .collect()
             };
-            let real = of(&[BaseType::Real]);
-            let integer = of(&[BaseType::Integer, BaseType::Enumeration]);
-            let boolean = of(&[BaseType::Boolean]);
+            let real = of(&[BaseType::Real], Kind::Real);
+            let integer = of(&[BaseType::Integer, BaseType::Enumeration], Kind::Integer);
+            let boolean = of(&[BaseType::Boolean], Kind::Boolean);
             let (integers, booleans) = (vec![0; integer.len()], vec![false; boolean.len()]);
             ports.push(RecordPort { real, integer, boolean, integers, booleans });
         }

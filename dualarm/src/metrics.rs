@@ -1,12 +1,14 @@
 //! Figures of merit of a run: how fast and how exactly the contact forces settle, and what that costs.
 
+use serde::Serialize;
+
 use crate::record::Table;
 
 /// The recorded signals the metrics need.
-pub const SIGNALS: &[&str] = &["contact_force1", "contact_force2", "lambda2_d", "tau1", "tau2", "u"];
+pub const SIGNALS: [&str; 6] = ["contact_force1", "contact_force2", "lambda2_d", "tau1", "tau2", "u"];
 
 /// What becomes of one contact force.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ForceMetrics {
     /// Force it shall reach, in N.
     pub target: f64,
@@ -21,7 +23,7 @@ pub struct ForceMetrics {
 }
 
 /// What one actuator does.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EffortMetrics {
     /// Largest absolute output.
     pub peak: f64,
@@ -50,14 +52,17 @@ pub struct Limits {
 }
 
 impl Metrics {
-    /// Metrics of a recorded run; `limits` of the two motors and of the actuator at the object. `None` if one of the
-    /// [`SIGNALS`] was not recorded or there are no rows.
+    /// Metrics of a recorded run; `limits` of the two motors and of the actuator at the object. Where the target changes
+    /// during the run, those of the forces count from its last change. `None` if one of the [`SIGNALS`] was not recorded or
+    /// there are no rows.
     #[must_use]
     pub fn of(table: &Table, limits: [Option<Limits>; 3]) -> Option<Self> {
         let times = table.times();
         // Both contact forces shall become λ₂ᵈ = −λ₁ᵈ, since f_i = (−1)^i λ_i.
-        let target = *table.column("lambda2_d")?.last()?;
-        let force = |name| table.column(name).map(|values| ForceMetrics::of(times, &values, target));
+        let targets = table.column("lambda2_d")?;
+        let target = *targets.last()?;
+        let since = targets.iter().rposition(|value| *value != target).map_or(0, |last| last + 1);
+        let force = |name| table.column(name).map(|values| ForceMetrics::of(&times[since..], &values[since..], target));
         let effort = |name, limits| table.column(name).map(|values| EffortMetrics::of(times, &values, limits));
         Some(Self {
             forces: [force("contact_force1")?, force("contact_force2")?],
@@ -138,6 +143,7 @@ impl EffortMetrics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::{Column, Sink};
     use std::f64::consts::PI;
 
     fn samples(stop: f64, count: u32, signal: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
@@ -175,6 +181,31 @@ mod tests {
         // The 5 % band is left for the last time downwards or upwards between two extrema.
         let settling = metrics.settling_5.unwrap();
         assert!(settling > PI / ringing && settling < 3.0 * PI / ringing);
+    }
+
+    #[test]
+    fn after_a_change_of_the_target_everything_counts_from_there() {
+        let columns = SIGNALS.iter().map(|name| Column { name: (*name).into(), ..Column::default() }).collect();
+        let mut table = Table::new(columns);
+        for index in 0..=2000_u32 {
+            let t = f64::from(index) * 1e-2;
+            let target = if t < 5.0 { 0.5 } else { 0.25 };
+            let force = if t < 5.0 { 0.5 } else { 0.25 + 0.25 * (5.0 - t).exp() };
+            table
+                .row(
+                    t,
+                    &SIGNALS.map(|name| match name {
+                        "lambda2_d" => target,
+                        "contact_force1" | "contact_force2" => force,
+                        _ => 0.0,
+                    }),
+                )
+                .unwrap();
+        }
+        let metrics = Metrics::of(&table, [None; 3]).unwrap();
+        // exp(−t) is below 2 % after ln 50; chords of 10 ms cost up to (10 ms)²/8 of its curvature over its slope.
+        assert!((metrics.settling_2().unwrap() - 50_f64.ln()).abs() < 2e-5);
+        assert_eq!((metrics.forces[0].target, metrics.forces[0].overshoot), (0.25, 0.0));
     }
 
     #[test]

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use serde_json::Value;
 use support::{package, package_as};
 use tempfile::TempDir;
 
@@ -227,6 +228,138 @@ fn unwritable_places_are_named() {
     let compare = dualarm(folder.path(), &["compare", "--no-package"]);
     assert_fails(&compare, 1, "there is no DualArmPlant.fmu in dist");
     assert_eq!(files(folder.path()), before);
+}
+
+/// What a fixture says about itself comes back, whatever it can do on this machine.
+#[test]
+fn info_describes_any_fmu() {
+    let Some(folder) = fixtures() else { return };
+    let info = |arguments: &[&str]| {
+        let run = dualarm(folder.path(), &[&["info"], arguments].concat());
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        text(&run.stdout)
+    };
+    let said = info(&["Lag.fmu"]);
+    for expected in [
+        "Lag\n",
+        "  FMI            2.0, co-simulation\n",
+        "  runs here      yes\n",
+        "  can            steps of any size, saved states\n",
+        "  default run    to 2 s, step 0.1 s\n",
+        "  variables      3 inputs, 4 outputs, 4 parameters\n",
+        "trouble_at  s     1e30",
+        "(warning, discard, error, fatal)",
+        ">= 0",
+    ] {
+        assert!(said.contains(expected), "{expected:?} in {said}");
+    }
+    let all = info(&["Lag.fmu", "--variables"]);
+    assert!(all.contains("label") && all.contains("String") && all.contains("fixture"), "{all}");
+
+    let exchange = |text: String| {
+        let structure = "<ModelStructure><Derivatives><Unknown index=\"3\"/></Derivatives>";
+        text.replace("<CoSimulation modelIdentifier=\"Lag\"", "<ModelExchange modelIdentifier=\"Lag\"")
+            .replace("canHandleVariableCommunicationStepSize=\"true\" ", "")
+            .replace("<ModelStructure>", structure)
+            .replace("guid=", "numberOfEventIndicators=\"2\" guid=")
+    };
+    package_as(folder.path(), "Lag", exchange).unwrap();
+    let said = info(&["Lag.fmu"]);
+    for expected in
+        ["2.0, model exchange\n", "no: it has only the model exchange interface", "1 state, 2 event indicators"]
+    {
+        assert!(said.contains(expected), "{expected:?} in {said}");
+    }
+    package_as(folder.path(), "Lag", |text| text.replace("modelIdentifier=\"Lag\"", "modelIdentifier=\"Elsewhere\""))
+        .unwrap();
+    assert!(info(&["Lag.fmu"]).contains("  runs here      no: it has no binaries/"));
+
+    let document: Value = serde_json::from_str(&info(&["Gain.fmu", "--json"])).unwrap();
+    assert_eq!(document["model_name"], "Gain");
+    assert_eq!(document["runs_here"], true);
+    assert_eq!(document["capabilities"]["canGetAndSetFMUstate"], true);
+    let trouble =
+        document["variables"].as_array().unwrap().iter().find(|variable| variable["name"] == "trouble").unwrap();
+    assert_eq!((&trouble["start"], trouble["items"].as_array().unwrap().len()), (&Value::from("error"), 4));
+
+    assert_fails(&dualarm(folder.path(), &["info", "none.fmu"]), 1, "cannot read none.fmu");
+    assert_fails(&dualarm(folder.path(), &["info"]), 2, "required");
+}
+
+#[test]
+fn json_is_one_document_on_standard_output() {
+    let Some(folder) = fixtures() else { return };
+    let run =
+        simulate(folder.path(), &["--json", "--set", "K=3", "--stop", "1", "-o", "out.csv", "--interval", "0.25"]);
+    assert!(run.status.success() && run.stderr.is_empty(), "{}", text(&run.stderr));
+    let document: Value = serde_json::from_str(&text(&run.stdout)).unwrap();
+    assert_eq!(document["command"], "simulate");
+    assert_eq!(document["components"][1]["name"], "Gain");
+    assert_eq!(document["connections"][0]["from"], "Gain.u");
+    assert_eq!(document["connections"][0]["to"], "Lag.u");
+    assert_eq!(
+        (&document["experiment"]["steps"], &document["experiment"]["coupling"]),
+        (&Value::from(10), &"gauss-seidel".into())
+    );
+    assert_eq!((&document["output"], &document["metrics"]), (&Value::from("out.csv"), &Value::Null));
+    assert_eq!(document["warnings"].as_array().unwrap().len(), 1, "the odd interval");
+    // The loop's closed form y = K/(1+K)·(1 − aⁿ) with T = 1 and steps of 0.1 s, and what kind of values there are.
+    let a = (-0.1_f64).exp() - 3.0 * (1.0 - (-0.1_f64).exp());
+    let y = document["final"]["y"].as_f64().unwrap();
+    assert!((y - 0.75 * (1.0 - a.powi(10))).abs() < 1e-12, "{y}");
+    assert_eq!((&document["final"]["Lag.steps"], &document["final"]["y_on"]), (&Value::from(10), &Value::Bool(false)));
+
+    assert_fails(&simulate(folder.path(), &["--json", "-o", "-"]), 2, "both want standard output");
+    assert_fails(&simulate(folder.path(), &["--json", "--set", "Lag.trouble_at=1"]), 1, "at t = 1 s: Lag");
+}
+
+/// The format follows the extension; that others can read it is for tests/test_tool.py to see.
+#[test]
+fn parquet_files_are_whole_or_not_there() {
+    let Some(folder) = fixtures() else { return };
+    let before = files(folder.path());
+    let failed = simulate(folder.path(), &["-o", "out.parquet", "--set", "Lag.trouble_at=1"]);
+    assert_fails(&failed, 1, "at t = 1 s");
+    assert_eq!(files(folder.path()), before);
+    assert!(simulate(folder.path(), &["-o", "new/out.PARQUET"]).status.success());
+    let bytes = fs::read(folder.path().join("new/out.PARQUET")).unwrap();
+    assert_eq!((&bytes[..4], &bytes[bytes.len() - 4..]), (&b"PAR1"[..], &b"PAR1"[..]));
+    #[cfg(target_os = "linux")]
+    assert_fails(&simulate(folder.path(), &["-o", "/proc/out.parquet"]), 1, "cannot write /proc/out.parquet:");
+}
+
+#[test]
+fn completions_know_the_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    for shell in ["bash", "zsh", "fish", "powershell"] {
+        let script = dualarm(folder.path(), &["completions", shell]);
+        assert!(script.status.success());
+        for word in ["simulate", "info", "controller"] {
+            assert!(text(&script.stdout).contains(word), "{word} in {shell}");
+        }
+        // PowerShell's script completes no values.
+        assert_eq!(text(&script.stdout).contains("nabfc-fast"), shell != "powershell");
+    }
+    assert_fails(&dualarm(folder.path(), &["completions", "basic"]), 2, "possible values: bash");
+}
+
+/// Everything fits into a terminal of the usual width.
+#[test]
+fn help_fits_into_80_columns() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["", "package", "simulate", "compare", "verify", "info", "completions"] {
+        let words: Vec<_> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
+        let help = Command::new(env!("CARGO_BIN_EXE_dualarm"))
+            .current_dir(folder.path())
+            .env("COLUMNS", "80")
+            .args(&words)
+            .output()
+            .unwrap();
+        assert!(help.status.success());
+        let said = text(&help.stdout);
+        let longest = said.lines().max_by_key(|line| line.chars().count()).unwrap();
+        assert!(longest.chars().count() <= 80, "{command}: {longest:?}");
+    }
 }
 
 #[test]

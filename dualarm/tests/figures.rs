@@ -12,7 +12,7 @@ use roxmltree::{Document, Node};
 
 /// Second-order responses with the settling times known from the paper, a fast ripple on the force, clipped commands.
 fn outcome(scenario: grasp::Controller, pole: f64) -> Outcome {
-    let columns = figures::SIGNALS.iter().map(|name| Column { name: (*name).into(), unit: None }).collect();
+    let columns = figures::SIGNALS.iter().map(|name| Column { name: (*name).into(), ..Column::default() }).collect();
     let mut table = Table::new(columns);
     for index in 0..=80_000_u32 {
         let t = f64::from(index) * 1e-4;

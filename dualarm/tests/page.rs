@@ -13,7 +13,7 @@ const HOSTILE: &str = "</script><script>alert(1)</script>{{data}}<!--<img src=x 
 fn html(title: &'static str, text: &str) -> String {
     let names = ["contact_force1", "contact_force2", "lambda2_d", "tau1", "tau2", "u", "deflection1[1]"];
     assert!(names.iter().all(|name| page::wants(name)));
-    let columns = names.iter().map(|name| Column { name: (*name).into(), unit: None }).collect();
+    let columns = names.iter().map(|name| Column { name: (*name).into(), ..Column::default() }).collect();
     let mut table = Table::new(columns);
     let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
     for step in 0..=grid.steps() {

@@ -1,7 +1,10 @@
 //! The command line: arguments, exit codes, error messages.
 
 mod compare;
+mod completions;
 mod fmus;
+mod info;
+mod json;
 mod package;
 mod progress;
 mod simulate;
@@ -11,7 +14,7 @@ use std::fmt;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::files::WriteError;
 use crate::fmi::{CallError, FmuError};
@@ -25,14 +28,17 @@ use crate::verify::VerifyError;
 /// What a user reads below the help text.
 const AFTER_HELP: &str = "\
 Examples:
-  dualarm                                    package, run, compare; see results/report.html
-  dualarm package                            write the four FMUs to dist/
-  dualarm simulate --controller pds -o pds.csv
-  dualarm simulate --controller nabfc --coupling jacobi --step 1e-3 --set DualArmPlant.M=0.4
-  dualarm simulate plant.fmu my_controller.fmu --stop 2 -o out.csv
-  dualarm verify                             against exact solutions; see results/verification.md
+  dualarm                                      package, run, compare: results/report.html
+  dualarm simulate --controller pds -o pds.csv the paper's PDS case
+  dualarm simulate --list                      what else there is to run
+  dualarm simulate my-grasp.toml --set M=0.4   a scenario of your own
+  dualarm simulate plant.fmu my_controller.fmu any FMUs, wired by equal names
+  dualarm info plant.fmu                       what an FMU is
+  dualarm verify                               against exact solutions
 
-Exit codes: 0 success, 1 a simulation or a file failed, 2 wrong usage";
+Exit codes: 0 success, 1 a simulation, a check or a file failed, 2 wrong usage
+(options, --set values, scenario files). Results go to standard output, progress
+and warnings to standard error.";
 
 /// Packages the dual-arm grasp FMUs, co-simulates any FMI 2.0 FMUs, compares the paper's controllers.
 #[derive(Debug, Parser)]
@@ -56,6 +62,10 @@ enum Command {
     Compare(compare::Arguments),
     /// Check the FMUs against exact and independent solutions; fails if a bound is broken
     Verify(verify::Arguments),
+    /// Show what an FMU is: capabilities, platforms, variables
+    Info(info::Arguments),
+    /// Print a completion script for a shell
+    Completions(completions::Arguments),
 }
 
 /// Why the program ends early: exit code and message.
@@ -115,6 +125,11 @@ pub fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(arguments, quiet),
         Command::Compare(arguments) => compare::run(&arguments, quiet),
         Command::Verify(arguments) => verify::run(&arguments, quiet),
+        Command::Info(arguments) => info::run(&arguments),
+        Command::Completions(arguments) => {
+            completions::run(&arguments, &mut Arguments::command());
+            Ok(())
+        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,21 +1,65 @@
 //! `dualarm verify`
 
+use std::path::Path;
 use std::time::Instant;
 
 use clap::Args;
+use serde::Serialize;
 
 use super::fmus::Job;
 use super::package::say;
-use super::{Failure, print};
+use super::{Failure, json, print};
 use crate::figures::raster;
 use crate::files;
-use crate::verify::{Fmus, verify};
+use crate::verify::{Check, Fmus, verify};
 
 /// Arguments of `dualarm verify`.
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
     job: Job,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints; `docs/tool.md` describes the keys.
+#[derive(Serialize)]
+struct Document<'a> {
+    command: &'static str,
+    version: &'static str,
+    /// In s.
+    wall_time: f64,
+    failures: usize,
+    checks: Vec<CheckDocument<'a>>,
+    report: &'a Path,
+}
+
+#[derive(Serialize)]
+struct CheckDocument<'a> {
+    subject: &'static str,
+    check: &'a str,
+    exact: &'a str,
+    found: &'a str,
+    error: f64,
+    bound: f64,
+    unit: &'static str,
+    passes: bool,
+}
+
+impl<'a> From<&'a Check> for CheckDocument<'a> {
+    fn from(check: &'a Check) -> Self {
+        Self {
+            subject: check.subject.title(),
+            check: &check.what,
+            exact: &check.exact,
+            found: &check.found,
+            error: check.error,
+            bound: check.bound,
+            unit: check.unit,
+            passes: check.passes(),
+        }
+    }
 }
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
@@ -26,7 +70,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 
     let svg = result.figure.figure.to_svg();
     let png = raster::to_png(&svg)
-        .map_err(|reason| Failure { code: 1, message: format!("cannot draw {}: {reason}", result.figure.name) })?;
+        .map_err(|reason| Failure::failed(format!("cannot draw {}: {reason}", result.figure.name)))?;
     let figures = arguments.job.out.join("figures");
     files::write(figures.join(format!("{}.svg", result.figure.name)), svg)?;
     files::write(figures.join(format!("{}.png", result.figure.name)), png)?;
@@ -34,7 +78,16 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let report = arguments.job.out.join("verification.md");
     files::write(&report, result.to_markdown())?;
 
-    if !quiet {
+    if arguments.json {
+        json::print(&Document {
+            command: "verify",
+            version: env!("CARGO_PKG_VERSION"),
+            wall_time: begin.elapsed().as_secs_f64(),
+            failures: result.failures(),
+            checks: result.checks.iter().map(CheckDocument::from).collect(),
+            report: &report,
+        })?;
+    } else if !quiet {
         for (title, table) in result.tables() {
             print(&format!("{title}\n\n{}\n", table.to_terminal()));
         }
@@ -43,8 +96,6 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     }
     match result.failures() {
         0 => Ok(()),
-        broken => {
-            Err(Failure { code: 1, message: format!("{broken} of {} checks are out of bounds", result.checks.len()) })
-        }
+        broken => Err(Failure::failed(format!("{broken} of {} checks are out of bounds", result.checks.len()))),
     }
 }

@@ -29,6 +29,35 @@ pub(super) struct Loaded {
     _folder: TempDir,
 }
 
+/// What is in an FMU's archive.
+#[derive(Debug, Clone)]
+pub struct Contents {
+    /// What it says about itself.
+    pub description: ModelDescription,
+    /// The paths of all files in it.
+    pub files: Vec<String>,
+}
+
+impl Contents {
+    /// The folders below `binaries`: one per platform there is a library for.
+    #[must_use]
+    pub fn platforms(&self) -> Vec<&str> {
+        let mut platforms: Vec<&str> = self
+            .files
+            .iter()
+            .filter_map(|file| file.strip_prefix("binaries/")?.split_once('/').map(|(folder, _)| folder))
+            .collect();
+        platforms.dedup(); // the files are sorted
+        platforms
+    }
+
+    /// Whether there is a file below this folder.
+    #[must_use]
+    pub fn has(&self, folder: &str) -> bool {
+        self.files.iter().any(|file| file.starts_with(folder))
+    }
+}
+
 /// Platform folders this process can load from, the usual one first.
 const PLATFORMS: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
     &["linux64", "x86_64-linux"]
@@ -58,6 +87,20 @@ impl Fmu {
     pub fn read_description(path: impl AsRef<Path>) -> Result<ModelDescription, FmuError> {
         let path = path.as_ref();
         description(path, &mut archive(path)?)
+    }
+
+    /// Reads the description and the names of all files of an FMU: works for any platform and for model exchange.
+    ///
+    /// # Errors
+    /// When the file is unreadable, not an FMU, or not FMI 2.0.
+    pub fn inspect(path: impl AsRef<Path>) -> Result<Contents, FmuError> {
+        let path = path.as_ref();
+        let mut archive = archive(path)?;
+        let description = description(path, &mut archive)?;
+        let mut files: Vec<_> =
+            archive.file_names().flatten().filter(|name| !name.ends_with('/')).map(Into::into).collect();
+        files.sort_unstable();
+        Ok(Contents { description, files })
     }
 
     /// Unpacks an FMU to a temporary folder and loads its library.

@@ -75,7 +75,7 @@ pub struct CallbackFunctions {
 #[non_exhaustive]
 pub enum LibraryError {
     /// The system's loader refuses it.
-    #[error("the system cannot load it: {0}")]
+    #[error("the system cannot load it: {}", root_cause(.0))]
     Load(#[source] libloading::Error),
     /// A function every co-simulation FMU must have is absent.
     #[error("it lacks the function {0}, which every FMI 2.0 co-simulation FMU must have")]
@@ -90,6 +90,11 @@ pub enum LibraryError {
         /// What an FMI 2.0 library returns.
         expected: &'static str,
     },
+}
+
+/// What the system says: libloading's own words are only "dlopen failed".
+fn root_cause(error: &dyn std::error::Error) -> &dyn std::error::Error {
+    std::iter::successors(Some(error), |error| error.source()).last().unwrap_or(error)
 }
 
 macro_rules! functions {

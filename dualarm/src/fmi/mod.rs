@@ -28,6 +28,6 @@ pub mod library;
 
 pub use description::{Causality, DescriptionError, Initial, ModelDescription, Variability, Variable, VariableType};
 pub use error::{CallError, FmuError};
-pub use fmu::{Fmu, platform};
+pub use fmu::{Contents, Fmu, platform};
 pub use instance::{Experiment, Instance, LogMessage, SavedState};
 pub use library::{Status, ValueReference};

@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn every_step_at_first_and_then_one_per_interval() {
-        let columns = [Column { name: "a".into(), unit: None }];
+        let columns = [Column { name: "a".into(), ..Column::default() }];
         let grid = TimeGrid::new(0.0, 8.0, 1e-4).unwrap();
         let mut rows = Rows::new(&grid, Pick::new(&columns, |_| true));
         for step in 0..=grid.steps() {

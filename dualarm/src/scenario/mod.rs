@@ -124,7 +124,23 @@ macro_rules! built_in {
 }
 
 /// The files of the folder `scenarios`, so that the tool has them wherever it runs; the paper's three come first.
-pub const BUILT_IN: &[BuiltIn] = built_in!["nabfc", "pds", "pd", "nabfc-fast", "preload"];
+pub const BUILT_IN: &[BuiltIn] = built_in![
+    "nabfc",
+    "pds",
+    "pd",
+    "nabfc-fast",
+    "preload",
+    "unknown-mass",
+    "friction",
+    "viscous-damping",
+    "saturation",
+    "raw-dead-zone",
+    "disturbance-pulse",
+    "loss-of-contact",
+    "change-of-reference",
+    "stiff-arms",
+    "wrong-stiffness",
+];
 
 impl BuiltIn {
     /// The built-in scenario of that name.

@@ -1,24 +1,27 @@
-//! Where the rows go: nowhere, to a file, or to standard output.
+//! Where the rows go: nowhere, to a file in the format of its extension, or to standard output as CSV.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
 
 use crate::cli::Failure;
 use crate::files::NewFile;
-use crate::record::{Column, CsvSink, Sink};
+use crate::record::{Column, CsvSink, ParquetSink, Sink};
 
 /// Takes the recorded rows.
 pub enum Output {
     /// Nobody asked for them.
     None,
     /// A file that appears when the run is over.
-    File(CsvSink<NewFile>),
+    Csv(CsvSink<NewFile>),
+    /// The same, by columns; boxed, since it is much larger than the others.
+    Parquet(Box<ParquetSink>),
     /// Standard output.
     Pipe(CsvSink<io::BufWriter<io::Stdout>>),
 }
 
 impl Output {
-    /// Begins the output with the names of its columns; `-` is standard output.
+    /// Begins the output with the names of its columns; `-` is standard output, `.parquet` makes Parquet, everything else
+    /// CSV.
     pub fn new(path: Option<PathBuf>, columns: &[Column]) -> Result<Self, Failure> {
         Ok(match path {
             None => Self::None,
@@ -31,7 +34,10 @@ impl Output {
                 }
                 Self::Pipe(sink)
             }
-            Some(path) => Self::File(CsvSink::new(NewFile::create(path)?, columns)?),
+            Some(path) if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) => {
+                Self::Parquet(Box::new(ParquetSink::new(NewFile::create(path)?, columns)?))
+            }
+            Some(path) => Self::Csv(CsvSink::new(NewFile::create(path)?, columns)?),
         })
     }
 
@@ -43,7 +49,8 @@ impl Output {
     /// What to tell the user about a row that could not be written.
     pub fn failure(&self, error: io::Error) -> Failure {
         match self {
-            Self::File(sink) => sink.error(error).into(),
+            Self::Csv(sink) => sink.error(error).into(),
+            Self::Parquet(sink) => sink.error(error).into(),
             _ => error.into(),
         }
     }
@@ -52,7 +59,8 @@ impl Output {
     pub fn finish(self) -> Result<(), Failure> {
         match self {
             Self::None => {}
-            Self::File(sink) => sink.finish()?,
+            Self::Csv(sink) => sink.finish()?,
+            Self::Parquet(sink) => sink.finish()?,
             Self::Pipe(sink) => match sink.into_inner().and_then(|mut writer| writer.flush()) {
                 Err(error) if error.kind() != io::ErrorKind::BrokenPipe => return Err(error.into()),
                 _ => {}
@@ -66,7 +74,8 @@ impl Sink for Output {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         match self {
             Self::None => Ok(()),
-            Self::File(sink) => sink.row(time, values),
+            Self::Csv(sink) => sink.row(time, values),
+            Self::Parquet(sink) => sink.row(time, values),
             Self::Pipe(sink) => sink.row(time, values),
         }
     }

@@ -1,17 +1,38 @@
-//! What a run leaves behind: rows of values over time, kept in memory or written as CSV.
+//! What a run leaves behind: rows of values over time, kept in memory or written as [CSV](CsvSink) or
+//! [Parquet](ParquetSink).
 
-use std::io::{self, Write};
+mod csv;
+mod parquet;
+
+use std::io;
 use std::path::PathBuf;
+
+pub use csv::CsvSink;
+pub use parquet::ParquetSink;
 
 use crate::files::{NewFile, WriteError};
 
 /// One recorded variable.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Column {
     /// The variable's name; `Component.name` where several components have that name.
     pub name: String,
     /// Its unit.
     pub unit: Option<String>,
+    /// What its values are.
+    pub kind: Kind,
+}
+
+/// What the values of a column are; in memory all are `f64`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Kind {
+    /// Real numbers.
+    #[default]
+    Real,
+    /// 32-bit integers, also those of enumerations.
+    Integer,
+    /// 1 for true, 0 for false.
+    Boolean,
 }
 
 /// Takes the rows of a run.
@@ -113,6 +134,20 @@ impl Sink for Table {
     }
 }
 
+/// Keeps the newest row only.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Last {
+    /// Its values.
+    pub values: Vec<f64>,
+}
+
+impl Sink for Last {
+    fn row(&mut self, _: f64, values: &[f64]) -> io::Result<()> {
+        values.clone_into(&mut self.values);
+        Ok(())
+    }
+}
+
 /// Passes on only some columns.
 #[derive(Debug)]
 pub struct Pick<S> {
@@ -165,97 +200,6 @@ impl<S: Sink> Sink for Every<S> {
     }
 }
 
-/// Rows as CSV: a header with `time` and the names, then one line per row in the shortest digits that read back exactly.
-pub struct CsvSink<W: Write> {
-    writer: csv::Writer<W>,
-    digits: String,
-}
-
-impl CsvSink<NewFile> {
-    /// Begins the file with the header.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    pub fn new(file: NewFile, columns: &[Column]) -> Result<Self, WriteError> {
-        let mut sink = Self::to(file);
-        match sink.header(columns) {
-            Ok(()) => Ok(sink),
-            Err(source) => Err(sink.error(source)),
-        }
-    }
-
-    /// Makes an error of this file's path.
-    #[must_use]
-    pub fn error(&self, source: io::Error) -> WriteError {
-        self.writer.get_ref().error(source)
-    }
-
-    /// Moves the file to its place.
-    ///
-    /// # Errors
-    /// When not everything could be written.
-    pub fn finish(mut self) -> Result<(), WriteError> {
-        if let Err(source) = self.writer.flush() {
-            return Err(self.error(source));
-        }
-        match self.writer.into_inner() {
-            Ok(file) => file.finish(),
-            Err(_) => unreachable!("the buffer was flushed before"),
-        }
-    }
-}
-
-impl<W: Write> CsvSink<W> {
-    /// CSV to anything that takes bytes; write the header next.
-    pub fn to(writer: W) -> Self {
-        Self { writer: csv::Writer::from_writer(writer), digits: String::new() }
-    }
-
-    /// Hands back the writer.
-    ///
-    /// # Errors
-    /// When what is still buffered cannot be written.
-    pub fn into_inner(self) -> io::Result<W> {
-        self.writer.into_inner().map_err(|error| io::Error::new(error.error().kind(), error.error().to_string()))
-    }
-
-    /// Writes the header.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    pub fn header(&mut self, columns: &[Column]) -> io::Result<()> {
-        let names = std::iter::once("time").chain(columns.iter().map(|column| column.name.as_str()));
-        self.writer.write_record(names).map_err(plain)
-    }
-
-    fn field(&mut self, value: f64) -> io::Result<()> {
-        use std::fmt::Write;
-        self.digits.clear();
-        // + 0 makes zero of minus zero, which would print as -0.
-        write!(self.digits, "{:?}", value + 0.0).expect("writing to a string cannot fail");
-        let digits = self.digits.strip_suffix(".0").unwrap_or(&self.digits);
-        self.writer.write_field(digits).map_err(plain)
-    }
-}
-
-impl<W: Write> Sink for CsvSink<W> {
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.field(time)?;
-        for value in values {
-            self.field(*value)?;
-        }
-        self.writer.write_record(None::<&[u8]>).map_err(plain)
-    }
-}
-
-/// The error below the CSV writer's, whose kind says whether a reader has gone.
-fn plain(error: csv::Error) -> io::Error {
-    match error.into_kind() {
-        csv::ErrorKind::Io(error) => error,
-        other => io::Error::other(format!("{other:?}")),
-    }
-}
-
 /// Which communication points are recorded: the first one at or after each multiple of the interval.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Schedule {
@@ -290,7 +234,7 @@ mod tests {
     use super::*;
 
     fn table() -> Table {
-        let column = |name: &str| Column { name: name.into(), unit: None };
+        let column = |name: &str| Column { name: name.into(), ..Column::default() };
         let mut table = Table::new(vec![column("a"), column("b,c")]);
         for row in 0..6 {
             let time = f64::from(row) * 0.1;

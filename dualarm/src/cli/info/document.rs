@@ -1,0 +1,249 @@
+//! What there is to say about an FMU. Serialised, it is what `--json` prints; `docs/tool.md` describes the keys.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use serde_json::Value;
+
+use crate::fmi::description::{BaseType, CoSimulation};
+use crate::fmi::{
+    Causality, Contents, Fmu, FmuError, Initial, ModelDescription, Variability, Variable as Described, VariableType,
+};
+
+#[derive(Serialize)]
+pub struct Document {
+    command: &'static str,
+    version: &'static str,
+    pub file: PathBuf,
+    /// Size of the file.
+    pub bytes: u64,
+    pub fmi_version: String,
+    pub model_name: String,
+    pub model_version: Option<String>,
+    pub description: Option<String>,
+    pub author: Option<String>,
+    pub copyright: Option<String>,
+    pub license: Option<String>,
+    pub generation_tool: Option<String>,
+    pub generation_date: Option<String>,
+    pub guid: String,
+    pub interfaces: Vec<&'static str>,
+    /// Folders below `binaries`.
+    pub platforms: Vec<String>,
+    pub has_sources: bool,
+    pub has_documentation: bool,
+    pub runs_here: bool,
+    /// Why it does not.
+    pub obstacle: Option<String>,
+    pub capabilities: Option<Capabilities>,
+    /// Of the model exchange interface.
+    pub continuous_states: usize,
+    pub event_indicators: u32,
+    pub default_experiment: DefaultExperiment,
+    pub variables: Vec<Variable>,
+}
+
+/// Of the co-simulation interface, under the standard's names.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+#[allow(clippy::struct_excessive_bools)] // the standard's flags
+pub struct Capabilities {
+    pub needs_execution_tool: bool,
+    pub can_handle_variable_communication_step_size: bool,
+    pub can_interpolate_inputs: bool,
+    pub max_output_derivative_order: u32,
+    pub can_run_asynchronously: bool,
+    pub can_be_instantiated_only_once_per_process: bool,
+    #[serde(rename = "canGetAndSetFMUstate")]
+    pub can_get_and_set_fmu_state: bool,
+    #[serde(rename = "canSerializeFMUstate")]
+    pub can_serialize_fmu_state: bool,
+    pub provides_directional_derivative: bool,
+}
+
+/// In s, but for the tolerance.
+#[derive(Serialize)]
+pub struct DefaultExperiment {
+    pub start: Option<f64>,
+    pub stop: Option<f64>,
+    pub step: Option<f64>,
+    pub tolerance: Option<f64>,
+}
+
+#[derive(Serialize)]
+pub struct Variable {
+    pub name: String,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    pub causality: &'static str,
+    pub variability: &'static str,
+    pub initial: Option<&'static str>,
+    pub unit: Option<String>,
+    pub display_unit: Option<String>,
+    pub start: Option<Value>,
+    pub min: Option<Value>,
+    pub max: Option<Value>,
+    /// Of an enumeration.
+    pub items: Vec<String>,
+    pub description: Option<String>,
+}
+
+impl Document {
+    /// Everything about an FMU; loads its library, if there is one for this platform, but runs nothing.
+    pub fn of(file: &Path) -> Result<Self, FmuError> {
+        let contents = Fmu::inspect(file)?;
+        let platforms = contents.platforms().into_iter().map(str::to_owned).collect();
+        let (has_sources, has_documentation) = (contents.has("sources/"), contents.has("documentation/"));
+        let obstacle = obstacle(file, &contents);
+        let model = contents.description;
+        let variables = model.variables.iter().map(|variable| Variable::of(variable, &model)).collect();
+        let interfaces = [
+            model.co_simulation.is_some().then_some("co-simulation"),
+            model.model_exchange.is_some().then_some("model exchange"),
+        ];
+        Ok(Self {
+            command: "info",
+            version: env!("CARGO_PKG_VERSION"),
+            file: file.to_owned(),
+            bytes: fs::metadata(file).map_or(0, |metadata| metadata.len()),
+            interfaces: interfaces.into_iter().flatten().collect(),
+            platforms,
+            has_sources,
+            has_documentation,
+            runs_here: obstacle.is_none(),
+            obstacle,
+            capabilities: model.co_simulation.as_ref().map(Capabilities::of),
+            continuous_states: model.structure.derivatives.len(),
+            event_indicators: model.number_of_event_indicators,
+            default_experiment: DefaultExperiment {
+                start: model.default_experiment.start_time,
+                stop: model.default_experiment.stop_time,
+                step: model.default_experiment.step_size,
+                tolerance: model.default_experiment.tolerance,
+            },
+            variables,
+            fmi_version: model.fmi_version,
+            model_name: model.model_name,
+            model_version: model.version,
+            description: model.description,
+            author: model.author,
+            copyright: model.copyright,
+            license: model.license,
+            generation_tool: model.generation_tool,
+            generation_date: model.generation_date_and_time,
+            guid: model.guid,
+        })
+    }
+
+    /// The variables of one causality.
+    pub fn with_causality(&self, causality: &str) -> impl Iterator<Item = &Variable> {
+        self.variables.iter().filter(move |variable| variable.causality == causality)
+    }
+}
+
+/// Why `dualarm simulate` could not run it here.
+fn obstacle(file: &Path, contents: &Contents) -> Option<String> {
+    if contents.description.co_simulation.is_none() {
+        return Some("it has only the model exchange interface; this tool runs co-simulation FMUs".into());
+    }
+    match Fmu::open(file) {
+        Ok(_) => None,
+        Err(FmuError::NoBinary { wanted, .. }) => Some(format!("it has no {wanted}")),
+        Err(FmuError::Library { library, source, .. }) => Some(format!("{library}: {source}")),
+        Err(other) => Some(other.to_string()),
+    }
+}
+
+impl Capabilities {
+    fn of(interface: &CoSimulation) -> Self {
+        Self {
+            needs_execution_tool: interface.needs_execution_tool,
+            can_handle_variable_communication_step_size: interface.can_handle_variable_communication_step_size,
+            can_interpolate_inputs: interface.can_interpolate_inputs,
+            max_output_derivative_order: interface.max_output_derivative_order,
+            can_run_asynchronously: interface.can_run_asynchronously,
+            can_be_instantiated_only_once_per_process: interface.can_be_instantiated_only_once_per_process,
+            can_get_and_set_fmu_state: interface.can_get_and_set_fmu_state,
+            can_serialize_fmu_state: interface.can_serialize_fmu_state,
+            provides_directional_derivative: interface.provides_directional_derivative,
+        }
+    }
+}
+
+impl Variable {
+    fn of(variable: &Described, model: &ModelDescription) -> Self {
+        let items = model.items(variable);
+        let (start, min, max) = match &variable.kind {
+            VariableType::Real(real) => {
+                (real.start.map(Value::from), real.min.map(Value::from), real.max.map(Value::from))
+            }
+            VariableType::Integer { start, min, max } => {
+                (start.map(Value::from), min.map(Value::from), max.map(Value::from))
+            }
+            VariableType::Boolean { start } => (start.map(Value::from), None, None),
+            VariableType::String { start } => (start.clone().map(Value::from), None, None),
+            VariableType::Enumeration { start, .. } => {
+                let name = |value: &i32| items.iter().find(|item| item.value == *value).map(|item| item.name.clone());
+                (start.as_ref().map(|start| name(start).map_or_else(|| Value::from(*start), Value::from)), None, None)
+            }
+        };
+        let display_unit = match &variable.kind {
+            VariableType::Real(real) => real.display_unit.clone(),
+            _ => None,
+        };
+        Self {
+            name: variable.name.clone(),
+            kind: type_name(variable.base_type()),
+            causality: causality_name(variable.causality),
+            variability: variability_name(variable.variability),
+            initial: variable.initial.map(initial_name),
+            unit: variable.unit().map(str::to_owned),
+            display_unit,
+            start,
+            min,
+            max,
+            items: items.iter().map(|item| item.name.clone()).collect(),
+            description: variable.description.clone(),
+        }
+    }
+}
+
+fn type_name(base: BaseType) -> &'static str {
+    match base {
+        BaseType::Real => "Real",
+        BaseType::Integer => "Integer",
+        BaseType::Boolean => "Boolean",
+        BaseType::String => "String",
+        BaseType::Enumeration => "Enumeration",
+    }
+}
+
+fn causality_name(causality: Causality) -> &'static str {
+    match causality {
+        Causality::Parameter => "parameter",
+        Causality::CalculatedParameter => "calculatedParameter",
+        Causality::Input => "input",
+        Causality::Output => "output",
+        Causality::Local => "local",
+        Causality::Independent => "independent",
+    }
+}
+
+fn variability_name(variability: Variability) -> &'static str {
+    match variability {
+        Variability::Constant => "constant",
+        Variability::Fixed => "fixed",
+        Variability::Tunable => "tunable",
+        Variability::Discrete => "discrete",
+        Variability::Continuous => "continuous",
+    }
+}
+
+fn initial_name(initial: Initial) -> &'static str {
+    match initial {
+        Initial::Exact => "exact",
+        Initial::Approx => "approx",
+        Initial::Calculated => "calculated",
+    }
+}

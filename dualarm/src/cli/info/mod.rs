@@ -1,0 +1,43 @@
+//! `dualarm info`
+
+mod document;
+mod text;
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{Failure, json, print};
+use document::Document;
+
+const AFTER_HELP: &str = "\
+Works for every FMI 2.0 FMU, whoever made it, for any platform, for co-simulation and model exchange.
+
+Examples:
+  dualarm info dist/DualArmPlant.fmu
+  dualarm info model.fmu --variables | grep -i temperature
+  dualarm info model.fmu --json | jq '.variables[] | select(.unit == \"rad\") | .name'";
+
+/// Arguments of `dualarm info`.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// The FMU
+    #[arg(value_name = "FMU")]
+    file: PathBuf,
+    /// List all variables, also internal ones, with type, causality and variability
+    #[arg(long)]
+    variables: bool,
+    /// Print everything as JSON
+    #[arg(long, conflicts_with = "variables")]
+    json: bool,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let document = Document::of(&arguments.file)?;
+    if arguments.json {
+        return json::print(&document);
+    }
+    print(&text::summary(&document, arguments.variables, text::width()));
+    Ok(())
+}

@@ -1,0 +1,132 @@
+//! Rows as Apache Parquet: a compressed column per variable, which pandas, Polars, `DuckDB`, MATLAB and others read directly.
+//!
+//! Booleans and integers keep their types. Parquet has no place for the units of columns (Arrow's schema is not part of
+//! it); they stand in the file's key-value metadata: `units` holds a JSON object from column name to unit.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::sync::Arc;
+
+use ::parquet::basic::{Compression, GzipLevel, Repetition, Type as PhysicalType};
+use ::parquet::data_type::{BoolType, DoubleType, Int32Type};
+use ::parquet::errors::{ParquetError, Result};
+use ::parquet::file::metadata::KeyValue;
+use ::parquet::file::properties::WriterProperties;
+use ::parquet::file::writer::SerializedFileWriter;
+use ::parquet::schema::types::Type;
+
+use super::{Column, Kind, Sink};
+use crate::files::{NewFile, WriteError};
+
+/// Rows as a Parquet file with the column `time` and one per variable.
+pub struct ParquetSink {
+    writer: SerializedFileWriter<NewFile>,
+    kinds: Vec<Kind>,
+    /// Values of the rows that are not written yet, column by column, the time first.
+    columns: Vec<Vec<f64>>,
+}
+
+impl ParquetSink {
+    /// Rows that are written together.
+    const ROWS: usize = 1 << 16;
+
+    /// Begins the file.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn new(file: NewFile, columns: &[Column]) -> std::result::Result<Self, WriteError> {
+        let time = Column { name: "time".into(), unit: Some("s".into()), kind: Kind::Real };
+        let columns: Vec<&Column> = std::iter::once(&time).chain(columns).collect();
+        let path = file.path().to_owned();
+        let writer = Self::writer(file, &columns).map_err(|error| WriteError { path, source: plain(error) })?;
+        let kinds: Vec<_> = columns.iter().map(|column| column.kind).collect();
+        Ok(Self { writer, columns: vec![Vec::new(); kinds.len()], kinds })
+    }
+
+    fn writer(file: NewFile, columns: &[&Column]) -> Result<SerializedFileWriter<NewFile>> {
+        let field = |column: &&Column| {
+            let physical = match column.kind {
+                Kind::Real => PhysicalType::DOUBLE,
+                Kind::Integer => PhysicalType::INT32,
+                Kind::Boolean => PhysicalType::BOOLEAN,
+            };
+            let field = Type::primitive_type_builder(&column.name, physical).with_repetition(Repetition::REQUIRED);
+            Ok(Arc::new(field.build()?))
+        };
+        let fields = columns.iter().map(field).collect::<Result<Vec<_>>>()?;
+        let schema = Arc::new(Type::group_type_builder("run").with_fields(fields).build()?);
+        let units: BTreeMap<&str, &str> =
+            columns.iter().filter_map(|column| Some((column.name.as_str(), column.unit.as_deref()?))).collect();
+        let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(Box::new(error)))?;
+        let properties = WriterProperties::builder()
+            .set_created_by(concat!("dualarm ", env!("CARGO_PKG_VERSION")).to_owned())
+            .set_compression(Compression::GZIP(GzipLevel::default()))
+            .set_dictionary_enabled(false) // simulated values hardly ever repeat
+            .set_key_value_metadata(Some(vec![KeyValue::new("units".to_owned(), units)]))
+            .build();
+        SerializedFileWriter::new(file, schema, Arc::new(properties))
+    }
+
+    /// Makes an error of this file's path.
+    #[must_use]
+    pub fn error(&self, source: io::Error) -> WriteError {
+        self.writer.inner().error(source)
+    }
+
+    /// Moves the file to its place.
+    ///
+    /// # Errors
+    /// When not everything could be written.
+    pub fn finish(mut self) -> std::result::Result<(), WriteError> {
+        let path = self.writer.inner().path().to_owned();
+        let file = self.write_rows().and_then(|()| self.writer.into_inner());
+        file.map_err(|error| WriteError { path, source: plain(error) })?.finish()
+    }
+
+    /// Writes the collected rows as one row group.
+    fn write_rows(&mut self) -> Result<()> {
+        if self.columns[0].is_empty() {
+            return Ok(());
+        }
+        let mut group = self.writer.next_row_group()?;
+        for (kind, values) in self.kinds.iter().zip(&mut self.columns) {
+            let Some(mut column) = group.next_column()? else { break };
+            match kind {
+                Kind::Real => _ = column.typed::<DoubleType>().write_batch(values, None, None)?,
+                Kind::Integer => {
+                    #[allow(clippy::cast_possible_truncation)] // they were 32-bit integers
+                    let integers: Vec<_> = values.iter().map(|value| *value as i32).collect();
+                    column.typed::<Int32Type>().write_batch(&integers, None, None)?;
+                }
+                Kind::Boolean => {
+                    let booleans: Vec<_> = values.iter().map(|value| *value != 0.0).collect();
+                    column.typed::<BoolType>().write_batch(&booleans, None, None)?;
+                }
+            }
+            column.close()?;
+            values.clear();
+        }
+        group.close()?;
+        Ok(())
+    }
+}
+
+impl Sink for ParquetSink {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        for (column, value) in self.columns.iter_mut().zip(std::iter::once(&time).chain(values)) {
+            column.push(*value);
+        }
+        if self.columns[0].len() == Self::ROWS { self.write_rows().map_err(plain) } else { Ok(()) }
+    }
+}
+
+/// The error below Parquet's, as far as there is one.
+fn plain(error: ParquetError) -> io::Error {
+    match error {
+        ParquetError::External(source) => match source.downcast::<io::Error>() {
+            Ok(error) => *error,
+            Err(other) => io::Error::other(other),
+        },
+        other => io::Error::other(other),
+    }
+}

@@ -1,0 +1,271 @@
+"""The command line tool as its users meet it: scenarios, files that others read, FMUs that others made."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from pythonfmu.builder import FmuBuilder
+
+from .conftest import ROOT
+from .test_native import dualarm
+
+
+class Run:
+    """A scenario that was run: every step of its signals, and what the tool says about it."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        file = folder / "run.parquet"
+        done = dualarm("simulate", *arguments, "--interval", "0", "--json", "-o", str(file))
+        assert done.returncode == 0, done.stderr
+        self.document: dict[str, Any] = json.loads(done.stdout)
+        table = pq.read_table(file)
+        self.signals = {name: table[name].to_numpy() for name in table.column_names}
+        self.time = self.signals["time"]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.signals[name]
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Both contact forces, one per row."""
+        return np.array([self["contact_force1"], self["contact_force2"]])
+
+    def between(self, begin: float, end: float) -> np.ndarray:
+        """Both contact forces in a part of the run."""
+        return self.forces[:, (self.time >= begin) & (self.time < end)]
+
+    def settling(self, metric: str = "settling_2") -> float:
+        """The later one of the two arms."""
+        return max(self.document["metrics"][f"contact_force{arm}"][metric] for arm in (1, 2))
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Any:
+    return lambda *arguments: Run(tmp_path, *arguments)
+
+
+# --- What each scenario claims, and the physics behind it ------------------------------------------------------------
+
+
+def test_every_scenario_has_a_test_here() -> None:
+    listed = {line.split()[0] for line in dualarm("simulate", "--list").stdout.splitlines()}
+    source = Path(__file__).read_text(encoding="utf-8")
+    assert {name for name in listed if f'run("{name}"' not in source} == set()
+    assert listed == {path.stem for path in (ROOT / "scenarios").glob("*.toml")}
+
+
+def test_the_papers_three(run: Any) -> None:
+    """Section IV: "less than 0.5 s", "almost 2 s", "much longer"; and PD needs the 8 s its file gives it."""
+    nabfc, pds, pd = run("nabfc"), run("pds"), run("pd")
+    assert nabfc.settling() < 0.5 < pds.settling() < 2.0 < pd.settling() < 0.6 * pd.time[-1]
+    for grasp in (nabfc, pds, pd):
+        assert np.abs(grasp.forces[:, -1] - 0.5).max() < 0.02 * 0.5
+
+
+def test_fast_preset_needs_half_the_time(run: Any) -> None:
+    fast, default = run("nabfc-fast"), run("nabfc")
+    assert fast.settling() < 0.6 * default.settling()
+    assert np.abs(fast["tau1"]).max() > np.abs(default["tau1"]).max()
+
+
+def test_preload_keeps_contact(run: Any) -> None:
+    preloaded = run("preload")
+    # What the arms press with is static; the tips' masses follow the object's actuator from the first instant.
+    assert np.array([-preloaded["tip_shear1"][0], preloaded["tip_shear2"][0]]) == pytest.approx(0.05, rel=1e-9)
+    assert preloaded.forces[:, 0].mean() == pytest.approx(0.05, rel=1e-9)
+    assert preloaded["in_contact"].all()
+    assert not run("nabfc")["in_contact"].all()
+
+
+def test_unknown_mass_is_not_identified_and_does_not_matter(run: Any) -> None:
+    heavy = run("unknown-mass")
+    assert heavy.settling() < 0.45
+    assert heavy.document["metrics"]["contact_force1"]["overshoot"] < 2
+    assert np.abs(heavy["m_hat"] - 0.015).max() < 1e-3
+
+
+def test_friction_costs_pd_its_accuracy(run: Any) -> None:
+    """Static friction of 0.02 N.m: NABFC ends at the target, PD 3 mN short of it."""
+    assert np.abs(run("friction").forces[:, -1] - 0.5).max() < 1e-4
+    short = 0.5 - run("friction", "--controller", "pd", "--stop", "12").forces[:, -1]
+    assert np.all((short > 2e-3) & (short < 4e-3))
+
+
+def ringing(grasp: Run, begin: float) -> float:
+    """Amplitude of the antisymmetric vibration: the sum of the forces without its slow part over a tenth of a second."""
+    window = (grasp.time >= begin) & (grasp.time < begin + 0.1)
+    time, force = grasp.time[window], grasp.forces.sum(axis=0)[window]
+    slow = np.polynomial.Polynomial.fit(time, force, 3)
+    return float(np.abs(force - slow(time)).max())
+
+
+def test_viscous_damping_ends_the_ringing(run: Any) -> None:
+    damped, undamped = run("viscous-damping"), run("viscous-damping", "--set", "kelvin_voigt=0")
+    assert ringing(damped, 0.5) < 1e-5
+    # The undamped pole of the linear loop: it would lose half its amplitude in 8 s.
+    assert 4e-3 < ringing(undamped, 7.0) < ringing(undamped, 0.5)
+
+
+def test_saturation_limits_and_does_not_slow(run: Any) -> None:
+    weak, strong = run("saturation"), run("nabfc")
+    metrics = weak.document["metrics"]
+    for name, limit in (("tau1", 0.15), ("tau2", 0.15), ("u", 0.03)):
+        assert np.abs(weak[name]).max() == pytest.approx(limit, rel=1e-12)
+        assert 0.05 < metrics[name]["saturated"] < 0.15
+    assert weak.settling() < 1.1 * strong.settling()
+
+
+def test_raw_dead_zone_is_found_by_adaptation_only(run: Any) -> None:
+    assert np.abs(run("raw-dead-zone").forces[:, -1] - 0.5).max() < 1e-4
+    short = 0.5 - run("raw-dead-zone", "--controller", "pd", "--stop", "12").forces[:, -1]
+    assert np.all((short > 0.012) & (short < 0.017))
+
+
+def test_disturbance_pulse_is_survived(run: Any) -> None:
+    pushed = run("disturbance-pulse")
+    assert pushed["in_contact"].all()
+    assert np.abs(pushed.between(0.9, 1.0) - 0.5).max() < 0.01
+    # At the instant of the push the tips' masses take their share: m_i / (m_1 + m_2 + M) of it, in opposite senses.
+    at = np.searchsorted(pushed.time, 1.0)
+    jump = pushed.forces[:, at] - pushed.forces[:, at - 1]
+    assert np.abs(jump) == pytest.approx(0.5 * 0.1 / 0.5, rel=0.01)
+    assert jump[0] * jump[1] < 0
+    assert np.abs(pushed.between(1.21, 2.0) - 0.5).max() < 0.02 * 0.5
+
+
+def test_loss_of_contact_is_seen(run: Any) -> None:
+    jerked = run("loss-of-contact")
+    lost = jerked.time[~jerked["in_contact"].astype(bool)]
+    assert len(lost) > 0
+    assert 1.0 <= lost.min() < lost.max() < 1.02 + 1e-9
+    assert jerked.forces.min() < 0
+    assert any("contact lost at t = 1.0" in warning for warning in jerked.document["warnings"])
+    assert jerked["in_contact"][-1]
+
+
+def test_change_of_reference_is_followed(run: Any) -> None:
+    changed = run("change-of-reference")
+    ramp = (changed.time >= 1.0) & (changed.time <= 1.5)
+    # The reference is a straight line, exact at every step, and jumps at 2.5 s and not one step later.
+    assert changed["lambda2_d"][ramp] == pytest.approx(0.5 + 0.6 * (changed.time[ramp] - 1.0), abs=1e-12)
+    at = np.searchsorted(changed.time, 2.5)
+    assert (changed["lambda2_d"][at - 1], changed["lambda2_d"][at]) == pytest.approx((0.8, 0.4), abs=1e-12)
+    assert np.abs(changed.between(2.3, 2.5) - 0.8).max() < 1e-3
+    assert np.abs(changed.forces[:, -1] - 0.4).max() < 1e-3
+    metrics = changed.document["metrics"]["contact_force1"]
+    assert metrics["target"] == pytest.approx(0.4)
+    assert metrics["settling_2"] < 1.0, "counts from the last change"
+
+
+def test_stiff_arms_bend_a_quarter(run: Any) -> None:
+    stiff, soft = run("stiff-arms"), run("nabfc")
+    assert np.abs(stiff.forces[:, -1] - 0.5).max() < 1e-3
+    assert stiff["tip_deflection1"][-1] == pytest.approx(soft["tip_deflection1"][-1] / 4, rel=2e-3)
+    assert 5 < stiff.document["metrics"]["contact_force1"]["overshoot"] < 20
+
+
+def test_wrong_stiffness_gives_a_wrong_force(run: Any) -> None:
+    """Pose reached, so force and stiffness are proportional: 0.138 / 0.115 of the target."""
+    wrong = run("wrong-stiffness")
+    assert np.abs(wrong["e1"][-1]) < 1e-5
+    assert wrong.forces[:, -1] == pytest.approx(0.5 * 0.138 / 0.115, rel=1e-3)
+
+
+# --- Files for others ------------------------------------------------------------------------------------------------
+
+
+def test_parquet_and_csv_say_the_same(tmp_path: Path) -> None:
+    """Every value bit by bit, types and units."""
+    both = [tmp_path / "run.csv", tmp_path / "run.parquet"]
+    for file in both:
+        done = dualarm("simulate", "preload", "--stop", "0.1", "-o", str(file))
+        assert done.returncode == 0, done.stderr
+    with both[0].open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    table = pq.read_table(both[1])
+    assert table.column_names == header
+    assert table.num_rows == len(rows) == 101
+    assert [row[0] for row in rows[:4]] == ["0", "0.001", "0.002", "0.003"]
+    for name, values in zip(header, zip(*rows)):
+        assert np.array_equal(table[name].to_numpy().astype(float), np.array(values, dtype=float)), name
+    assert str(table.schema.field("in_contact").type) == "bool"
+    units = json.loads(table.schema.metadata[b"units"])
+    assert {name: units[name] for name in ("time", "theta1", "tau1", "energy")} == {
+        "time": "s",
+        "theta1": "rad",
+        "tau1": "N.m",
+        "energy": "J",
+    }
+    assert "in_contact" not in units
+
+
+def test_no_time_has_digits_that_only_rounding_puts_there(tmp_path: Path) -> None:
+    file = tmp_path / "run.csv"
+    assert dualarm("simulate", "--stop", "1", "--interval", "0", "-o", str(file)).returncode == 0
+    with file.open(encoding="utf-8") as lines:
+        next(lines)
+        rows = [line.rstrip("\n").split(",") for line in lines]
+    assert max(len(row[0]) for row in rows) <= len("0.0001")
+    assert not any(value == "-0" for row in rows for value in row)
+
+
+# --- Any FMU ---------------------------------------------------------------------------------------------------------
+
+
+def test_gains_beside_a_preset_are_said_to_be_unused() -> None:
+    done = dualarm("simulate", "nabfc-fast", "--stop", "0.1", "--set", "c1=3", "--set", "M=0.4", "--json")
+    unused = [warning for warning in json.loads(done.stdout)["warnings"] if "is not used" in warning]
+    assert len(unused) == 1
+    assert "NabfcController.c1" in unused[0]
+
+
+TANK = '''
+from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
+
+
+class Tank(Fmi2Slave):
+    author = "A Plumber"
+    description = "A tank with an inflow"
+
+    def __init__(self, **kwargs):
+        super().__init__(**kwargs)
+        self.inflow, self.level, self.area = 0.0, 1.0, 2.0
+        self.register_variable(Real("inflow", causality=Fmi2Causality.input))
+        self.register_variable(Real("level", causality=Fmi2Causality.output))
+        self.register_variable(Real("area", causality=Fmi2Causality.parameter, variability=Fmi2Variability.tunable))
+
+    def do_step(self, current_time, step_size):
+        self.level += step_size * self.inflow / self.area
+        return True
+'''
+
+
+def test_info_reads_an_fmu_of_another_tool(tmp_path: Path) -> None:
+    """PythonFMU's library needs a Python process around it; that it does not run here must be said, with the reason."""
+    script = tmp_path / "tank.py"
+    script.write_text(TANK, encoding="utf-8")
+    file = FmuBuilder.build_FMU(script, dest=tmp_path)
+    done = dualarm("info", str(file))
+    assert done.returncode == 0, done.stderr
+    for expected in ("A tank with an inflow", "PythonFMU", "A Plumber", "1 input, 1 output, 1 parameter", "runs here"):
+        assert expected in done.stdout
+    document = json.loads(dualarm("info", str(file), "--json").stdout)
+    assert document["capabilities"]["needsExecutionTool"] is True
+    assert "linux64" in document["platforms"]
+    assert [v["name"] for v in document["variables"] if v["causality"] == "input"] == ["inflow"]
+    assert document["runs_here"] or "Py" in document["obstacle"]
+
+
+def test_verify_speaks_json(tmp_path: Path) -> None:
+    done = dualarm("verify", "--no-package", "--out", str(tmp_path), "--json", timeout=600)
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert document["failures"] == 0
+    assert len(document["checks"]) > 50
+    assert all(check["error"] <= check["bound"] and check["passes"] for check in document["checks"])
