@@ -269,3 +269,12 @@ def test_verify_speaks_json(tmp_path: Path) -> None:
     assert document["failures"] == 0
     assert len(document["checks"]) > 50
     assert all(check["error"] <= check["bound"] and check["passes"] for check in document["checks"])
+
+
+def test_compare_speaks_json_and_runs_the_same_scenarios(tmp_path: Path, run: Any) -> None:
+    done = dualarm("compare", "--no-package", "--out", str(tmp_path), "--stop", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert [case["name"] for case in document["cases"]] == ["nabfc", "pds", "pd"]
+    assert document["cases"][0]["metrics"] == run("nabfc").document["metrics"]
+    assert Path(document["report"]).is_file()

@@ -225,6 +225,8 @@ fn unwritable_places_are_named() {
 
     let compare = dualarm(folder.path(), &["compare", "--no-package", "--step", "0"]);
     assert_fails(&compare, 2, "step size must be a positive number");
+    let compare = dualarm(folder.path(), &["compare", "--no-package", "--step", "10"]);
+    assert_fails(&compare, 2, "a step of 10 s is longer than the run from 0 s to 8 s");
     let compare = dualarm(folder.path(), &["compare", "--no-package"]);
     assert_fails(&compare, 1, "there is no DualArmPlant.fmu in dist");
     assert_eq!(files(folder.path()), before);
@@ -313,7 +315,7 @@ fn json_is_one_document_on_standard_output() {
     assert_fails(&simulate(folder.path(), &["--json", "--set", "Lag.trouble_at=1"]), 1, "at t = 1 s: Lag");
 }
 
-/// The format follows the extension; that others can read it is for tests/test_tool.py to see.
+/// The format follows the extension; that others can read it is for `tests/test_tool.py` to see.
 #[test]
 fn parquet_files_are_whole_or_not_there() {
     let Some(folder) = fixtures() else { return };

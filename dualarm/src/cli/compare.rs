@@ -1,7 +1,7 @@
 //! `dualarm compare`, the main job.
 
 use std::num::NonZero;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -9,10 +9,12 @@ use std::time::Instant;
 
 use clap::Args;
 use indicatif::ProgressBar;
+use serde::Serialize;
 
 use super::fmus::Job;
+use super::json::{self, ExperimentDocument, MetricsDocument};
 use super::progress::Progress;
-use super::simulate::CouplingName;
+use super::simulate::{CouplingName, grid};
 use super::{Failure, print};
 use crate::figures::{self, NamedFigure, Outcome, raster};
 use crate::files;
@@ -39,6 +41,29 @@ pub struct Arguments {
     /// Stop time in s
     #[arg(long, default_value_t = STOP, value_name = "SECONDS", allow_hyphen_values = true)]
     stop: f64,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints; `docs/tool.md` describes the keys.
+#[derive(Serialize)]
+struct Document<'a> {
+    command: &'static str,
+    version: &'static str,
+    experiment: ExperimentDocument,
+    /// In s.
+    wall_time: f64,
+    cases: Vec<Case>,
+    report: &'a Path,
+}
+
+#[derive(Serialize)]
+struct Case {
+    name: &'static str,
+    title: &'static str,
+    metrics: MetricsDocument,
+    data: PathBuf,
 }
 
 const STEP: f64 = 1e-4;
@@ -49,22 +74,40 @@ const CSV_INTERVAL: f64 = 1e-3;
 
 impl Default for Arguments {
     fn default() -> Self {
-        Self { job: Job::default(), coupling: CouplingName::default(), step: STEP, stop: STOP }
+        Self { job: Job::default(), coupling: CouplingName::default(), step: STEP, stop: STOP, json: false }
     }
 }
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
-    let grid = TimeGrid::new(0.0, arguments.stop, arguments.step).map_err(Failure::usage)?;
+    let grid = grid(0.0, arguments.stop, arguments.step)?;
     arguments.job.package(quiet)?;
     let begin = Instant::now();
     let (outcomes, rows): (Vec<_>, Vec<_>) = simulate_all(arguments, &grid, quiet)?.into_iter().unzip();
     let figures = figures::all(&outcomes);
     write_results(arguments, &grid, &outcomes, &figures, quiet)?;
     let page = Page { outcomes: &outcomes, rows: &rows, grid: &grid, setup: &setup(arguments, &grid) };
-    files::write(arguments.job.out.join("report.html"), page.to_html())?;
+    let report = arguments.job.out.join("report.html");
+    files::write(&report, page.to_html())?;
+    let seconds = begin.elapsed().as_secs_f64();
+    if arguments.json {
+        let case = |Outcome { scenario, metrics, .. }: &Outcome| Case {
+            name: scenario.key,
+            title: scenario.title,
+            metrics: metrics.into(),
+            data: arguments.job.out.join(format!("{}.csv", scenario.key)),
+        };
+        return json::print(&Document {
+            command: "compare",
+            version: env!("CARGO_PKG_VERSION"),
+            experiment: ExperimentDocument::new(&grid, arguments.coupling.into(), CSV_INTERVAL),
+            wall_time: seconds,
+            cases: outcomes.iter().map(case).collect(),
+            report: &report,
+        });
+    }
     if !quiet {
         let (forces, efforts) = report::tables(&outcomes);
-        let (out, seconds) = (arguments.job.out.display(), begin.elapsed().as_secs_f64());
+        let out = arguments.job.out.display();
         print(&format!(
             "{}\n{}\n{out}/report.html to play with, {out}/report.md with {} figures, in {seconds:.1} s\n",
             forces.to_terminal(),

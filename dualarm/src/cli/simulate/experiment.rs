@@ -26,11 +26,7 @@ impl Run {
         let start = arguments.start.or(wanted.start).or(suggested.start_time).unwrap_or(0.0);
         let stop = arguments.stop.or(wanted.stop).or(suggested.stop_time).unwrap_or(start + 5.0);
         let step = arguments.step.or(wanted.step).or(suggested.step_size).unwrap_or(1e-4);
-        let grid = TimeGrid::new(start, stop, step).map_err(Failure::usage)?;
-        if step > (stop - start) * (1.0 + 1e-9) {
-            let message = format!("a step of {step} s is longer than the run from {start} s to {stop} s");
-            return Err(Failure::usage(message));
-        }
+        let grid = grid(start, stop, step)?;
         let interval = arguments.interval.or(wanted.interval).unwrap_or(1e-3);
         if !(interval >= 0.0 && interval.is_finite()) {
             return Err(Failure::usage(format!("the interval must be 0 or more seconds, not {interval}")));
@@ -61,6 +57,16 @@ impl Run {
             )
         })
     }
+}
+
+/// The communication points a user asks for.
+pub fn grid(start: f64, stop: f64, step: f64) -> Result<TimeGrid, Failure> {
+    let grid = TimeGrid::new(start, stop, step).map_err(Failure::usage)?;
+    if step > (stop - start) * (1.0 + 1e-9) {
+        let message = format!("a step of {step} s is longer than the run from {start} s to {stop} s");
+        return Err(Failure::usage(message));
+    }
+    Ok(grid)
 }
 
 /// FMUs that were given together but have nothing to say to each other.

@@ -22,6 +22,7 @@ use crate::record::{Every, Last, Pick};
 use crate::scenario::BUILT_IN;
 use crate::settings::Setting;
 use experiment::Run;
+pub use experiment::grid;
 use outcome::{Findings, Outcome};
 use output::Output;
 
