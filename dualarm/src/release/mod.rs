@@ -178,7 +178,7 @@ fn simulate(fmu: &Fmu, experiment: &Experiment, inputs: &Table) -> Result<Table,
 }
 
 fn column(name: &str) -> crate::record::Column {
-    crate::record::Column { name: name.to_owned(), unit: None }
+    crate::record::Column { name: name.to_owned(), ..crate::record::Column::default() }
 }
 
 fn keep(table: &mut Table, time: f64, values: &[f64]) {
