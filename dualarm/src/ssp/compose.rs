@@ -21,10 +21,11 @@ use super::structure::{
 };
 use super::write;
 use crate::files::{self, WriteError};
-use crate::fmi::description::{BaseType, DescriptionError, Unit, VariableType};
+use crate::fmi::description::{DescriptionError, Unit, VariableType};
 use crate::fmi::{Causality, Fmu, FmuError, ModelDescription, Variable};
 use crate::grasp::{self, Controller};
 use crate::scenario::{BuiltIn, Scenario, ScenarioError};
+use crate::settings::Setting;
 use crate::system::Located;
 use crate::wiring::{AmbiguousWire, wire_by_name};
 
@@ -64,6 +65,14 @@ pub enum ComposeError {
     /// A built-in scenario cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
+    /// A scenario sets what neither FMU has, or to what its type does not allow.
+    #[error("the scenario \"{scenario}\" sets {setting}, which fits no variable of the FMUs")]
+    Setting {
+        /// Title of the scenario.
+        scenario: String,
+        /// The setting.
+        setting: Setting,
+    },
     /// An FMU cannot be used.
     #[error(transparent)]
     Fmu(#[from] FmuError),
@@ -187,7 +196,7 @@ impl Grasp {
             let mut structure = closed.clone();
             structure.name = format!("{}_{variant}", closed.name);
             structure.description = Some(scenario.title.clone());
-            add_structure(variant, structure, Some(settings_set(variant, &scenario, descriptions)));
+            add_structure(variant, structure, Some(settings_set(variant, &scenario, descriptions)?));
         }
         for (component, description) in closed.system.components.iter().zip(descriptions) {
             let set = paper_set(description, &component.connectors);
@@ -357,34 +366,42 @@ fn parameter(variable: &Variable) -> Option<Parameter> {
 }
 
 /// Settings of a scenario as a parameter set of the system, under hierarchical names.
-fn settings_set(variant: &str, scenario: &Scenario, descriptions: [&ModelDescription; 2]) -> ParameterSet {
+fn settings_set(
+    variant: &str,
+    scenario: &Scenario,
+    descriptions: [&ModelDescription; 2],
+) -> Result<ParameterSet, ComposeError> {
     let mut set = ParameterSet {
         name: variant.to_lowercase(),
         description: Some(scenario.title.clone()),
         ..ParameterSet::default()
     };
     for Located { item: setting, .. } in &scenario.settings {
-        for (component, description) in [PLANT, CONTROLLER].into_iter().zip(descriptions) {
-            let Some(variable) = description.variable(&setting.target) else { continue };
+        let unfit = || ComposeError::Setting { scenario: scenario.title.clone(), setting: setting.clone() };
+        let before = set.parameters.len();
+        for (component, model) in [PLANT, CONTROLLER].into_iter().zip(descriptions) {
+            let Some(variable) = model.variable(&setting.target) else { continue };
+            let text = &setting.value;
             let value = match &variable.kind {
+                VariableType::Real(real) => text.parse().ok().map(|value| Value::Real(value, real.unit.clone())),
+                VariableType::Integer { .. } => text.parse().ok().map(Value::Integer),
+                VariableType::Boolean { .. } => text.parse().ok().map(Value::Boolean),
+                VariableType::String { .. } => Some(Value::String(text.clone())),
                 VariableType::Enumeration { declared_type, .. } => {
-                    let kind = declared_type.map(|index| &description.types[index]);
+                    let kind = declared_type.map(|index| &model.types[index]);
                     set.enumerations.extend(kind.map(|kind| (kind.name.clone(), kind.items.clone())));
-                    Value::Enumeration(setting.value.clone(), kind.map(|kind| kind.name.clone()))
+                    Some(Value::Enumeration(text.clone(), kind.map(|kind| kind.name.clone())))
                 }
-                kind => match setting.value.parse() {
-                    Ok(number) if kind.base_type() == BaseType::Real => {
-                        Value::Real(number, variable.unit().map(str::to_owned))
-                    }
-                    _ => Value::String(setting.value.clone()),
-                },
             };
             let name = format!("{component}.{}", variable.name);
-            set.parameters.push(Parameter { name, value, line: Line::default() });
+            set.parameters.push(Parameter { name, value: value.ok_or_else(unfit)?, line: Line::default() });
+        }
+        if set.parameters.len() == before {
+            return Err(unfit());
         }
     }
     set.units = units_of(descriptions, &parameter_units(&set));
-    set
+    Ok(set)
 }
 
 fn parameter_units(set: &ParameterSet) -> Vec<&str> {
