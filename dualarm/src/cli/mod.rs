@@ -28,7 +28,7 @@ use crate::verify::VerifyError;
 /// What a user reads below the help text.
 const AFTER_HELP: &str = "\
 Examples:
-  dualarm                                      package, run, compare: results/report.html
+  dualarm                                      everything; results/report.html
   dualarm simulate --controller pds -o pds.csv the paper's PDS case
   dualarm simulate --list                      what else there is to run
   dualarm simulate my-grasp.toml --set M=0.4   a scenario of your own

@@ -39,9 +39,8 @@ Examples:
   dualarm simulate my-grasp.toml -o out.csv      a scenario of your own
   dualarm simulate dist/DualArmGrasp-PD.ssp      a system in one file
   dualarm simulate --set EI1=0.12                in every FMU that has EI1
-  dualarm simulate --set DualArmPlant.EI1=0.12   only in the plant: the controller
-                                                 does not know
-  dualarm simulate a.fmu b.fmu --stop 2 -o -     any FMUs; rows to standard output";
+  dualarm simulate --set DualArmPlant.EI1=0.12   in the plant only
+  dualarm simulate a.fmu b.fmu --stop 2 -o -     any FMUs; rows to the terminal";
 
 /// Arguments of `dualarm simulate`.
 #[derive(Debug, Args)]
