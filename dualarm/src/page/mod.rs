@@ -1,7 +1,7 @@
 //! `results/report.html`: the comparison as one file that needs nothing else, neither network nor server.
 //!
 //! The page's own markup, style and scripts are in `assets/report/`, the plotting library in `assets/uplot/`. The scripts
-//! are put one after the other into one module, in the order of [`SCRIPTS`]: each knows those before it. Tables come
+//! are put one after the other into one module, in the order of `SCRIPTS`: each knows those before it. Tables come
 //! ready from here, so they are there without JavaScript, too; curves and the animation are drawn from the packed rows.
 
 mod html;
