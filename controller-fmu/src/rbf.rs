@@ -224,6 +224,8 @@ pub struct Network<const D: usize> {
     layout: Layout,
     width: f64,
     axis: Axis,
+    /// 1 in the lanes that stand for an axis, 0 in the others.
+    presence: [Lanes; MAX_GROUPS],
     /// Row by row, see [`Layout::place`].
     weights: Vec<Lanes>,
     point: [f64; D],
@@ -274,10 +276,13 @@ impl<const D: usize> Network<D> {
     #[must_use]
     pub fn new(layout: Layout, width: f64) -> Self {
         let row_length = layout.row_length(D);
+        let mut presence = [[0.0; LANES]; MAX_GROUPS];
+        presence.as_flattened_mut()[..D].fill(1.0);
         Self {
             layout,
             width,
             axis: Axis::new(layout.per_axis(), width),
+            presence,
             weights: vec![[0.0; LANES]; layout.rows() * row_length],
             // Unlike any point, so that nothing counts as evaluated.
             point: [f64::NAN; D],
@@ -447,12 +452,11 @@ impl<const D: usize> Network<D> {
         origin[0][0] = if common > NEGLIGIBLE { common } else { 0.0 };
         let middle = N / 2;
         for group in 0..groups {
-            let mut scale = [common; LANES];
+            // No axis, no node. A field and not constants: to assemble a vector of some `common` and some zeros, the
+            // compiler may choose an instruction that valgrind 3.19 does not know, and hosts run under valgrind, too.
+            let mut scale = self.presence[group];
             for lane in 0..LANES {
-                // No axis, no node.
-                if group * LANES + lane >= D {
-                    scale[lane] = 0.0;
-                }
+                scale[lane] *= common;
             }
             let values = axis.values::<N>(scale, exponentials[group]);
             for position in 0..middle {
