@@ -18,6 +18,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
 DIST = Path(__file__).parents[1] / "dist"
+CONTROLLERS = ("NabfcController", "PdsController", "PdController")
 
 
 class Component:
@@ -131,19 +132,27 @@ def settling_time(time: np.ndarray, signal: np.ndarray, goal: float, band: float
     return time[outside[-1] + 1] if outside[-1] + 1 < len(time) else np.inf
 
 
+def setting(text: str) -> tuple[str, float]:
+    """Name and value of "NAME=NUMBER"; what is neither is an error of usage."""
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=NUMBER, such as M=1.5") from None
+
+
 def main() -> None:
     """Runs one grasp, prints when its forces have settled and plots it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "--controller", default="NabfcController", help="NabfcController, PdsController or PdController"
-    )
+    parser.add_argument("--controller", choices=CONTROLLERS, default=CONTROLLERS[0])
     parser.add_argument("--stop", type=float, default=1.0, metavar="SECONDS")
-    parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE", help="a parameter or an input")
+    parser.add_argument(
+        "--set", type=setting, action="append", default=[], metavar="NAME=NUMBER", help="a parameter or an input"
+    )
     parser.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
     arguments = parser.parse_args()
-    settings = {name: float(value) for name, value in (setting.split("=", 1) for setting in arguments.set)}
 
-    grasp = Grasp(arguments.controller, **settings)
+    grasp = Grasp(arguments.controller, **dict(arguments.set))
     forces, torques = ("contact_force1", "contact_force2"), ("tau1", "tau2")
     result = grasp.run(arguments.stop, *forces, *torques, "u")
     goal = grasp.controller.get("lambda2_d")[0]

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import csv
+import json
 import re
-from pathlib import Path
 
-import numpy as np
 import pytest
 
 from .conftest import ROOT, description
-from .measures import FORCE, settling_time
 from .test_native import dualarm
 
 GUIDE = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
@@ -25,20 +22,15 @@ def table(name: str) -> list[list[str]]:
     return rows[2:]
 
 
-def measured(folder: Path, controller: str, stop: float, settings: tuple[str, ...]) -> tuple[str, str]:
-    """Settling time of the slower contact force and the larger steady error, as the tables print them."""
-    output = folder / "run.csv"
+def measured(controller: str, stop: float, settings: tuple[str, ...]) -> tuple[str, str]:
+    """Settling time of the later contact force and the larger steady error, of every step, as the tool's tables show them."""
     flags = [flag for setting in settings for flag in ("--set", setting)]
-    done = dualarm("simulate", "--controller", controller, "--stop", str(stop), *flags, "--quiet", "-o", str(output))
+    done = dualarm("simulate", "--controller", controller, "--stop", str(stop), *flags, "--quiet", "--json")
     assert done.returncode == 0, done.stderr
-    with output.open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    time = np.array([float(row["time"]) for row in rows])
-    forces = [np.array([float(row[f"contact_force{arm}"]) for row in rows]) for arm in (1, 2)]
-    settled = max(settling_time(time, force, FORCE) for force in forces)
-    last = time >= 0.75 * stop
-    error = max(float(np.sqrt(np.mean((force[last] - FORCE) ** 2))) for force in forces)
-    return (f"{settled:.3f} s" if np.isfinite(settled) else "never"), f"{1e3 * error:.2f} mN"
+    forces = [json.loads(done.stdout)["metrics"][f"contact_force{arm}"] for arm in (1, 2)]
+    times = [force["settling_2"] for force in forces]
+    error = max(abs(force["steady_error"]) for force in forces)
+    return ("never" if None in times else f"{max(times):.3f} s"), f"{1e3 * error:.2f} mN"
 
 
 def same(shown: str, got: str) -> bool:
@@ -50,20 +42,20 @@ def same(shown: str, got: str) -> bool:
 
 
 @pytest.mark.parametrize("row", table("ablation"), ids=lambda row: row[1] or "nominal")
-def test_ablation(row: list[str], tmp_path: Path) -> None:
+def test_ablation(row: list[str]) -> None:
     _, setting, *shown = row
     case = (setting,) if setting else ()
     for cell, off in zip(shown, ((), NETWORKS_OFF, ALL_OFF)):
-        settled, error = measured(tmp_path, "nabfc", 6, (*case, *off))
+        settled, error = measured("nabfc", 6, (*case, *off))
         assert same(cell.split(", ")[0], settled), (row[0], off, settled)
         assert same(cell.split(", ")[1], error), (row[0], off, error)
 
 
 @pytest.mark.parametrize("row", table("raw"), ids=lambda row: row[0])
-def test_dead_zones(row: list[str], tmp_path: Path) -> None:
+def test_dead_zones(row: list[str]) -> None:
     controller, compensated, raw, error = row
-    assert same(compensated, measured(tmp_path, controller, 8, ())[0])
-    settled, got = measured(tmp_path, controller, 8, ("actuator_model=raw",))
+    assert same(compensated, measured(controller, 8, ())[0])
+    settled, got = measured(controller, 8, ("actuator_model=raw",))
     assert same(raw, settled)
     assert same(error, got)
 

@@ -60,6 +60,22 @@ def test_grasp(tmp_path: Path) -> None:
     assert numbers(final, printed) == pytest.approx([0.3, 0.3], rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (("--controller", "Foo"), "PdController"),
+        (("--set", "M=abc"), "NAME=NUMBER"),
+        (("--set", "M"), "NAME=NUMBER"),
+    ],
+)
+def test_grasp_says_what_a_wrong_option_should_be(arguments: tuple[str, ...], named: str) -> None:
+    command = [sys.executable, str(EXAMPLES / "grasp.py"), *arguments]
+    run = subprocess.run(command, env=WITHOUT_DISPLAY, capture_output=True, text=True, timeout=300, check=False)
+    assert run.returncode == 2
+    assert named in run.stderr
+    assert "Traceback" not in run.stderr
+
+
 def test_grasp_names_an_unknown_parameter(tmp_path: Path) -> None:
     command = [sys.executable, str(EXAMPLES / "grasp.py"), "--set", "mass=1"]
     run = subprocess.run(command, cwd=tmp_path, env=WITHOUT_DISPLAY, capture_output=True, text=True, timeout=60)
