@@ -39,13 +39,14 @@ def main() -> None:
         y = [row[key] for row in orders]
         large = [i for i, order in enumerate(k) if order >= 10]
         exponent = slope([k[i] for i in large], [y[i] for i in large])
-        left.loglog(k, y, marker=marker, label=f"{label}: slope {exponent:.1f} from k = 10")
+        left.loglog(k, y, marker=marker, label=f"{label}: slope {exponent:.2f} from k = 10")
         print(f"order, {label}: {exponent:.2f} from k = 10")
     left.loglog(k, [orders[-1]["floor_ns"] * (order / k[-1]) ** 2 for order in k], "k:", label="slope 2")
     left.set(xlabel="order k", ylabel="ns per step", title="One plant")
     left.set_xticks(k, [f"{order:.0f}" for order in k])
     left.minorticks_off()
-    left.legend(fontsize=8)
+    left.set_ylim(bottom=12)  # room for the legend below all lines
+    left.legend(fontsize=8, loc="lower right")
 
     n = [row["instances"] for row in instances]
     total = [row["instances"] * row["step_ns"] * 1e-3 for row in instances]
