@@ -1,8 +1,7 @@
 //! Line charts as SVG, drawn with plotters.
 //!
-//! Plotters places everything on whole units and cannot dash a polyline. So a chart is drawn on a canvas of
-//! ten units per px and scaled down by the SVG's own size; curves to be dashed are drawn in a neighbouring shade of
-//! their colour, which is replaced by colour and dash pattern afterwards.
+//! Plotters places everything on whole units. So a chart is drawn on a canvas of ten units per px and scaled down by the
+//! SVG's own size.
 
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
@@ -14,6 +13,9 @@ use super::text;
 const UNITS: f64 = 10.0;
 /// Width of curves in px.
 const CURVE: f64 = 1.8;
+/// Width in px and opacity of curves that others may lie on.
+const WIDE: f64 = 6.0;
+const WIDE_OPACITY: f64 = 0.45;
 const TITLE_SIZE: f64 = 15.0;
 const LABEL_SIZE: f64 = 12.5;
 const TICK_SIZE: f64 = 11.5;
@@ -86,8 +88,8 @@ pub struct Curve {
     pub name: String,
     /// Colour.
     pub color: RGBColor,
-    /// Solid or dotted.
-    pub dotted: bool,
+    /// Wide, pale and below the others, so that both show where another curve coincides with it.
+    pub wide: bool,
     /// Points from left to right.
     pub points: Vec<(f64, f64)>,
 }
@@ -206,39 +208,33 @@ impl Figure {
         let mut left = 18.0;
         for curve in entries {
             let line = [(left, top + 8.0), (left + 26.0, top + 8.0)];
-            draw_line(canvas, line, curve.shade(), CURVE + 0.4)?;
+            draw_line(canvas, line, curve.style())?;
             write(canvas, &curve.name, (left + 33.0, top + 8.0), &TextLook::new(LABEL_SIZE, INK).centered())?;
             left += 33.0 + text::width(&curve.name, LABEL_SIZE, false) + 24.0;
         }
         Ok(true)
     }
 
-    /// What plotters cannot say: size in px, round joins, a description for screen readers, dashes.
+    /// What plotters cannot say: size in px, round joins, a description for screen readers.
     fn polish(&self, svg: &str) -> String {
         let (width, height) = self.size;
         let start = svg.find("<svg").map_or(0, |at| at + 4);
         let end = start + svg[start..].find('>').unwrap_or(0);
         let title = self.title.replace('&', "&amp;").replace('<', "&lt;");
-        let mut polished = format!(
+        let polished = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {} {}\" stroke-linejoin=\"round\" role=\"img\">\n<title>{title}</title>{}",
             units(f64::from(width)),
             units(f64::from(height)),
             &svg[end + 1..]
         );
-        for color in palette::ALL {
-            polished = polished.replace(
-                &format!("stroke=\"{}\"", hex(dash_shade(color))),
-                &format!("stroke=\"{}\" stroke-dasharray=\"14 32\" stroke-linecap=\"round\"", hex(color)),
-            );
-        }
         text::with_shifts(&polished)
     }
 }
 
 impl Curve {
-    fn shade(&self) -> RGBColor {
-        if self.dotted { dash_shade(self.color) } else { self.color }
+    fn style(&self) -> ShapeStyle {
+        if self.wide { pen(self.color.mix(WIDE_OPACITY), WIDE) } else { pen(self.color, CURVE) }
     }
 }
 
@@ -282,7 +278,8 @@ impl Panel {
     fn left_margin(&self, plot_height: f64) -> f64 {
         let (ticks, _) = self.y_ticks(plot_height);
         let numbers = ticks.into_iter().map(|(_, number)| text::width(&number, TICK_SIZE, false));
-        let label = if self.y_label.is_empty() { 10.0 } else { 36.0 };
+        // The label's subscripts hang below its line.
+        let label = if self.y_label.is_empty() { 10.0 } else { 41.0 };
         numbers.fold(0.0, f64::max) + label
     }
 
@@ -320,7 +317,7 @@ impl Panel {
         self.draw_axes(canvas, frame, y_range, &at)?;
         for target in &self.targets {
             let (_, y) = at((self.x_range.0, target.value));
-            draw_line(canvas, [(frame.left, y), (frame.right, y)], SOFT_INK, 0.9)?;
+            draw_line(canvas, [(frame.left, y), (frame.right, y)], pen(SOFT_INK, 0.9))?;
             for (line, label) in target.labels.iter().enumerate() {
                 let place = (frame.right + 6.0, y + 14.0 * line as f64);
                 write(canvas, label, place, &TextLook::new(TICK_SIZE, SOFT_INK).centered())?;
@@ -330,6 +327,7 @@ impl Panel {
         if self.first_on_top {
             curves.reverse();
         }
+        curves.sort_by_key(|curve| !curve.wide);
         for curve in curves {
             // Five columns for four px.
             let points = decimate(&curve.points, self.x_range, (frame.right - frame.left) * 1.25);
@@ -341,8 +339,7 @@ impl Panel {
                         (units(x), units(y))
                     })
                     .collect();
-                let style = curve.shade().stroke_width(units(CURVE).unsigned_abs());
-                canvas.draw(&PathElement::new(pixels, style))?;
+                canvas.draw(&PathElement::new(pixels, curve.style()))?;
             }
         }
         for mark in &self.marks {
@@ -366,7 +363,7 @@ impl Panel {
         let (x_ticks, x_decimals) = ticks(self.x_range, (frame.right - frame.left) / 75.0);
         for value in x_ticks {
             let (x, _) = at((value, y_range.0));
-            draw_line(canvas, [(x, frame.top), (x, frame.bottom)], GRID, 0.9)?;
+            draw_line(canvas, [(x, frame.top), (x, frame.bottom)], pen(GRID, 0.9))?;
             if self.x_label.is_some() {
                 write(canvas, &text::number(value, x_decimals), (x, frame.bottom + 5.0), &tick.clone().in_middle())?;
             }
@@ -374,11 +371,11 @@ impl Panel {
         let (y_ticks, power) = self.y_ticks(frame.bottom - frame.top);
         for (value, label) in y_ticks {
             let (_, y) = at((self.x_range.0, value));
-            draw_line(canvas, [(frame.left, y), (frame.right, y)], GRID, 0.9)?;
+            draw_line(canvas, [(frame.left, y), (frame.right, y)], pen(GRID, 0.9))?;
             write(canvas, &label, (frame.left - 7.0, y), &tick.clone().at_end().centered())?;
         }
-        draw_line(canvas, [(frame.left, frame.bottom), (frame.right, frame.bottom)], AXIS, 1.0)?;
-        draw_line(canvas, [(frame.left, frame.top), (frame.left, frame.bottom)], AXIS, 1.0)?;
+        draw_line(canvas, [(frame.left, frame.bottom), (frame.right, frame.bottom)], pen(AXIS, 1.0))?;
+        draw_line(canvas, [(frame.left, frame.top), (frame.left, frame.bottom)], pen(AXIS, 1.0))?;
         let label = TextLook::new(LABEL_SIZE, INK).in_middle();
         let middle = f64::midpoint(frame.top, frame.bottom);
         write(canvas, &self.y_label(power), (frame.outer + 12.0, middle), &label.clone().upwards())?;
@@ -415,7 +412,7 @@ impl Mark {
     fn draw(&self, canvas: &Canvas, frame: Frame, at: &impl Fn((f64, f64)) -> (f64, f64)) -> DrawResult {
         let (x, y) = at(self.point);
         let label_top = frame.top + 6.0;
-        draw_line(canvas, [(x, label_top + 30.0), (x, y)], self.color, 1.0)?;
+        draw_line(canvas, [(x, label_top + 30.0), (x, y)], pen(self.color, 1.0))?;
         let center = (units(x), units(y));
         canvas.draw(&Circle::new(center, units(4.6), WHITE.filled()))?;
         canvas.draw(&Circle::new(center, units(3.4), self.color.filled()))?;
@@ -521,18 +518,14 @@ fn units(pixels: f64) -> i32 {
     (pixels * UNITS).round() as i32
 }
 
-fn hex(color: RGBColor) -> String {
-    format!("#{:02X}{:02X}{:02X}", color.0, color.1, color.2)
+/// Strokes of a width in px.
+fn pen(color: impl Color, width: f64) -> ShapeStyle {
+    color.stroke_width(units(width).unsigned_abs())
 }
 
-/// The shade that stands for "this colour, dotted" until [`Figure::polish`].
-fn dash_shade(color: RGBColor) -> RGBColor {
-    RGBColor(color.0 ^ 1, color.1, color.2)
-}
-
-fn draw_line(canvas: &Canvas, ends: [(f64, f64); 2], color: RGBColor, width: f64) -> DrawResult {
+fn draw_line(canvas: &Canvas, ends: [(f64, f64); 2], style: ShapeStyle) -> DrawResult {
     let path = ends.map(|(x, y)| (units(x), units(y)));
-    canvas.draw(&PathElement::new(path, color.stroke_width(units(width).unsigned_abs())))
+    canvas.draw(&PathElement::new(path, style))
 }
 
 /// How a text looks and which of its points lies where it is written.
@@ -644,27 +637,27 @@ mod tests {
     }
 
     #[test]
-    fn svg_files_are_small_valid_and_dashed_where_asked() {
+    fn svg_files_are_small_valid_and_show_coinciding_curves() {
         let noise: Vec<_> =
             (0..50_000).map(|index| (f64::from(index) * 1e-4, (f64::from(index) * 0.7).sin())).collect();
-        let curve =
-            |name: &str, dotted| Curve { name: name.into(), color: palette::BLUE, dotted, points: noise.clone() };
+        let curve = |name: &str, wide| Curve { name: name.into(), color: palette::BLUE, wide, points: noise.clone() };
         let svg = figure(vec![curve("one", false), curve("two", true)]).to_svg();
         assert!(svg.len() < 200_000, "{} bytes", svg.len());
         let document = roxmltree::Document::parse(&svg).unwrap();
         assert_eq!(document.root_element().attribute("width"), Some("720"));
         let curves: Vec<_> =
             document.descendants().filter(|node| node.attribute("stroke") == Some("#0072B2")).collect();
-        assert_eq!(curves.iter().filter(|node| node.attribute("stroke-dasharray").is_some()).count(), 2);
         assert_eq!(curves.len(), 4, "two curves and two legend samples");
+        let width = |index: usize| curves[index].attribute("stroke-width").unwrap().parse::<u32>().unwrap();
+        // The legend's samples in its order; of the curves the wide one first, or it would hide the other.
+        assert!(width(1) > 2 * width(0) && width(2) > 2 * width(3));
         assert!(document.descendants().any(|node| node.text() == Some("A & B")));
     }
 
     #[test]
     fn empty_and_constant_curves_do_not_break_the_axes() {
         for points in [vec![], vec![(0.0, 0.0), (5.0, 0.0)], vec![(0.0, f64::NAN)], vec![(1.0, 7.0)]] {
-            let svg =
-                figure(vec![Curve { name: String::new(), color: palette::GREEN, dotted: false, points }]).to_svg();
+            let svg = figure(vec![Curve { name: String::new(), color: palette::GREEN, wide: false, points }]).to_svg();
             assert!(!svg.contains("NaN") && roxmltree::Document::parse(&svg).is_ok());
         }
     }

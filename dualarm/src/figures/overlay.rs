@@ -34,7 +34,7 @@ fn curves(outcomes: &[Outcome], signal: &str, scale: f64) -> Vec<Curve> {
         .map(|(index, outcome)| Curve {
             name: outcome.scenario.title.into(),
             color: color(index),
-            dotted: false,
+            wide: false,
             points: points(&outcome.table, signal, scale),
         })
         .collect()

@@ -95,7 +95,7 @@ impl Kind {
                  (docs/controllers.md says why)."
             }
             Self::Torques | Self::TipForce => {
-                "Solid: what the actuator puts out; dotted: what the controller commands. Where the start kicks, its first \
+                "Thin: what the actuator puts out; wide: what the controller commands. Where the start kicks, its first \
                  20 ms have a panel of their own, and the other panel cuts them off."
             }
         }
@@ -168,7 +168,7 @@ fn force(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
         y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
         x_range,
         y_include: vec![0.0],
-        curves: vec![Curve { name: String::new(), color: palette::BLUE, dotted: false, points }],
+        curves: vec![Curve { name: String::new(), color: palette::BLUE, wide: false, points }],
         targets: force_target(table),
         ..Panel::default()
     }
@@ -180,18 +180,18 @@ fn angle(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
         y_label: format!("Hub angle θ{} (°)", SUBSCRIPTS[arm]),
         x_range,
         y_include: vec![0.0],
-        curves: vec![Curve { name: String::new(), color: palette::BLUE, dotted: false, points }],
+        curves: vec![Curve { name: String::new(), color: palette::BLUE, wide: false, points }],
         targets: angle_target(table, arm),
         ..Panel::default()
     }
 }
 
-/// A control signal: solid what the actuator puts out, dotted what the controller commands.
+/// A control signal: thin what the actuator puts out, on top of what the controller commands.
 fn control(table: &Table, signal: &str, x_range: (f64, f64)) -> Vec<Panel> {
-    let curve = |name: &str, signal: &str, color, dotted| Curve {
+    let curve = |name: &str, signal: &str, color, wide| Curve {
         name: name.into(),
         color,
-        dotted,
+        wide,
         points: points(table, signal, 1.0),
     };
     with_close_up(Panel {
@@ -248,7 +248,7 @@ fn estimates(outcome: &Outcome, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
         let curves = signals.iter().zip(colors).enumerate().map(|(arm, (signal, color))| Curve {
             name: if is_object { "object".into() } else { format!("arm {}", arm + 1) },
             color,
-            dotted: arm > 0, // on top of the first arm's, which it may hide
+            wide: !is_object && arm == 0, // the second arm's may lie on it
             points: points(&outcome.table, signal, 1.0).into_iter().map(|(time, value)| (time, value.abs())).collect(),
         });
         Panel {

@@ -246,7 +246,7 @@ pub fn convergence(fmus: &Fmus) -> Result<(NamedFigure, Vec<Check>), VerifyError
     let curve = |mode: usize| Curve {
         name: format!("{:.1} rad/s", exact[mode].im),
         color: palette::ALL[mode],
-        dotted: false,
+        wide: false,
         points: errors.iter().map(|(order, errors)| (f64::from(*order), errors[mode].max(FLOOR).log10())).collect(),
     };
     let caption = "Spectral convergence: relative errors of natural frequencies over the order".to_owned();
