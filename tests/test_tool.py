@@ -225,6 +225,43 @@ def test_gains_beside_a_preset_are_said_to_be_unused() -> None:
     assert "NabfcController.c1" in unused[0]
 
 
+def first_column(*fmus: str) -> list[str]:
+    """The names in the metrics' tables of a run of these FMUs."""
+    done = dualarm("simulate", *(str(ROOT / "dist" / f"{name}.fmu") for name in fmus), "--stop", "0.1")
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    return [lines[at + 2].split()[0] for at, line in enumerate(lines) if line.startswith("controller")]
+
+
+def test_tables_name_what_drives_the_motors() -> None:
+    """In whatever order the FMUs come."""
+    for fmus in (("DualArmPlant", "PdsController"), ("PdsController", "DualArmPlant")):
+        assert first_column(*fmus) == ["PdsController"] * 2
+
+
+def test_a_plant_without_target_says_why_it_has_no_metrics() -> None:
+    plant = str(ROOT / "dist" / "DualArmPlant.fmu")
+    done = dualarm("simulate", plant, "--stop", "0.1")
+    assert "No metrics: no single FMU has the output lambda2_d (the force in N" in done.stdout
+    document = json.loads(dualarm("simulate", plant, "--stop", "0.1", "--json").stdout)
+    assert document["metrics"] is None
+    assert "lambda2_d" in document["metrics_obstacle"]
+    document = json.loads(dualarm("simulate", "nabfc", "--stop", "0.1", "--json").stdout)
+    assert document["metrics_obstacle"] is None
+
+
+def test_actuators_that_stay_at_their_limits_are_warned_about() -> None:
+    """PD is unstable beyond steps of 0.26 ms: then both motors go from limit to limit."""
+
+    def saturated(*options: str) -> list[str]:
+        done = dualarm("simulate", "pd", "--json", *options)
+        warnings = json.loads(done.stdout)["warnings"]
+        return [line.split()[0] for line in warnings if "the loop may be unstable" in line]
+
+    assert saturated("--step", "1e-3") == ["tau1", "tau2"]
+    assert saturated("--step", "1e-4") == []
+
+
 TANK = '''
 from pythonfmu import Fmi2Causality, Fmi2Slave, Fmi2Variability, Real
 

@@ -1,10 +1,11 @@
 //! The parts of the grasp: the plant, its controllers by name and what the paper states of them, its actuators' limits.
 //! What is run with them is a [`scenario`](crate::scenario)'s matter.
 
-use crate::fmi::Instance;
+use crate::fmi::{Fmu, Instance};
 use crate::master::Applied;
 use crate::metrics::Limits;
 use crate::settings::Setting;
+use crate::wiring::Wire;
 
 /// File name of the plant.
 pub const PLANT: &str = "DualArmPlant.fmu";
@@ -70,6 +71,14 @@ pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<Stri
         format!("{component}.{name} is not used: preset=fast has gains of its own (preset=parameters uses yours)")
     };
     unused.map(remark).collect()
+}
+
+/// The component whose output drives the first motor; `None` if nothing does, or there is no motor.
+#[must_use]
+pub fn controller<'a>(components: &'a [(String, Fmu)], wires: &[Wire]) -> Option<&'a str> {
+    let is_motor =
+        |wire: &&Wire| components[wire.to.component].1.description().variables[wire.to.variable].name == "tau1_cmd";
+    wires.iter().find(is_motor).map(|wire| components[wire.from.component].0.as_str())
 }
 
 /// Output limits of the plant's two motors and of the actuator at the object, from its parameters: `k_l·(k_m − m_l)`

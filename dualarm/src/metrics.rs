@@ -4,8 +4,41 @@ use serde::Serialize;
 
 use crate::record::Table;
 
+/// What tells a grasp from other systems.
+pub const CONTACT_FORCE: &str = "contact_force1";
+
 /// The recorded signals the metrics need.
 pub const SIGNALS: [&str; 6] = ["contact_force1", "contact_force2", "lambda2_d", "tau1", "tau2", "u"];
+
+/// The actuators' outputs among them.
+const EFFORTS: [&str; 3] = ["tau1", "tau2", "u"];
+
+/// Why there are no metrics.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MetricsObstacle {
+    /// Outputs that no FMU has, or more than one.
+    #[error("no single FMU has the output {}", .0.iter().map(|name| described(name)).collect::<Vec<_>>().join(" or "))]
+    Missing(Vec<&'static str>),
+    /// Nothing was recorded.
+    #[error("the run has no rows")]
+    Empty,
+}
+
+impl MetricsObstacle {
+    /// Whether it was a grasp, whose metrics somebody may miss.
+    #[must_use]
+    pub fn is_grasp(&self) -> bool {
+        !matches!(self, Self::Missing(names) if names.contains(&CONTACT_FORCE))
+    }
+}
+
+/// A signal and, where its name alone does not tell, what it is.
+fn described(name: &str) -> String {
+    match name {
+        "lambda2_d" => "lambda2_d (the force in N that both contact forces shall reach)".into(),
+        _ => name.into(),
+    }
+}
 
 /// What becomes of one contact force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -53,20 +86,30 @@ pub struct Limits {
 
 impl Metrics {
     /// Metrics of a recorded run; `limits` of the two motors and of the actuator at the object. Where the target changes
-    /// during the run, those of the forces count from its last change. `None` if one of the [`SIGNALS`] was not recorded or
-    /// there are no rows.
-    #[must_use]
-    pub fn of(table: &Table, limits: [Option<Limits>; 3]) -> Option<Self> {
+    /// during the run, those of the forces count from its last change.
+    ///
+    /// # Errors
+    /// When one of the [`SIGNALS`] was not recorded or there are no rows.
+    pub fn of(table: &Table, limits: [Option<Limits>; 3]) -> Result<Self, MetricsObstacle> {
+        let missing: Vec<_> = SIGNALS.into_iter().filter(|name| table.column(name).is_none()).collect();
+        if !missing.is_empty() {
+            return Err(MetricsObstacle::Missing(missing));
+        }
+        Self::if_recorded(table, limits).ok_or(MetricsObstacle::Empty)
+    }
+
+    fn if_recorded(table: &Table, limits: [Option<Limits>; 3]) -> Option<Self> {
         let times = table.times();
         // Both contact forces shall become λ₂ᵈ = −λ₁ᵈ, since f_i = (−1)^i λ_i.
         let targets = table.column("lambda2_d")?;
         let target = *targets.last()?;
         let since = targets.iter().rposition(|value| *value != target).map_or(0, |last| last + 1);
         let force = |name| table.column(name).map(|values| ForceMetrics::of(&times[since..], &values[since..], target));
-        let effort = |name, limits| table.column(name).map(|values| EffortMetrics::of(times, &values, limits));
+        let effort =
+            |index: usize| table.column(EFFORTS[index]).map(|values| EffortMetrics::of(times, &values, limits[index]));
         Some(Self {
             forces: [force("contact_force1")?, force("contact_force2")?],
-            efforts: [effort("tau1", limits[0])?, effort("tau2", limits[1])?, effort("u", limits[2])?],
+            efforts: [effort(0)?, effort(1)?, effort(2)?],
         })
     }
 
@@ -75,6 +118,26 @@ impl Metrics {
     pub fn settling_2(&self) -> Option<f64> {
         Some(self.forces[0].settling_2?.max(self.forces[1].settling_2?))
     }
+}
+
+/// What to say about actuators that spend more than half of the run at their limits. An actuator there does not answer
+/// its controller: a loop that regulates needs its limits for a transient only, while one that diverges is thrown from
+/// limit to limit and stays there. Needs no target, so it also speaks of controllers that have none.
+#[must_use]
+pub fn saturations(table: &Table, limits: [Option<Limits>; 3]) -> Vec<String> {
+    let times = table.times();
+    let (Some(first), Some(last)) = (times.first(), times.last()) else { return Vec::new() };
+    let duration = last - first;
+    let remark = |(name, limits): (&str, Option<Limits>)| {
+        let saturated = EffortMetrics::of(times, &table.column(name)?, limits).saturated?;
+        (saturated > 0.5 * duration).then(|| {
+            format!(
+                "{name} is at its limits for {saturated:.3} of {duration:.3} s: the loop may be unstable at this step (a \
+                 shorter --step may help; docs/importing.md has the longest stable ones), or the actuator is too weak"
+            )
+        })
+    };
+    EFFORTS.into_iter().zip(limits).filter_map(remark).collect()
 }
 
 impl ForceMetrics {

@@ -304,6 +304,8 @@ fn json_is_one_document_on_standard_output() {
         (&Value::from(10), &"gauss-seidel".into())
     );
     assert_eq!((&document["output"], &document["metrics"]), (&Value::from("out.csv"), &Value::Null));
+    let obstacle = document["metrics_obstacle"].as_str().unwrap();
+    assert!(obstacle.starts_with("no single FMU has the output contact_force1 or "), "{obstacle}");
     assert_eq!(document["warnings"].as_array().unwrap().len(), 1, "the odd interval");
     // The loop's closed form y = K/(1+K)·(1 − aⁿ) with T = 1 and steps of 0.1 s, and what kind of values there are.
     let a = (-0.1_f64).exp() - 3.0 * (1.0 - (-0.1_f64).exp());
@@ -343,6 +345,41 @@ fn completions_know_the_commands() {
         assert_eq!(text(&script.stdout).contains("nabfc-fast"), shell != "powershell");
     }
     assert_fails(&dualarm(folder.path(), &["completions", "basic"]), 2, "possible values: bash");
+}
+
+/// `dualarm … | head`: no panic, whichever stream the reader closes.
+#[test]
+fn readers_may_leave() {
+    let Some(folder) = fixtures() else { return };
+    let runs: [&[&str]; 4] =
+        [&["completions", "bash"], &["simulate", "Lag.fmu", "Lag.fmu"], &["simulate", "--list"], &["simulate", "x"]];
+    for arguments in runs {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_dualarm"))
+            .current_dir(folder.path())
+            .args(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop((child.stdout.take(), child.stderr.take()));
+        let expected = if arguments == ["simulate", "x"] { 2 } else { 0 };
+        assert_eq!(child.wait().unwrap().code(), Some(expected), "{arguments:?}");
+    }
+}
+
+/// Explanations of the examples stand in a column of their own.
+#[test]
+fn examples_are_aligned() {
+    let folder = tempfile::tempdir().unwrap();
+    let help = text(&dualarm(folder.path(), &["--help"]).stdout);
+    let examples = help.lines().skip_while(|line| *line != "Examples:").skip(1).take_while(|line| !line.is_empty());
+    let columns: Vec<_> = examples.map(|line| line.rfind("  ").map(|blanks| blanks + 2)).collect();
+    assert!(
+        columns.len() > 3 && columns.iter().all(|column| *column == columns[0] && *column > Some(2)),
+        "{columns:?}"
+    );
+    let options = text(&dualarm(folder.path(), &["simulate", "--help"]).stdout);
+    assert!(options.find("--quiet") > options.find("--json"), "what every command has comes last");
 }
 
 /// Everything fits into a terminal of the usual width.

@@ -57,3 +57,8 @@ fn nothing_of_the_template_is_left_and_nothing_points_elsewhere() {
     }
     assert!(html.contains("Permission is hereby granted"), "the library's licence comes with it");
 }
+
+#[test]
+fn numbers_stay_with_their_units() {
+    assert!(html("almost 2 s", "x").contains("<td>almost 2\u{a0}s</td>"));
+}

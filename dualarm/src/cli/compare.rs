@@ -153,10 +153,8 @@ fn simulate(
     master.finish()?;
 
     all.sink.write_csv(arguments.job.out.join(format!("{}.csv", controller.key)))?;
-    let metrics = Metrics::of(&drawn.sink, limits).ok_or_else(|| Failure {
-        code: 1,
-        message: format!("{} and {} do not offer the outputs a comparison needs", grasp::PLANT, controller.fmu),
-    })?;
+    let metrics = Metrics::of(&drawn.sink, limits)
+        .map_err(|obstacle| Failure::failed(format!("{} with {}: {obstacle}", grasp::PLANT, controller.fmu)))?;
     Ok((Outcome { scenario: *controller, table: drawn.sink, metrics, models }, shown.into_table()))
 }
 

@@ -1,9 +1,9 @@
 //! `dualarm completions`
 
-use std::io;
-
 use clap::{Args, Command};
 use clap_complete::Shell;
+
+use super::print;
 
 /// Where the scripts go.
 const AFTER_HELP: &str = "\
@@ -24,5 +24,8 @@ pub struct Arguments {
 
 /// Prints the script.
 pub fn run(arguments: &Arguments, command: &mut Command) {
-    clap_complete::generate(arguments.shell, command, "dualarm", &mut io::stdout());
+    // Into memory first: the generators panic when a reader closes the pipe.
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, command, "dualarm", &mut script);
+    print(&String::from_utf8_lossy(&script));
 }

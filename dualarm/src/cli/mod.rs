@@ -28,13 +28,13 @@ use crate::verify::VerifyError;
 /// What a user reads below the help text.
 const AFTER_HELP: &str = "\
 Examples:
-  dualarm                                      everything; results/report.html
-  dualarm simulate --controller pds -o pds.csv the paper's PDS case
-  dualarm simulate --list                      what else there is to run
-  dualarm simulate my-grasp.toml --set M=0.4   a scenario of your own
-  dualarm simulate plant.fmu my_controller.fmu any FMUs, wired by equal names
-  dualarm info plant.fmu                       what an FMU is
-  dualarm verify                               against exact solutions
+  dualarm                                       everything; results/report.html
+  dualarm simulate --controller pds -o pds.csv  the paper's PDS case
+  dualarm simulate --list                       what else there is to run
+  dualarm simulate my-grasp.toml --set M=0.4    a scenario of your own
+  dualarm simulate plant.fmu my_controller.fmu  any FMUs, wired by equal names
+  dualarm info plant.fmu                        what an FMU is
+  dualarm verify                                against exact solutions
 
 Exit codes: 0 success, 1 a simulation, a check or a file failed, 2 wrong usage
 (options, --set values, scenario files). Results go to standard output, progress
@@ -48,7 +48,7 @@ struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,
     /// Only print errors
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = 900)]
     quiet: bool,
 }
 
@@ -115,6 +115,11 @@ fn print(text: &str) {
     let _ = io::stdout().write_all(text.as_bytes());
 }
 
+/// Prints to standard error, whether or not anyone still listens: `eprint!` would panic.
+fn print_error(text: &str) {
+    let _ = io::stderr().write_all(text.as_bytes());
+}
+
 /// Runs the program with the process's arguments.
 #[must_use]
 pub fn main() -> ExitCode {
@@ -134,7 +139,7 @@ pub fn main() -> ExitCode {
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            eprintln!("error: {}", failure.message);
+            print_error(&format!("error: {}\n", failure.message));
             ExitCode::from(failure.code)
         }
     }

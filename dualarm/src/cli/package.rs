@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Failure, print};
+use super::{Failure, print, print_error};
 use crate::files;
 use crate::package::{package, repository};
 use crate::release::release;
@@ -79,6 +79,6 @@ fn describe(folder: &Path, quiet: bool) -> Result<(), Failure> {
 /// One line on stderr about what is being done. Cargo draws its own bar below it.
 pub fn say(quiet: bool, doing: &str) {
     if !quiet {
-        eprintln!("{doing} …");
+        print_error(&format!("{doing} …\n"));
     }
 }

@@ -49,7 +49,7 @@ fn groups(outcomes: &[Outcome]) -> Vec<Group> {
             force("steady error (mN)", |force| number(1e3 * force.steady_error, 2)),
         ];
         if arm == 0 {
-            rows.insert(0, row("settling, says the paper".into(), &|outcome| outcome.scenario.paper.to_owned()));
+            rows.insert(0, row("settling, says the paper".into(), &|outcome| unbroken(outcome.scenario.paper)));
         }
         Group { heading: ["Contact force f₁", "Contact force f₂"][arm], rows }
     });
@@ -70,6 +70,11 @@ fn groups(outcomes: &[Outcome]) -> Vec<Group> {
         }
     });
     forces.chain(efforts).collect()
+}
+
+/// A time whose unit stays with its number where the cell is narrow.
+fn unbroken(time: &str) -> String {
+    time.strip_suffix(" s").map_or_else(|| time.to_owned(), |number| format!("{number}\u{a0}s"))
 }
 
 fn seconds(time: Option<f64>) -> String {

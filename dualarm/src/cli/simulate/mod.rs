@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum};
 
 use super::fmus::FmuFolder;
 use super::progress::Progress;
-use super::{Failure, print};
+use super::{Failure, print, print_error};
 use crate::grasp::{self, CONTROLLERS};
 use crate::master::{Coupling, MasterError};
 use crate::metrics::{self, Metrics};
@@ -124,8 +124,8 @@ pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
     let mut measured = Pick::new(&columns, |name| metrics::SIGNALS.contains(&name));
     let mut last = Last::default();
     // Metrics are made of every step, however few of them are written.
-    let measures = measured.sink.columns().len() == metrics::SIGNALS.len();
-    let recorded = if measures { 0.0 } else { run.interval };
+    let is_grasp = measured.sink.columns().iter().any(|column| column.name == metrics::CONTACT_FORCE);
+    let recorded = if is_grasp { 0.0 } else { run.interval };
 
     master.initialize(&run.grid)?;
     let mut remarks = system.remarks.clone();
@@ -148,7 +148,10 @@ pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
         Err(MasterError::Record(error)) => return Err(output.failure(error)),
         Err(error) => return Err(error.into()),
     }
-    let metrics = Metrics::of(&measured.sink, limits.unwrap_or_default());
+    let limits = limits.unwrap_or_default();
+    let metrics = Metrics::of(&measured.sink, limits);
+    remarks.extend(metrics::saturations(&measured.sink, limits));
+    let controller = grasp::controller(&system.components, master.wires()).map(str::to_owned);
     let file = arguments.output.filter(|_| !output.is_pipe());
     let findings = Findings { duration, columns: &columns, last: &last.values, metrics: metrics.clone(), output: file };
     let mut outcome = Outcome::new(&system, &master, &run, findings);
@@ -159,11 +162,11 @@ pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
         return outcome.print_json();
     }
     if !quiet {
-        let summary = outcome.summary(metrics.as_ref());
+        let summary = outcome.summary(controller.as_deref(), metrics.as_ref());
         if to_stdout {
             print(&summary);
         } else {
-            eprint!("{summary}");
+            print_error(&summary);
         }
         outcome.print_warnings();
     }

@@ -8,9 +8,10 @@ use serde_json::{Map, Value};
 
 use super::experiment::Run;
 use crate::cli::json::{self, ExperimentDocument, MetricsDocument};
+use crate::cli::print_error;
 use crate::fmi::{LogMessage, Status};
 use crate::master::Master;
-use crate::metrics::Metrics;
+use crate::metrics::{Metrics, MetricsObstacle};
 use crate::record::{Column, Kind};
 use crate::report;
 use crate::system::System;
@@ -30,6 +31,8 @@ pub struct Outcome {
     #[serde(rename = "final")]
     last: Map<String, Value>,
     metrics: Option<MetricsDocument>,
+    /// Why there are none.
+    metrics_obstacle: Option<String>,
     output: Option<PathBuf>,
     /// What the tool and the FMUs warned about, each thing once.
     pub warnings: Vec<String>,
@@ -56,8 +59,8 @@ pub struct Findings<'a> {
     pub columns: &'a [Column],
     /// Their values at the stop time.
     pub last: &'a [f64],
-    /// If the run was a grasp.
-    pub metrics: Option<Metrics>,
+    /// If the run was a grasp, or else why there are none.
+    pub metrics: Result<Metrics, MetricsObstacle>,
     /// The file with the rows.
     pub output: Option<PathBuf>,
 }
@@ -87,7 +90,8 @@ impl Outcome {
             experiment: ExperimentDocument::new(&run.grid, run.coupling, run.interval),
             wall_time: findings.duration.as_secs_f64(),
             last: findings.columns.iter().zip(findings.last).map(value).collect(),
-            metrics: findings.metrics.as_ref().map(MetricsDocument::from),
+            metrics: findings.metrics.as_ref().ok().map(MetricsDocument::from),
+            metrics_obstacle: findings.metrics.err().map(|obstacle| obstacle.to_string()),
             output: findings.output,
             warnings: Vec::new(),
         }
@@ -104,8 +108,8 @@ impl Outcome {
         }
     }
 
-    /// For people.
-    pub fn summary(&self, metrics: Option<&Metrics>) -> String {
+    /// For people; `controller` is what the metrics judge.
+    pub fn summary(&self, controller: Option<&str>, metrics: Result<&Metrics, &MetricsObstacle>) -> String {
         let names: Vec<_> = self.components.iter().map(|component| component.name.as_str()).collect();
         let title = self.title.as_ref().map(|title| format!("{title}\n")).unwrap_or_default();
         let ExperimentDocument { steps, step, stop, .. } = &self.experiment;
@@ -116,14 +120,19 @@ impl Outcome {
             self.wall_time,
             1e6 * self.wall_time / *steps as f64
         );
-        if let Some(metrics) = metrics {
-            let controller = names.last().copied().unwrap_or_default();
-            let mut forces = report::force_table([(controller, metrics, "")]);
-            // The last column compares with the paper, which knows one case only.
-            forces.header.pop();
-            forces.rows.iter_mut().for_each(|row| drop(row.pop()));
-            let efforts = report::effort_table([(controller, metrics)]);
-            text = [text, forces.to_terminal(), efforts.to_terminal()].join("\n");
+        match metrics {
+            Ok(metrics) => {
+                let controller = controller.unwrap_or("none");
+                let mut forces = report::force_table([(controller, metrics, "")]);
+                // The last column compares with the paper, which knows one case only.
+                forces.header.pop();
+                forces.rows.iter_mut().for_each(|row| drop(row.pop()));
+                let efforts = report::effort_table([(controller, metrics)]);
+                text = [text, forces.to_terminal(), efforts.to_terminal()].join("\n");
+            }
+            Err(obstacle) if obstacle.is_grasp() => text = format!("{text}No metrics: {obstacle}\n"),
+            // Other FMUs never wanted any.
+            Err(_) => {}
         }
         text
     }
@@ -132,10 +141,10 @@ impl Outcome {
     pub fn print_warnings(&self) {
         const SHOWN: usize = 5;
         for line in self.warnings.iter().take(SHOWN) {
-            eprintln!("warning: {line}");
+            print_error(&format!("warning: {line}\n"));
         }
         if self.warnings.len() > SHOWN {
-            eprintln!("warning: … and {} more", self.warnings.len() - SHOWN);
+            print_error(&format!("warning: … and {} more\n", self.warnings.len() - SHOWN));
         }
     }
 
