@@ -45,7 +45,7 @@ pub struct Document<'a> {
     /// What it models and how, in Markdown; formulas in LaTeX between `$`, or `$$` on lines of their own. Headings start
     /// at the second level (`##`). Images are [`files`](Self::files) below `documentation/`.
     pub text: &'a str,
-    /// The icon that tools show, as PNG: becomes `model.png`.
+    /// The icon that tools show, as PNG: becomes `model.png`. It brings its own ground: pages and tools may be dark.
     pub icon: &'a [u8],
     /// The licence's text: becomes `documentation/licenses/license.txt`.
     pub license: &'a str,
