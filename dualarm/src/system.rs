@@ -3,7 +3,7 @@
 //! A [`System`] is the seam between descriptions and the master: whoever reads a description makes one, and
 //! [`System::master`] makes it run.
 
-use crate::fmi::Fmu;
+use crate::fmi::{Fmu, Variable};
 use crate::master::{self, Coupling, Master, MasterError};
 use crate::settings::{Setting, SettingError};
 use crate::signal::Signal;
@@ -91,6 +91,15 @@ impl System {
             remarks: Vec::new(),
             experiment: Experiment::default(),
         }
+    }
+
+    /// Every variable that is meant by `name` or `Component.name`.
+    pub(crate) fn variables(&self, wanted: &str) -> impl Iterator<Item = &Variable> {
+        self.components.iter().filter_map(move |(component, fmu)| {
+            let description = fmu.description();
+            let local = || description.variable(wanted.strip_prefix(component.as_str())?.strip_prefix('.')?);
+            description.variable(wanted).or_else(local)
+        })
     }
 
     /// Instantiates and connects the components, sets what is to be set; next comes [`Master::initialize`].

@@ -156,7 +156,15 @@ fn scenario_files_describe_runs() {
         ("K = 3", "K = \"3x\"", 2, "error: bad.toml:9: Gain.K needs a number, not \"3x\""),
         ("K = 3", "\"Lag.T\" = -3", 2, "error: bad.toml:9: Lag.T=-3 is refused"),
         ("reference", "y", 2, "error: bad.toml:11: Lag.y cannot be set: only inputs can change over time"),
-        ("stop = 1", "stop = -1", 2, "error: the stop time (-1 s) must lie behind the start time (0 s)"),
+        ("stop = 1", "stop = -1", 2, "error: bad.toml:4:8: the stop time (-1 s) must lie behind the start time (0 s)"),
+        ("step = 0.1", "step = 0", 2, "error: bad.toml:5:8: the step size must be a positive number"),
+        ("K = 3", "reference = 3", 2, "error: bad.toml:9: reference is an input: it belongs under [inputs]"),
+        (
+            "reference.steps = [[0, 1], [0.5, 2]]",
+            "K = 3",
+            2,
+            "bad.toml:11: K is no input: it belongs under [parameters]",
+        ),
         ("Gain.fmu", "Gone.fmu", 1, "error: there is no Gone.fmu in this folder or dist"),
     ] {
         write("bad.toml", &scenario.replacen(from, to, 1));

@@ -9,6 +9,7 @@ use serde::de::{Deserializer, Error as _, MapAccess, Visitor};
 use toml::Spanned;
 
 use super::{Scenario, ScenarioError};
+use crate::grid::GridError;
 use crate::master::Coupling;
 use crate::settings::{self, Setting};
 use crate::signal::{Shape, Signal};
@@ -32,10 +33,10 @@ struct File {
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ExperimentTable {
-    start: Option<f64>,
-    stop: Option<f64>,
-    step: Option<f64>,
-    interval: Option<f64>,
+    start: Option<Spanned<f64>>,
+    stop: Option<Spanned<f64>>,
+    step: Option<Spanned<f64>>,
+    interval: Option<Spanned<f64>>,
     coupling: Option<CouplingName>,
 }
 
@@ -73,28 +74,55 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
         let place = place(value.span().start);
         settings.push(Located { item: Setting::new(name, value.into_inner().0), place });
     }
-    let mut inputs = Vec::new();
+    let (mut held, mut inputs) = (Vec::new(), Vec::new());
     for (name, input) in read.inputs {
         let place = place(input.span().start);
         match input.into_inner() {
-            Input::Constant(value) => settings.push(Located { item: Setting::new(name, value), place }),
+            Input::Constant(value) => held.push(Located { item: Setting::new(name, value), place }),
             Input::Varying(signal) => inputs.push(Located { item: (name, signal), place }),
         }
     }
-    let ExperimentTable { start, stop, step, interval, coupling } = read.experiment;
-    let coupling = coupling.map(|name| match name {
-        CouplingName::GaussSeidel => Coupling::GaussSeidel,
-        CouplingName::Jacobi => Coupling::Jacobi,
-    });
+    let experiment = read.experiment.check().map_err(|(offset, message)| content(offset, message))?;
     Ok(Scenario {
         title: read.title,
         description: read.description.trim().to_owned(),
         fmus: read.fmus,
-        experiment: Experiment { start, stop, step, coupling, interval },
+        experiment,
         settings,
+        held,
         inputs,
         folder: None,
     })
+}
+
+impl ExperimentTable {
+    /// What it says, if that can be run; or else where and what is wrong.
+    fn check(self) -> Result<Experiment, (usize, String)> {
+        let Self { start, stop, step, interval, coupling } = self;
+        let value = |key: &Option<Spanned<f64>>| key.as_ref().map(|value| *value.get_ref());
+        let refuse = |key: &Option<Spanned<f64>>, message: String| {
+            Err((key.as_ref().map_or(0, |value| value.span().start), message))
+        };
+        let begin = value(&start).unwrap_or(0.0);
+        if !begin.is_finite() {
+            return refuse(&start, format!("the start time must be a finite number of seconds, not {begin}"));
+        }
+        if let Some(end) = value(&stop).filter(|end| !(end.is_finite() && *end > begin)) {
+            return refuse(&stop, GridError::Stop { start: begin, stop: end }.to_string());
+        }
+        if let Some(step_size) = value(&step).filter(|step| !(step.is_finite() && *step > 0.0)) {
+            return refuse(&step, GridError::Step(step_size).to_string());
+        }
+        if let Some(seconds) = value(&interval).filter(|seconds| !(seconds.is_finite() && *seconds >= 0.0)) {
+            return refuse(&interval, format!("the interval must be 0 or more seconds, not {seconds}"));
+        }
+        let coupling = coupling.map(|name| match name {
+            CouplingName::GaussSeidel => Coupling::GaussSeidel,
+            CouplingName::Jacobi => Coupling::Jacobi,
+        });
+        let [start, stop, step, interval] = [start, stop, step, interval].map(|key| value(&key));
+        Ok(Experiment { start, stop, step, coupling, interval })
+    }
 }
 
 /// Line and column, from 1, of a byte of a text.
@@ -257,7 +285,8 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
         assert_eq!((start, stop, step, interval), (None, Some(2.0), Some(1e-3), None));
         assert_eq!(coupling, Some(Coupling::Jacobi));
         let settings: Vec<_> = scenario.settings.iter().map(|setting| setting.item.to_string()).collect();
-        assert_eq!(settings, ["M=1.5", "Plant.on=true", "actuator_model=raw", "order=8", "u=0.25"]);
+        assert_eq!(settings, ["M=1.5", "Plant.on=true", "actuator_model=raw", "order=8"]);
+        assert_eq!(scenario.held[0].item.to_string(), "u=0.25");
         assert_eq!(scenario.settings[0].place.as_deref(), Some("x.toml:13"));
         let values: Vec<_> =
             scenario.inputs.iter().map(|input| (input.item.0.as_str(), input.item.1.at(0.75))).collect();
@@ -272,6 +301,11 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
             ("fmus", "fmu", "x.toml:5:1: unknown field `fmu`"),
             ("title = \"Two\"\n", "", "missing field `title`"),
             ("stop = 2", "stop = \"2\"", "x.toml:8:8: invalid type: string \"2\", expected f64"),
+            ("stop = 2", "stop = -1", "x.toml:8:8: the stop time (-1 s) must lie behind the start time (0 s)"),
+            ("stop = 2", "start = 3\nstop = 2", "x.toml:9:8: the stop time (2 s) must lie behind the start time (3 s)"),
+            ("stop = 2", "start = nan", "x.toml:8:9: the start time must be a finite number"),
+            ("step = 1e-3", "step = 0.0", "x.toml:9:8: the step size must be a positive number of seconds, not 0"),
+            ("step = 1e-3", "interval = -1", "x.toml:9:12: the interval must be 0 or more seconds, not -1"),
             ("\"jacobi\"", "\"jakobi\"", "x.toml:10:12: unknown variant `jakobi`"),
             ("\"jacobi\"", "\"jakobi\"", "did you mean jacobi?"),
             ("step = 1e-3", "step = 1e-3\nstep = 2", "x.toml:10:1: duplicate key"),

@@ -29,7 +29,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::fmi::{Fmu, FmuError};
+use crate::fmi::{Causality, Fmu, FmuError, Variable};
 use crate::grasp::{CONTROLLERS, Controller};
 use crate::settings::{self, Setting};
 use crate::signal::Signal;
@@ -46,8 +46,10 @@ pub struct Scenario {
     pub fmus: Vec<PathBuf>,
     /// How to run it.
     pub experiment: Experiment,
-    /// Values for parameters and free inputs.
+    /// Start values, from `[parameters]`.
     pub settings: Vec<Located<Setting>>,
+    /// Inputs that keep one value, from `[inputs]`.
+    pub held: Vec<Located<Setting>>,
     /// Inputs that change over time.
     pub inputs: Vec<Located<(String, Signal)>>,
     /// The folder of its file; `None` for a built-in one.
@@ -58,6 +60,18 @@ pub struct Scenario {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
+    /// A value stands in the wrong table.
+    #[error("{place}: {name} is {problem}: it belongs under [{table}]")]
+    Table {
+        /// File and line.
+        place: String,
+        /// The variable as written.
+        name: String,
+        /// What it is.
+        problem: &'static str,
+        /// Where it belongs.
+        table: &'static str,
+    },
     /// The file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Read {
@@ -217,13 +231,37 @@ impl Scenario {
         };
         let paths = self.fmus.iter().map(find).collect::<Result<Vec<_>, _>>()?;
         let opened = paths.iter().map(Fmu::open).collect::<Result<Vec<_>, _>>()?;
+        let system = System::of_fmus(&opened);
+        self.check_tables(&system)?;
         Ok(System {
             title: Some(self.title.clone()),
-            settings: self.settings.clone(),
+            settings: [&self.settings[..], &self.held].concat(),
             inputs: self.inputs.clone(),
             experiment: self.experiment,
-            ..System::of_fmus(&opened)
+            ..system
         })
+    }
+
+    /// What stands under `[parameters]` are no inputs, and what stands under `[inputs]` are.
+    fn check_tables(&self, system: &System) -> Result<(), ScenarioError> {
+        for (table, other, settings) in [("parameters", "inputs", &self.settings), ("inputs", "parameters", &self.held)]
+        {
+            for Located { item, place } in settings {
+                let mut meant = system.variables(&item.target).peekable();
+                // A name nobody has is reported with suggestions when it is applied.
+                let is_known = meant.peek().is_some();
+                let belongs = |variable: &Variable| (variable.causality == Causality::Input) == (table == "inputs");
+                if is_known && !meant.any(belongs) {
+                    return Err(ScenarioError::Table {
+                        place: place.clone().unwrap_or_default(),
+                        name: item.target.clone(),
+                        problem: if table == "inputs" { "no input" } else { "an input" },
+                        table: other,
+                    });
+                }
+            }
+        }
+        Ok(())
     }
 }
 

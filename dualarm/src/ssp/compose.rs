@@ -376,7 +376,7 @@ fn settings_set(
         description: Some(scenario.title.clone()),
         ..ParameterSet::default()
     };
-    for Located { item: setting, .. } in &scenario.settings {
+    for Located { item: setting, .. } in scenario.settings.iter().chain(&scenario.held) {
         let unfit = || ComposeError::Setting { scenario: scenario.title.clone(), setting: setting.clone() };
         let before = set.parameters.len();
         for (component, model) in [PLANT, CONTROLLER].into_iter().zip(descriptions) {

@@ -58,9 +58,10 @@ fn is_name(word: &Path) -> bool {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         match error {
-            ScenarioError::Content { .. } | ScenarioError::Unknown { .. } | ScenarioError::NoController { .. } => {
-                Self::usage(error)
-            }
+            ScenarioError::Content { .. }
+            | ScenarioError::Table { .. }
+            | ScenarioError::Unknown { .. }
+            | ScenarioError::NoController { .. } => Self::usage(error),
             _ => Self::failed(error),
         }
     }
