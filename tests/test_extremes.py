@@ -100,6 +100,21 @@ def test_controllers_take_any_step(name: str, size: float, fmus: dict[str, Fmu])
         assert max(map(abs, values)) < 1e6
 
 
+@pytest.mark.parametrize("size", [1.1e9, 1e153, 1e300])
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_controllers_refuse_longer_steps(name: str, size: float, fmus: dict[str, Fmu]) -> None:
+    """A reason and no NaN, and the instance goes on as if nothing had been asked."""
+    outputs = fmus[name].names("output", "Real")
+    with fmus[name].instantiate(logging=True) as slave:
+        slave.start()
+        slave.set(theta1=0.1, tip_shear2=-1.0)
+        before = slave.get(*outputs)
+        with pytest.raises(FmuError):
+            slave.step(0.0, size, 1)
+        assert "longer than 1e9 s" in slave.log[-1].text
+        assert slave.get(*outputs) == before
+
+
 @pytest.mark.parametrize("case", ["default", "order_24", "stiff", "everything"])
 @pytest.mark.parametrize("size", [1e-4, 0.1, 10.0])
 def test_plant_takes_any_step(size: float, case: str, plant: Fmu) -> None:

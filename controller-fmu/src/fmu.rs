@@ -18,6 +18,10 @@ pub use nabfc::NabfcController;
 pub use pd::PdController;
 pub use pds::PdsController;
 
+/// The longest step a controller takes \[s\], some thirty years: the products of step size and state stay finite. Far
+/// longer ones would end in NaN.
+const LONGEST_STEP: f64 = 1e9;
+
 /// What makes a law an FMU.
 pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// What its user can set besides the properties of the arms.
@@ -187,6 +191,12 @@ impl<L: FmuLaw> Model for Controller<L> {
 
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
         let law = self.law.as_mut().ok_or_else(|| Failure::error("the controller has no start yet"))?;
+        if step.size > LONGEST_STEP {
+            return Err(Failure::discard(format!(
+                "step size {:e} s is longer than {LONGEST_STEP:e} s, the longest of a controller",
+                step.size
+            )));
+        }
         law.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)
     }
 

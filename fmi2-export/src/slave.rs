@@ -486,7 +486,11 @@ impl<M: Model> AnySlave for Slave<M> {
     }
 
     fn get_string(&mut self, references: &[u32]) -> Result<&[CString], Refusal> {
-        let mut strings = vec![CString::default(); references.len()];
+        let mut strings = Vec::new();
+        strings
+            .try_reserve_exact(references.len())
+            .map_err(|_| Refusal::error(format!("fmi2GetString: no memory for {} strings", references.len())))?;
+        strings.resize(references.len(), CString::default());
         self.get_each(
             |l| &l.strings,
             "fmi2GetString",

@@ -526,6 +526,21 @@ fn states_of_another_model_in_the_same_library_are_refused() {
 }
 
 #[test]
+fn states_of_another_library_are_refused() {
+    let (fmu, other) = (Fmu::load("misbehaving"), Fmu::load("two_models"));
+    let (slave, stranger) = (stepping(&fmu), other.instantiate(&other.guids()[0]));
+    // The same number of states on both sides: what is counted alike must not be mistaken for one's own.
+    let (own, foreign) = (slave.save(), stranger.save());
+    let mut again = foreign;
+    let says = "FMUstate is none that";
+    refused(&slave, says, || fmu.fmi2SetFMUstate(slave.component, foreign));
+    refused(&slave, says, || fmu.fmi2FreeFMUstate(slave.component, &mut again));
+    refused(&slave, says, || fmu.fmi2GetFMUstate(slave.component, &mut again));
+    assert_eq!(fmu.fmi2SetFMUstate(slave.component, own), OK);
+    assert_eq!(other.fmi2SetFMUstate(stranger.component, foreign), OK);
+}
+
+#[test]
 fn a_state_is_shared_by_the_instances_of_a_model_while_its_owner_lives() {
     let fmu = Fmu::load("misbehaving");
     let (a, b) = (stepping(&fmu), instantiate(&fmu));

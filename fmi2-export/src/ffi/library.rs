@@ -127,8 +127,12 @@ impl Library {
     }
 
     /// Keeps a state under a new handle, which is never zero and never reused.
+    ///
+    /// A host that confuses the states of two FMUs shall get an error and not another state. So handles count from
+    /// where this library is, with room for some 10⁸ before those of the next one in the address space.
     pub(crate) fn keep(&self, owner: usize, snapshot: Snapshot) -> usize {
-        let handle = self.next_handle.fetch_add(1, Ordering::Relaxed);
+        let first = std::ptr::from_ref(self).addr().rotate_left(usize::BITS / 4);
+        let handle = first.wrapping_add(self.next_handle.fetch_add(1, Ordering::Relaxed));
         lock(&self.snapshots).insert(handle, (owner, snapshot));
         handle
     }
