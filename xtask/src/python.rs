@@ -22,7 +22,9 @@ pub fn prepare(tree: &Tree) -> Outcome {
 /// The command that runs the Python tests with `args` added.
 pub fn pytest(tree: &Tree, args: &[String]) -> Command {
     let mut command = Command::new(interpreter(tree));
-    command.args(["-m", "pytest", "tests"]).args(args).current_dir(&tree.root);
+    // All processors; each file by one process, so that what its tests share is made once.
+    command.args(["-m", "pytest", "tests", "--numprocesses=auto", "--dist=loadfile"]);
+    command.args(args).current_dir(&tree.root);
     command
 }
 
