@@ -220,6 +220,18 @@ fn foreign_files_are_named() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn results_that_standard_output_does_not_take_are_a_failure() {
+    let Some(folder) = fixtures() else { return };
+    for arguments in [&["info", "Lag.fmu"][..], &["simulate", "--list"], &["completions", "bash"]] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_dualarm"));
+        command.args(arguments).current_dir(folder.path()).stdout(fs::File::create("/dev/full").unwrap());
+        let output = command.output().unwrap();
+        assert_fails(&output, 1, "cannot write to standard output: No space left on device");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
 fn unwritable_places_are_named() {
     let Some(folder) = fixtures() else { return };
     fs::create_dir(folder.path().join("taken.csv")).unwrap();

@@ -184,3 +184,19 @@ fn a_library_without_a_needed_function_is_refused() {
     let message = Fmu::open(&path).err().unwrap().to_string();
     assert!(message.contains("lacks the function fmi2GetTypesPlatform"), "{message}");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_library_that_is_cut_off_is_refused_before_it_kills_us() {
+    let folder = tempfile::tempdir().unwrap();
+    let Ok(whole) = fs::read("/proc/self/exe") else { return };
+    let path = folder.path().join("x.fmu");
+    let lag = description("Lag");
+    for parts in 1..8 {
+        let library = &whole[..whole.len() / 8 * parts];
+        archive(&path, &[("modelDescription.xml", lag.as_bytes()), ("binaries/linux64/Lag.so", library)]);
+        let message = Fmu::open(&path).err().unwrap().to_string();
+        // Debug information belongs to no segment: without it, the test program is whole, but no library.
+        assert!(message.contains("it is cut off") || message.contains("cannot load it"), "{message}");
+    }
+}

@@ -13,6 +13,7 @@ mod verify;
 use std::fmt;
 use std::io::{self, Write};
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -110,9 +111,17 @@ failures![
     WriteError,
 ];
 
-/// Prints to standard output. A reader that has gone (`| head`) is no failure.
+/// Why standard output did not take everything: the first reason.
+static LOST: OnceLock<io::Error> = OnceLock::new();
+
+/// Prints to standard output. A reader that has gone (`| head`) is no failure; anything else (a full disk) makes [`main`]
+/// fail in the end, when all else is done.
 fn print(text: &str) {
-    let _ = io::stdout().write_all(text.as_bytes());
+    let mut stdout = io::stdout();
+    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => drop(LOST.set(error)),
+        _ => {}
+    }
 }
 
 /// Prints to standard error, whether or not anyone still listens: `eprint!` would panic.
@@ -136,6 +145,10 @@ pub fn main() -> ExitCode {
             Ok(())
         }
     };
+    let result = result.and_then(|()| match LOST.get() {
+        Some(error) => Err(Failure { code: 1, message: format!("cannot write to standard output: {error}") }),
+        None => Ok(()),
+    });
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
