@@ -23,7 +23,7 @@
 //! Far outside the box every activation tends to zero and nothing else happens: values below 10⁻³⁰ count as zero (on
 //! each axis of a grid, in all of a star), which keeps denormal numbers out of the products.
 //!
-//! Everything comes in fours, [`Lanes`]: the axes while the basis is evaluated, the nodes while the weights learn. What
+//! Everything comes in fours, `Lanes`: the axes while the basis is evaluated, the nodes while the weights learn. What
 //! is left over is filled up with zeros, so that no loop has a remainder and every sum the same order on any processor.
 
 // Inlined into functions for wide registers, and indexed in step, or the compiler does not use these registers.
