@@ -1,6 +1,6 @@
 //! What a host calls at every communication step allocates nothing (and so formats nothing), once it has been called once.
 
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::CString;
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
 
@@ -11,51 +11,9 @@ use fmi2_export::ffi::types::{CallbackFunctions, Status};
 #[allow(missing_docs, dead_code)]
 mod model;
 
-type C = *mut c_void;
-
-// The functions that the example defines.
-#[allow(clashing_extern_declarations, clippy::too_many_arguments)]
-unsafe extern "C" {
-    fn fmi2Instantiate(
-        name: *const c_char,
-        kind: c_int,
-        guid: *const c_char,
-        resources: *const c_char,
-        functions: *const CallbackFunctions,
-        visible: c_int,
-        logging: c_int,
-    ) -> C;
-    fn fmi2FreeInstance(c: C);
-    fn fmi2SetupExperiment(
-        c: C,
-        has_tolerance: c_int,
-        tolerance: f64,
-        start: f64,
-        has_stop: c_int,
-        stop: f64,
-    ) -> Status;
-    fn fmi2EnterInitializationMode(c: C) -> Status;
-    fn fmi2ExitInitializationMode(c: C) -> Status;
-    fn fmi2GetReal(c: C, vr: *const u32, n: usize, value: *mut f64) -> Status;
-    fn fmi2GetInteger(c: C, vr: *const u32, n: usize, value: *mut c_int) -> Status;
-    fn fmi2GetBoolean(c: C, vr: *const u32, n: usize, value: *mut c_int) -> Status;
-    fn fmi2SetReal(c: C, vr: *const u32, n: usize, value: *const f64) -> Status;
-    fn fmi2SetInteger(c: C, vr: *const u32, n: usize, value: *const c_int) -> Status;
-    fn fmi2SetBoolean(c: C, vr: *const u32, n: usize, value: *const c_int) -> Status;
-    fn fmi2SetRealInputDerivatives(c: C, vr: *const u32, n: usize, order: *const c_int, value: *const f64) -> Status;
-    fn fmi2GetRealOutputDerivatives(c: C, vr: *const u32, n: usize, order: *const c_int, value: *mut f64) -> Status;
-    fn fmi2GetDirectionalDerivative(
-        c: C,
-        unknowns: *const u32,
-        nu: usize,
-        knowns: *const u32,
-        nk: usize,
-        seed: *const f64,
-        value: *mut f64,
-    ) -> Status;
-    fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
-    fn fmi2GetRealStatus(c: C, kind: c_int, value: *mut f64) -> Status;
-}
+#[path = "common/linked.rs"]
+mod linked;
+use linked::*;
 
 #[test]
 fn a_step_and_its_inputs_and_outputs_allocate_nothing() {

@@ -1,6 +1,6 @@
 //! A program that links a model sees its own panics, but not those that the model's calls catch.
 
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::CString;
 use std::panic::catch_unwind;
 use std::ptr::{null, null_mut};
 use std::sync::Mutex;
@@ -43,27 +43,9 @@ impl Drop for Fragile {
 
 fmi2_export::export!(Fragile);
 
-type C = *mut c_void;
-
-// What `export!` defines.
-#[allow(clashing_extern_declarations)]
-unsafe extern "C" {
-    fn fmi2Instantiate(
-        name: *const c_char,
-        kind: c_int,
-        guid: *const c_char,
-        resources: *const c_char,
-        functions: *const CallbackFunctions,
-        visible: c_int,
-        logging: c_int,
-    ) -> C;
-    fn fmi2FreeInstance(c: C);
-    fn fmi2SetupExperiment(c: C, tolerant: c_int, tolerance: f64, start: f64, ends: c_int, stop: f64) -> Status;
-    fn fmi2EnterInitializationMode(c: C) -> Status;
-    fn fmi2ExitInitializationMode(c: C) -> Status;
-    fn fmi2SetReal(c: C, vr: *const u32, n: usize, value: *const f64) -> Status;
-    fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
-}
+#[path = "common/linked.rs"]
+mod linked;
+use linked::*;
 
 /// Messages of the panics that this program's hook has seen.
 static SEEN: Mutex<Vec<String>> = Mutex::new(Vec::new());

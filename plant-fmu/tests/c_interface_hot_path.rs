@@ -1,42 +1,15 @@
 //! What a host calls at every communication step allocates nothing, once a step of that size has been made.
 
-use std::ffi::{CString, c_char, c_int, c_void};
+use std::ffi::CString;
 use std::hint::black_box;
 use std::ptr::{null, null_mut};
 
 use allocation_counter::measure;
 use fmi2_export::ffi::types::{CallbackFunctions, Status};
 
-type C = *mut c_void;
-
-// The functions that the crate defines.
-#[allow(clashing_extern_declarations)]
-unsafe extern "C" {
-    fn fmi2Instantiate(
-        name: *const c_char,
-        kind: c_int,
-        guid: *const c_char,
-        resources: *const c_char,
-        functions: *const CallbackFunctions,
-        visible: c_int,
-        logging: c_int,
-    ) -> C;
-    fn fmi2FreeInstance(c: C);
-    fn fmi2SetupExperiment(
-        c: C,
-        has_tolerance: c_int,
-        tolerance: f64,
-        start: f64,
-        has_stop: c_int,
-        stop: f64,
-    ) -> Status;
-    fn fmi2EnterInitializationMode(c: C) -> Status;
-    fn fmi2ExitInitializationMode(c: C) -> Status;
-    fn fmi2GetReal(c: C, vr: *const u32, n: usize, value: *mut f64) -> Status;
-    fn fmi2SetReal(c: C, vr: *const u32, n: usize, value: *const f64) -> Status;
-    fn fmi2SetRealInputDerivatives(c: C, vr: *const u32, n: usize, order: *const c_int, value: *const f64) -> Status;
-    fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
-}
+#[path = "../../fmi2-export/tests/common/linked.rs"]
+mod linked;
+use linked::*;
 
 #[test]
 fn a_step_and_its_inputs_and_outputs_allocate_nothing() {

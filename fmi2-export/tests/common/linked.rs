@@ -1,0 +1,60 @@
+//! The C interface of a model that is linked into the test, as `export!` defines it: what can be asked of it without loading
+//! a library. Tests of model crates include this file, too.
+
+use std::ffi::{c_char, c_int, c_void};
+
+use fmi2_export::ffi::types::{CallbackFunctions, Status};
+
+/// `fmi2Component`.
+pub type C = *mut c_void;
+
+// Each test uses a part of it.
+#[allow(dead_code, clashing_extern_declarations, clippy::too_many_arguments)]
+unsafe extern "C" {
+    pub fn fmi2Instantiate(
+        name: *const c_char,
+        kind: c_int,
+        guid: *const c_char,
+        resources: *const c_char,
+        functions: *const CallbackFunctions,
+        visible: c_int,
+        logging: c_int,
+    ) -> C;
+    pub fn fmi2FreeInstance(c: C);
+    pub fn fmi2SetupExperiment(
+        c: C,
+        has_tolerance: c_int,
+        tolerance: f64,
+        start: f64,
+        has_stop: c_int,
+        stop: f64,
+    ) -> Status;
+    pub fn fmi2EnterInitializationMode(c: C) -> Status;
+    pub fn fmi2ExitInitializationMode(c: C) -> Status;
+    pub fn fmi2GetReal(c: C, vr: *const u32, n: usize, value: *mut f64) -> Status;
+    pub fn fmi2GetInteger(c: C, vr: *const u32, n: usize, value: *mut c_int) -> Status;
+    pub fn fmi2GetBoolean(c: C, vr: *const u32, n: usize, value: *mut c_int) -> Status;
+    pub fn fmi2SetReal(c: C, vr: *const u32, n: usize, value: *const f64) -> Status;
+    pub fn fmi2SetInteger(c: C, vr: *const u32, n: usize, value: *const c_int) -> Status;
+    pub fn fmi2SetBoolean(c: C, vr: *const u32, n: usize, value: *const c_int) -> Status;
+    pub fn fmi2SetRealInputDerivatives(
+        c: C,
+        vr: *const u32,
+        n: usize,
+        order: *const c_int,
+        value: *const f64,
+    ) -> Status;
+    pub fn fmi2GetRealOutputDerivatives(c: C, vr: *const u32, n: usize, order: *const c_int, value: *mut f64)
+    -> Status;
+    pub fn fmi2GetDirectionalDerivative(
+        c: C,
+        unknowns: *const u32,
+        nu: usize,
+        knowns: *const u32,
+        nk: usize,
+        seed: *const f64,
+        value: *mut f64,
+    ) -> Status;
+    pub fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
+    pub fn fmi2GetRealStatus(c: C, kind: c_int, value: *mut f64) -> Status;
+}
