@@ -22,12 +22,12 @@ from fmpy.fmi2 import (
     fmi2CallbackLoggerTYPE,
 )
 
-OK, WARNING = 0, 1
+OK = 0
 TYPES = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Enumeration": ctypes.c_int, "Boolean": ctypes.c_int}
 
 
 class FmuError(Exception):
-    """A call to an FMU did not return OK or a warning; the text holds what the FMU logged."""
+    """A call to an FMU did not return OK; the text holds what the FMU logged."""
 
 
 class Fmu:
@@ -37,8 +37,8 @@ class Fmu:
         self.path = Path(path)
         self.description = read_model_description(str(path))
         self.variables = {variable.name: variable for variable in self.description.modelVariables}
-        self._directory = tempfile.mkdtemp(prefix=f"{self.name}-")
-        extract(str(path), self._directory)
+        self.directory = tempfile.mkdtemp(prefix=f"{self.name}-")
+        extract(str(path), self.directory)
 
     @property
     def name(self) -> str:
@@ -51,11 +51,11 @@ class Fmu:
 
     def instantiate(self, name: str | None = None, guid: str | None = None, logging: bool = False) -> Slave:
         """A new instance."""
-        return Slave(self, self._directory, name or self.name, guid, logging)
+        return Slave(self, self.directory, name or self.name, guid, logging)
 
     def close(self) -> None:
         """Removes the unpacked files."""
-        shutil.rmtree(self._directory, ignore_errors=True)
+        shutil.rmtree(self.directory, ignore_errors=True)
 
 
 @dataclass
@@ -92,13 +92,13 @@ class Slave:
         self.log.append(Message(status, (category or b"").decode(), (text or b"").decode()))
 
     def _function(self, name: str, *argument_types: Any) -> Callable[..., None]:
-        """A C function with the component bound, which raises when the status is worse than a warning."""
+        """A C function with the component bound, which raises when the status is not OK."""
         prototype = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_void_p, *argument_types)
         function, component = prototype((name, self.fmi.dll)), self.fmi.component
 
         def call(*arguments: Any) -> None:
             status = function(component, *arguments)
-            if status > WARNING:
+            if status != OK:
                 said = "; ".join(message.text for message in self.log[-3:])
                 raise FmuError(f"{self.name}: {name} returned status {status}: {said}")
 

@@ -158,7 +158,8 @@ impl<'a> Step<'a> {
         Self { time, size, warn }
     }
 
-    /// Tells the host's user something: logged in category `logStatusWarning`, and `fmi2DoStep` returns `fmi2Warning`.
+    /// Tells the host's user something: logged in category `logStatusWarning` with status `fmi2Warning`. The step's own
+    /// status stays `fmi2OK`, because hosts stop at any other.
     pub fn warn(&mut self, message: std::fmt::Arguments<'_>) {
         (self.warn)(message);
     }

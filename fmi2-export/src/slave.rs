@@ -687,11 +687,8 @@ impl<M: Model> AnySlave for Slave<M> {
         if self.state.ramped {
             self.check_ramps(size)?;
         }
-        let mut status = Status::Ok;
-        let mut warn = |message: std::fmt::Arguments<'_>| {
-            status = Status::Warning;
-            logger.log(Status::Warning, Category::Warning, message);
-        };
+        // What the model says goes to the logger; the status tells whether the step was done, and masters stop at others.
+        let mut warn = |message: std::fmt::Arguments<'_>| logger.log(Status::Warning, Category::Warning, message);
         let result = self.state.model.step(&mut Step::new(time, size, &mut warn));
         self.state.stale = all();
         match result {
@@ -700,7 +697,7 @@ impl<M: Model> AnySlave for Slave<M> {
                 if self.state.ramped {
                     self.finish_ramps(size);
                 }
-                Ok(status)
+                Ok(Status::Ok)
             }
             // Only a step can be discarded.
             Err(Failure::Discard(message)) => {

@@ -600,7 +600,7 @@ fn a_logger_that_calls_back_into_the_instance_is_refused() {
     assert_eq!(slave.step(0.7, 0.1), ERROR); // Refused.
     assert_eq!(answer(), ERROR);
     assert_eq!(slave.set_integer(FAULT, Fault::StepWarns as i32), OK);
-    assert_eq!(slave.step(0.0, 0.1), common::WARNING); // In the middle of a step.
+    assert_eq!(slave.step(0.0, 0.1), OK); // In the middle of a step.
     assert_eq!(answer(), ERROR);
     assert_eq!(slave.set_integer(FAULT, Fault::StepPanics as i32), OK);
     assert_eq!(slave.step(0.1, 0.1), ERROR);

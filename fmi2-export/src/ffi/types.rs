@@ -17,7 +17,7 @@ pub type Boolean = c_int;
 pub enum Status {
     /// All well.
     Ok = 0,
-    /// Things are not quite right, but the computation can continue.
+    /// Things are not quite right, but the computation can continue. The status of messages, never of calls.
     Warning = 1,
     /// Not done; may be retried differently.
     Discard = 2,
