@@ -9,10 +9,10 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use dualarm::fmi::{Fmu, Instance};
 use dualarm::grasp::{CONTROLLERS, Controller, PLANT};
-use dualarm::grid::TimeGrid;
-use dualarm::master::{Coupling, Master};
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::{Coupling, Master};
+use fmi2_import::{Fmu, Instance};
 
 /// Step size in s.
 const STEP: f64 = 1e-4;

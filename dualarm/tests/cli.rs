@@ -1,5 +1,6 @@
 //! The command line: bad input gives one clear message and a non-zero exit code, and leaves nothing half-written.
 
+#[path = "../../fmi2-import/tests/support/mod.rs"]
 mod support;
 
 use std::fs;

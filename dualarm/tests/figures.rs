@@ -2,12 +2,12 @@
 //!
 //! To look at them: `DUALARM_FIGURES=<folder> cargo test -p dualarm --test figures`
 
-use dualarm::figures::text::{missing, width};
-use dualarm::figures::{self, Outcome, raster};
 use dualarm::grasp;
-use dualarm::metrics::{Limits, Metrics};
-use dualarm::parameters::{ModelParameters, Parameter, Value};
-use dualarm::record::{Column, Sink, Table};
+use dualarm::grasp::metrics::{Limits, Metrics};
+use dualarm::report::figures::text::{missing, width};
+use dualarm::report::figures::{self, Outcome, raster};
+use dualarm::report::parameters::{ModelParameters, Parameter, Value};
+use fmi2_cosim::record::{Column, Sink, Table};
 use roxmltree::{Document, Node};
 
 /// Second-order responses with the settling times known from the paper, a fast ripple on the force, clipped commands.
@@ -85,8 +85,9 @@ fn all_figures_are_whole() {
             assert_inside(&figure.name, text, figure.figure.size);
         }
         if let Some(folder) = &folder {
-            dualarm::files::write(folder.join(format!("{}.svg", figure.name)), &svg).unwrap();
-            dualarm::files::write(folder.join(format!("{}.png", figure.name)), raster::to_png(&svg).unwrap()).unwrap();
+            fmi2_cosim::files::write(folder.join(format!("{}.svg", figure.name)), &svg).unwrap();
+            fmi2_cosim::files::write(folder.join(format!("{}.png", figure.name)), raster::to_png(&svg).unwrap())
+                .unwrap();
         }
     }
     assert!(raster::to_png(&figures[0].figure.to_svg()).unwrap().starts_with(b"\x89PNG"));

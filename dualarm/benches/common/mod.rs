@@ -8,10 +8,10 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use dualarm::fmi::{Fmu, Instance, ValueReference};
 use dualarm::grasp::{Controller, NABFC, PD, PDS, PLANT};
-use dualarm::grid::TimeGrid;
-use dualarm::master::{Coupling, Master};
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::{Coupling, Master};
+use fmi2_import::{Fmu, Instance, ValueReference};
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -73,7 +73,7 @@ impl Slave {
         if let Some(order) = order {
             instance.set_integer(&references(&["order"])?, &[order])?;
         }
-        instance.setup_experiment(dualarm::fmi::Experiment { start: 0.0, stop: None, tolerance: None })?;
+        instance.setup_experiment(fmi2_import::Experiment { start: 0.0, stop: None, tolerance: None })?;
         instance.enter_initialization_mode()?;
         instance.exit_initialization_mode()?;
         Ok(Self { instance, inputs, outputs, steps: 0 })

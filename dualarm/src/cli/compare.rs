@@ -16,16 +16,16 @@ use super::json::{self, ExperimentDocument, MetricsDocument};
 use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
 use super::{Failure, print};
-use crate::figures::{self, NamedFigure, Outcome, raster};
-use crate::files;
+use crate::grasp::metrics::Metrics;
+use crate::grasp::scenarios::BuiltIn;
 use crate::grasp::{self, Controller};
-use crate::grid::TimeGrid;
-use crate::metrics::Metrics;
-use crate::page::{self, Page, rows::Rows};
-use crate::parameters::ModelParameters;
-use crate::record::{Every, Pick, Table};
 use crate::report;
-use crate::scenario::BuiltIn;
+use crate::report::figures::{self, NamedFigure, Outcome, raster};
+use crate::report::html::{self, Page, rows::Rows};
+use crate::report::parameters::ModelParameters;
+use fmi2_cosim::files;
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::record::{Every, Pick, Table};
 
 /// Arguments of `dualarm compare`.
 #[derive(Debug, Args)]
@@ -146,7 +146,7 @@ fn simulate(
     let columns = master.record(|_| true);
     // Every step of the signals that are drawn and judged; everything else only as often as the CSV file wants it.
     let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
-    let mut shown = Rows::new(grid, Pick::new(&columns, page::wants));
+    let mut shown = Rows::new(grid, Pick::new(&columns, html::wants));
     let mut all = Every::new(CSV_INTERVAL, grid.stop(), Table::new(columns));
     master.run(grid, 0.0, &mut ((&mut drawn, &mut shown), &mut all), &mut |done| bar.set_position(done))?;
     bar.finish();

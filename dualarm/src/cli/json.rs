@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use super::{Failure, print as print_text};
-use crate::grid::TimeGrid;
-use crate::master::Coupling;
-use crate::metrics::{EffortMetrics, ForceMetrics, Metrics};
+use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::Coupling;
 
 /// Prints a document.
 pub fn print(document: &impl Serialize) -> Result<(), Failure> {

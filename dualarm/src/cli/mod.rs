@@ -17,14 +17,14 @@ use std::sync::OnceLock;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::files::WriteError;
-use crate::fmi::{CallError, FmuError};
-use crate::master::MasterError;
-use crate::package::PackageError;
-use crate::release::ReleaseError;
-use crate::ssp::SspError;
-use crate::ssp::compose::ComposeError;
+use crate::build::PackageError;
+use crate::build::crosscheck::ReleaseError;
+use crate::grasp::systems::ComposeError;
 use crate::verify::VerifyError;
+use fmi2_cosim::files::WriteError;
+use fmi2_cosim::master::MasterError;
+use fmi2_cosim::ssp::SspError;
+use fmi2_import::{CallError, FmuError};
 
 /// What a user reads below the help text.
 const AFTER_HELP: &str = "\

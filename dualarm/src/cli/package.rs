@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, print, print_error};
-use crate::files;
-use crate::package::{package, repository};
-use crate::release::release;
-use crate::ssp::compose;
+use crate::build::crosscheck::release;
+use crate::build::{package, repository};
+use crate::grasp::systems;
+use fmi2_cosim::files;
 
 const AFTER_HELP: &str = "\
 Leaves the FMUs, and each controller with the plant as one system: DualArmGrasp-NABFC.ssp, -PDS.ssp and -PD.ssp (SSP \
@@ -61,12 +61,12 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 pub fn package_all(out: &Path, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
     let mut written = package(repository(), out, quiet, &mut |doing| say(quiet, doing))?;
     say(quiet, "composing the systems");
-    written.extend(compose::write_packages(out)?);
+    written.extend(systems::write_packages(out)?);
     Ok(written)
 }
 
 fn describe(folder: &Path, quiet: bool) -> Result<(), Failure> {
-    for (path, text) in compose::describe_packages(folder)? {
+    for (path, text) in systems::describe_packages(folder)? {
         let path = folder.join(path);
         files::write(&path, text)?;
         if !quiet {

@@ -9,9 +9,9 @@ use serde::Serialize;
 use super::fmus::Job;
 use super::package::say;
 use super::{Failure, json, print};
-use crate::figures::raster;
-use crate::files;
+use crate::report::figures::raster;
 use crate::verify::{Check, Fmus, verify};
+use fmi2_cosim::files;
 
 /// Arguments of `dualarm verify`.
 #[derive(Debug, Args)]

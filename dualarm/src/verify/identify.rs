@@ -8,7 +8,7 @@ use nalgebra::{Complex, DMatrix};
 
 use super::VerifyError;
 use super::rig::{Rig, Settings};
-use crate::fmi::Fmu;
+use fmi2_import::Fmu;
 
 /// The measured outputs and their sizes, so that none drowns in the round-off of another.
 pub const MEASURED: [(&str, f64); 12] = [

@@ -17,12 +17,12 @@ pub mod rig;
 use std::fmt::Write;
 use std::path::Path;
 
-use crate::figures::NamedFigure;
-use crate::fmi::{CallError, Fmu, FmuError};
 use crate::grasp;
-use crate::master::MasterError;
 use crate::report::TextTable;
-use crate::settings::SettingError;
+use crate::report::figures::NamedFigure;
+use fmi2_cosim::master::MasterError;
+use fmi2_cosim::settings::SettingError;
+use fmi2_import::{CallError, Fmu, FmuError};
 
 /// Why the checks could not be made at all.
 #[derive(Debug, thiserror::Error)]

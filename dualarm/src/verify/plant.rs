@@ -4,8 +4,8 @@ use super::identify::{self, nearest};
 use super::oracle::{self, EXACT, Pole, elements, entries, number};
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
-use crate::figures::NamedFigure;
-use crate::figures::chart::{Curve, Figure, Panel, palette};
+use crate::report::figures::NamedFigure;
+use crate::report::figures::chart::{Curve, Figure, Panel, palette};
 
 const COMMANDS: [&str; 3] = ["tau1_cmd", "tau2_cmd", "u_cmd"];
 

@@ -1,10 +1,10 @@
 //! FMUs on a bench: start values, free inputs held at will, outputs read at will.
 
 use super::VerifyError;
-use crate::fmi::{Fmu, ValueReference};
-use crate::grid::TimeGrid;
-use crate::master::{Coupling, Master};
-use crate::settings::Setting;
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::{Coupling, Master};
+use fmi2_cosim::settings::Setting;
+use fmi2_import::{Fmu, ValueReference};
 
 /// More steps than any check takes.
 const LONG_ENOUGH: f64 = 1e6;
@@ -67,7 +67,7 @@ impl Rig {
         let mut master = Self::prepare(fmus, settings)?;
         let grid = TimeGrid::new(0.0, stop, step).unwrap_or_else(|_| unreachable!("the bench's steps are positive"));
         master.initialize(&grid)?;
-        let mut table = crate::record::Table::new(master.record(|name| names.contains(&name)));
+        let mut table = fmi2_cosim::record::Table::new(master.record(|name| names.contains(&name)));
         master.run(&grid, interval, &mut table, &mut |_| ())?;
         let place = |name: &&str| {
             let found = table.columns().iter().position(|column| column.name == *name);

@@ -3,12 +3,12 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use dualarm::figures::raster::to_png;
+use dualarm::report::figures::raster::to_png;
 
 /// The drawings of all model crates below the repository's root, one for each FMU.
 pub fn sources(root: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let mut sources = Vec::new();
-    for model in dualarm::package::MODELS {
+    for model in dualarm::build::MODELS {
         for entry in std::fs::read_dir(root.join(model).join("documentation"))? {
             sources.push(entry?.path());
         }

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::fmi::description::{BaseType, CoSimulation};
-use crate::fmi::{
+use fmi2_import::description::{BaseType, CoSimulation};
+use fmi2_import::{
     Causality, Contents, Fmu, FmuError, Initial, ModelDescription, Variability, Variable as Described, VariableType,
 };
 

@@ -2,9 +2,9 @@
 
 use super::Arguments;
 use crate::cli::Failure;
-use crate::grid::TimeGrid;
-use crate::master::{Coupling, Master};
-use crate::system::System;
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::{Coupling, Master};
+use fmi2_cosim::system::System;
 
 /// Settings of a run that are complete.
 #[derive(Debug, Clone, Copy)]

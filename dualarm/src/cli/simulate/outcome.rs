@@ -9,12 +9,12 @@ use serde_json::{Map, Value};
 use super::experiment::Run;
 use crate::cli::json::{self, ExperimentDocument, MetricsDocument};
 use crate::cli::print_error;
-use crate::fmi::{LogMessage, Status};
-use crate::master::Master;
-use crate::metrics::{Metrics, MetricsObstacle};
-use crate::record::{Column, Kind};
+use crate::grasp::metrics::{Metrics, MetricsObstacle};
 use crate::report;
-use crate::system::System;
+use fmi2_cosim::master::Master;
+use fmi2_cosim::record::{Column, Kind};
+use fmi2_cosim::system::System;
+use fmi2_import::{LogMessage, Status};
 
 /// What a run led to. Serialised, it is what `--json` prints; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
@@ -68,12 +68,12 @@ pub struct Findings<'a> {
 impl Outcome {
     /// Gathers everything about a run but its warnings.
     pub fn new(system: &System, master: &Master, run: &Run, findings: Findings) -> Self {
-        let component = |(name, fmu): &(String, crate::fmi::Fmu)| Component {
+        let component = |(name, fmu): &(String, fmi2_import::Fmu)| Component {
             name: name.clone(),
             model: fmu.description().model_name.clone(),
             fmu: fmu.path().to_owned(),
         };
-        let terminal = |terminal: crate::wiring::Terminal| {
+        let terminal = |terminal: fmi2_cosim::wiring::Terminal| {
             let (name, fmu) = &system.components[terminal.component];
             format!("{name}.{}", fmu.description().variables[terminal.variable].name)
         };

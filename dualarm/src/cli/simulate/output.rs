@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use crate::cli::Failure;
-use crate::files::NewFile;
-use crate::record::{Column, CsvSink, ParquetSink, Sink};
+use fmi2_cosim::files::NewFile;
+use fmi2_cosim::record::{Column, CsvSink, ParquetSink, Sink};
 
 /// Takes the recorded rows.
 pub enum Output {

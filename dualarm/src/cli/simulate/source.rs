@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::Failure;
-use crate::fmi::Fmu;
+use crate::grasp::scenarios::{self, BuiltIn, NoController, UnknownScenario};
 use crate::grasp::{self, Controller};
-use crate::scenario::{BuiltIn, Scenario, ScenarioError};
-use crate::ssp::Package;
-use crate::ssp::package::is_ssp;
-use crate::system::{System, SystemError};
+use fmi2_cosim::scenario::{Scenario, ScenarioError};
+use fmi2_cosim::ssp::Package;
+use fmi2_cosim::ssp::package::is_ssp;
+use fmi2_cosim::system::{System, SystemError};
+use fmi2_import::Fmu;
 
 /// Reads the description and opens the FMUs. `words` are what the user wrote without an option, `fmus` is the folder of
 /// the packaged FMUs.
@@ -27,7 +28,7 @@ pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Resul
         }
     };
     let scenario = match controller {
-        Some(controller) => scenario.with_controller(controller)?,
+        Some(controller) => scenarios::with_controller(scenario, controller)?,
         None => scenario,
     };
     Ok(scenario.system(fmus)?)
@@ -58,12 +59,24 @@ fn is_name(word: &Path) -> bool {
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
         match error {
-            ScenarioError::Content { .. }
-            | ScenarioError::Table { .. }
-            | ScenarioError::Unknown { .. }
-            | ScenarioError::NoController { .. } => Self::usage(error),
+            ScenarioError::Content { .. } | ScenarioError::Table { .. } => Self::usage(error),
+            ScenarioError::NoFmu { .. } => {
+                Self::failed(format!("{error}; `dualarm package` makes the FMUs, --fmus says where they are"))
+            }
             _ => Self::failed(error),
         }
+    }
+}
+
+impl From<UnknownScenario> for Failure {
+    fn from(error: UnknownScenario) -> Self {
+        Self::usage(error)
+    }
+}
+
+impl From<NoController> for Failure {
+    fn from(error: NoController) -> Self {
+        Self::usage(error)
     }
 }
 
@@ -71,7 +84,7 @@ impl From<SystemError> for Failure {
     fn from(error: SystemError) -> Self {
         match error {
             SystemError::Setting { .. } => Self::usage(error),
-            SystemError::Master(_) => Self::failed(error),
+            _ => Self::failed(error),
         }
     }
 }

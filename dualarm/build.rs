@@ -1,6 +1,0 @@
-//! Compiles the C half of the logger callback.
-
-fn main() {
-    println!("cargo::rerun-if-changed=csrc/callbacks.c");
-    cc::Build::new().file("csrc/callbacks.c").warnings(true).compile("dualarm_callbacks");
-}

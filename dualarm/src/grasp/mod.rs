@@ -1,0 +1,120 @@
+//! The parts of the grasp: the plant, its controllers by name and what the paper states of them, its actuators' limits.
+//!
+//! * [`scenarios`] are compiled in: what is run with the parts;
+//! * [`systems`] are SSP archives of the plant with each controller;
+//! * [`metrics`] judge a run.
+
+pub mod metrics;
+pub mod scenarios;
+pub mod systems;
+
+use crate::grasp::metrics::Limits;
+use fmi2_cosim::master::Applied;
+use fmi2_cosim::settings::Setting;
+use fmi2_cosim::wiring::Wire;
+use fmi2_import::{Fmu, Instance};
+
+/// File name of the plant.
+pub const PLANT: &str = "DualArmPlant.fmu";
+
+/// A controller of the plant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Controller {
+    /// What the user types; also the name of the built-in scenario of the paper's case with it.
+    pub key: &'static str,
+    /// What figures and tables say.
+    pub title: &'static str,
+    /// File name of the controller.
+    pub fmu: &'static str,
+    /// Names and values that make this controller of the FMU.
+    settings: &'static [(&'static str, &'static str)],
+    /// How long the paper says the contact force takes, or an empty text.
+    pub paper: &'static str,
+}
+
+/// Neuro-adaptive boundary force control.
+pub const NABFC: Controller =
+    Controller { key: "nabfc", title: "NABFC", fmu: "NabfcController.fmu", settings: &[], paper: "less than 0.5 s" };
+/// The same with the faster gains.
+pub const NABFC_FAST: Controller =
+    Controller { key: "nabfc-fast", title: "NABFC, fast preset", settings: &[("preset", "fast")], paper: "", ..NABFC };
+/// Proportional-derivative control with strain feedback.
+pub const PDS: Controller =
+    Controller { key: "pds", title: "PDS", fmu: "PdsController.fmu", settings: &[], paper: "almost 2 s" };
+/// Proportional-derivative control.
+pub const PD: Controller =
+    Controller { key: "pd", title: "PD", fmu: "PdController.fmu", settings: &[], paper: "much longer" };
+
+/// All controllers a user can name.
+pub const CONTROLLERS: &[Controller] = &[NABFC, NABFC_FAST, PDS, PD];
+/// The controllers the paper compares, in its order.
+pub const PAPER: [Controller; 3] = [NABFC, PDS, PD];
+
+impl Controller {
+    /// The controller a user names.
+    #[must_use]
+    pub fn find(key: &str) -> Option<&'static Self> {
+        CONTROLLERS.iter().find(|controller| controller.key == key)
+    }
+
+    /// Its settings.
+    pub fn settings(&self) -> impl Iterator<Item = Setting> {
+        self.settings.iter().map(|(name, value)| Setting::new(*name, *value))
+    }
+}
+
+/// What to say about gains that `preset = fast` of `NabfcController` leaves unused.
+pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<String> {
+    /// What holds under every preset: the arms and the references.
+    const NO_GAINS: [&str; 7] = ["preset", "EI1", "EI2", "l", "L", "lambda1_ref", "theta1_ref"];
+    let settings: Vec<_> = settings.filter(|setting| NABFC.fmu.strip_suffix(".fmu") == Some(setting.model)).collect();
+    let is_fast = |component: &str| {
+        let mut presets = settings.iter().rev().filter(|setting| setting.name == "preset");
+        let preset = presets.find(|setting| setting.component == component);
+        preset.is_some_and(|preset| ["fast", "2"].contains(&preset.value)) // the item's name or its number
+    };
+    let unused = settings.iter().filter(|setting| !NO_GAINS.contains(&setting.name) && is_fast(setting.component));
+    let remark = |Applied { component, name, .. }: &Applied| {
+        format!("{component}.{name} is not used: preset=fast has gains of its own (preset=parameters uses yours)")
+    };
+    unused.map(remark).collect()
+}
+
+/// The component whose output drives the first motor; `None` if nothing does, or there is no motor.
+#[must_use]
+pub fn controller<'a>(components: &'a [(String, Fmu)], wires: &[Wire]) -> Option<&'a str> {
+    let is_motor =
+        |wire: &&Wire| components[wire.to.component].1.description().variables[wire.to.variable].name == "tau1_cmd";
+    wires.iter().find(is_motor).map(|wire| components[wire.from.component].0.as_str())
+}
+
+/// Output limits of the plant's two motors and of the actuator at the object, from its parameters: `k_l·(k_m − m_l)`
+/// and `k_r·(k_M − m_r)`, eqs. (18) to (20). `None` for an FMU without these parameters or with ideal actuators.
+#[must_use]
+pub fn actuator_limits(plant: &mut Instance) -> [Option<Limits>; 3] {
+    [limits_of(plant, 1), limits_of(plant, 1), limits_of(plant, 2)]
+}
+
+fn limits_of(plant: &mut Instance, channel: u8) -> Option<Limits> {
+    let description = plant.description();
+    let model = description.variable("actuator_model");
+    let ideal = model.and_then(|model| {
+        let ideal = description.items(model).iter().find(|item| item.name == "ideal")?;
+        Some((model.value_reference, ideal.value))
+    });
+    let mut references = [0; 6];
+    for (reference, name) in references.iter_mut().zip(["k_M", "k_m", "m_r", "m_l", "k_r", "k_l"]) {
+        *reference = description.variable(&format!("{name}{channel}"))?.value_reference;
+    }
+    if let Some((reference, ideal)) = ideal {
+        let mut model = [0];
+        plant.get_integer(&[reference], &mut model).ok()?;
+        if model[0] == ideal {
+            return None;
+        }
+    }
+    let mut values = [0.0; 6];
+    plant.get_real(&references, &mut values).ok()?;
+    let [k_max, k_min, m_r, m_l, k_r, k_l] = values;
+    Some(Limits { low: k_l * (k_min - m_l), high: k_r * (k_max - m_r) })
+}

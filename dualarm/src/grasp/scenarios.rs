@@ -1,0 +1,165 @@
+//! The scenarios that are compiled in, and the exchange of a scenario's controller.
+
+use std::path::PathBuf;
+
+use super::{CONTROLLERS, Controller};
+use fmi2_cosim::scenario::{Scenario, ScenarioError};
+use fmi2_cosim::settings;
+use fmi2_cosim::system::Located;
+
+/// A scenario file that is compiled in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BuiltIn {
+    /// The file's stem: what a user types.
+    pub name: &'static str,
+    /// The file.
+    pub text: &'static str,
+}
+
+/// There is no built-in scenario of this name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "there is no scenario \"{name}\"{}; `dualarm simulate --list` lists them, a file of your own ends in .toml",
+    settings::suggestion(.similar)
+)]
+pub struct UnknownScenario {
+    /// What the user wrote.
+    pub name: String,
+    /// Names that come close.
+    pub similar: Vec<String>,
+}
+
+/// The scenario has no controller that another one could replace.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("--controller: this scenario runs none of {}", .known.join(", "))]
+pub struct NoController {
+    /// The controllers that can be replaced.
+    pub known: Vec<&'static str>,
+}
+
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        &[$(BuiltIn { name: $name, text: include_str!(concat!("../../../scenarios/", $name, ".toml")) }),*]
+    };
+}
+
+/// The files of the folder `scenarios`, so that the tool has them wherever it runs; the paper's three come first.
+pub const BUILT_IN: &[BuiltIn] = built_in![
+    "nabfc",
+    "pds",
+    "pd",
+    "nabfc-fast",
+    "preload",
+    "unknown-mass",
+    "friction",
+    "viscous-damping",
+    "saturation",
+    "raw-dead-zone",
+    "disturbance-pulse",
+    "loss-of-contact",
+    "change-of-reference",
+    "stiff-arms",
+    "wrong-stiffness",
+];
+
+impl BuiltIn {
+    /// The built-in scenario of that name.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn find(name: &str) -> Result<Self, UnknownScenario> {
+        let names = || BUILT_IN.iter().map(|built_in| built_in.name);
+        BUILT_IN.iter().find(|built_in| built_in.name == name).copied().ok_or_else(|| UnknownScenario {
+            name: name.to_owned(),
+            similar: settings::closest(name, names()).into_iter().map(str::to_owned).collect(),
+        })
+    }
+
+    /// What it says.
+    ///
+    /// # Errors
+    /// None in a released tool: a test reads all of them.
+    pub fn scenario(&self) -> Result<Scenario, ScenarioError> {
+        Scenario::parse(&format!("scenarios/{}.toml", self.name), self.text)
+    }
+}
+
+/// The scenario with another controller in the place of the one it names.
+///
+/// # Errors
+/// When it names none.
+pub fn with_controller(mut scenario: Scenario, controller: &Controller) -> Result<Scenario, NoController> {
+    let is_controller =
+        |file: &&mut PathBuf| CONTROLLERS.iter().any(|known| file.file_name().is_some_and(|name| name == known.fmu));
+    let Some(replaced) = scenario.fmus.iter_mut().find(is_controller) else {
+        let mut known: Vec<_> = CONTROLLERS.iter().map(|known| known.fmu).collect();
+        known.dedup();
+        return Err(NoController { known });
+    };
+    replaced.set_file_name(controller.fmu);
+    scenario.title = format!("{} ({})", scenario.title, controller.title);
+    scenario.settings.splice(0..0, controller.settings().map(Located::nowhere));
+    Ok(scenario)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use super::*;
+    use crate::grasp::{NABFC_FAST, PD, PLANT};
+    use fmi2_cosim::settings::Setting;
+
+    #[test]
+    fn every_file_of_the_folder_is_built_in_and_says_what_it_is() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios");
+        let mut files: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+            .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+            .collect();
+        let mut names: Vec<_> = BUILT_IN.iter().map(|built_in| built_in.name).collect();
+        files.sort();
+        names.sort_unstable();
+        assert_eq!(files, names);
+        for built_in in BUILT_IN {
+            let scenario = built_in.scenario().unwrap();
+            assert!(scenario.title.chars().count() <= 60, "{}: one line", built_in.name);
+            assert!(scenario.description.len() > 80, "{}: says what it shows", built_in.name);
+        }
+    }
+
+    #[test]
+    fn every_controller_has_the_papers_case() {
+        for controller in CONTROLLERS {
+            let scenario = BuiltIn::find(controller.key).unwrap().scenario().unwrap();
+            assert_eq!(scenario.fmus, [Path::new(PLANT), Path::new(controller.fmu)]);
+            let settings: Vec<_> = scenario.settings.iter().map(|setting| setting.item.clone()).collect();
+            assert_eq!(settings, controller.settings().collect::<Vec<_>>());
+        }
+    }
+
+    #[test]
+    fn unknown_names_are_answered_with_known_ones() {
+        let message = BuiltIn::find("pre-load").unwrap_err().to_string();
+        assert!(message.contains("no scenario \"pre-load\"; did you mean preload?"), "{message}");
+    }
+
+    #[test]
+    fn another_controller_takes_the_place_of_the_first() {
+        let scenario = BuiltIn::find("preload").unwrap().scenario().unwrap();
+        let fast = with_controller(scenario.clone(), &NABFC_FAST).unwrap();
+        assert_eq!(fast.fmus[1], Path::new("NabfcController.fmu"));
+        assert_eq!(fast.settings[0].item, Setting::new("preset", "fast"));
+        assert_eq!(fast.settings[1..], scenario.settings[..]);
+        let mut alone = scenario;
+        alone.fmus.truncate(1);
+        let message = with_controller(alone, &PD).unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "--controller: this scenario runs none of NabfcController.fmu, PdsController.fmu, PdController.fmu"
+        );
+    }
+}

@@ -1,0 +1,496 @@
+//! The project's own systems: the plant with each of its controllers, composed from the descriptions of the FMUs.
+//!
+//! What other tools can read shapes the default structure:
+//!
+//! * Ecos 0.7 and `libcosim` (of libcosimpy 0.0.6) stop at connections of the system's own connectors and at enumeration parameters; so
+//!   references and disturbances are connectors of the system in the variant [`DRIVEN`] only, and enumerations are left
+//!   to the start values of the FMUs.
+//! * fmpy 0.3 sets every input that has a connector, unconnected ones to zero, so inputs without a source have no
+//!   connector: the references keep their start values.
+//! * `OMSimulator` 2 stops at `<SystemGeometry>` and wants identifiers as names. The drawing needs no canvas of its own:
+//!   all connections are straight lines between the two boxes.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::grasp::scenarios::{BuiltIn, UnknownScenario};
+use crate::grasp::{self, Controller};
+use fmi2_cosim::files::{self, WriteError};
+use fmi2_cosim::scenario::{Scenario, ScenarioError};
+use fmi2_cosim::settings::Setting;
+use fmi2_cosim::ssp::package::{self, DEFAULT_STRUCTURE};
+use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Value};
+use fmi2_cosim::ssp::structure::{
+    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Point, System, SystemStructure,
+    Values,
+};
+use fmi2_cosim::ssp::write;
+use fmi2_cosim::system::Located;
+use fmi2_cosim::wiring::{AmbiguousWire, wire_by_name};
+use fmi2_import::description::{DescriptionError, Unit, VariableType};
+use fmi2_import::{Causality, Fmu, FmuError, ModelDescription, Variable};
+
+/// A grasp to package: the plant with one controller.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grasp {
+    /// The controller.
+    pub controller: Controller,
+    /// Communication step size in s that bears one step of delay between the FMUs, as most tools exchange signals.
+    step: f64,
+    /// Variants with other parameters: name of the variant and of the [built-in scenario](BuiltIn) they come from.
+    presets: &'static [(&'static str, &'static str)],
+}
+
+/// All grasps.
+pub const GRASPS: [Grasp; 3] = [
+    Grasp { controller: grasp::NABFC, step: 1e-4, presets: &[(PRELOAD, "preload"), ("Fast", "nabfc-fast")] },
+    Grasp { controller: grasp::PDS, step: 1e-4, presets: &[(PRELOAD, "preload")] },
+    // With 0.1 ms and a delay, the hub gain excites the arms' higher bending modes.
+    Grasp { controller: grasp::PD, step: 5e-5, presets: &[(PRELOAD, "preload")] },
+];
+
+/// The variant with references and disturbances as inputs of the system and contact forces as outputs.
+pub const DRIVEN: &str = "Driven";
+/// The variant that starts with a small contact force.
+pub const PRELOAD: &str = "Preload";
+/// Name of the parameter sets that the default structure binds to its components.
+pub const PAPER: &str = "paper";
+
+/// Why a system cannot be composed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ComposeError {
+    /// Two outputs could feed one input.
+    #[error(transparent)]
+    Wiring(#[from] AmbiguousWire),
+    /// A built-in scenario is not there.
+    #[error(transparent)]
+    Unknown(#[from] UnknownScenario),
+    /// A built-in scenario cannot be read.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// A scenario sets what neither FMU has, or to what its type does not allow.
+    #[error("the scenario \"{scenario}\" sets {setting}, which fits no variable of the FMUs")]
+    Setting {
+        /// Title of the scenario.
+        scenario: String,
+        /// The setting.
+        setting: Setting,
+    },
+    /// An FMU cannot be used.
+    #[error(transparent)]
+    Fmu(#[from] FmuError),
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}; `dualarm package` and `cargo xtask describe` make it", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A description cannot be used.
+    #[error("cannot use {}: {source}", path.display())]
+    Description {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: DescriptionError,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// Names of the two components.
+const PLANT: &str = "plant";
+const CONTROLLER: &str = "controller";
+
+/// Outputs that are shown though no component needs them.
+const SHOWN: [&str; 2] = ["contact_force1", "contact_force2"];
+
+/// Distance of neighbouring connectors in the drawing.
+const PITCH: f64 = 10.0;
+/// Width of the boxes, and of the space between them and around them.
+const WIDTH: f64 = 80.0;
+
+/// A text file of a package: its path, and its content.
+pub type TextFile = (String, String);
+
+/// Composes all packages from the FMUs in a folder, and writes them there as `.ssp` files.
+///
+/// # Errors
+/// When an FMU is not there or cannot be used, or a package cannot be written.
+pub fn write_packages(folder: &Path) -> Result<Vec<PathBuf>, ComposeError> {
+    let mut written = Vec::new();
+    for grasp in GRASPS {
+        let mut fmus = Vec::new();
+        let mut descriptions = Vec::new();
+        for file in [grasp::PLANT, grasp.controller.fmu] {
+            let path = folder.join(file);
+            descriptions.push(Fmu::read_description(&path)?);
+            fmus.push((file.to_owned(), read_file(&path)?));
+        }
+        let texts = grasp.describe([&descriptions[0], &descriptions[1]])?;
+        let path = folder.join(format!("{}.ssp", grasp.name()));
+        let bytes = archive(&texts, &fmus).map_err(|source| WriteError { path: path.clone(), source })?;
+        files::write(&path, bytes)?;
+        written.push(path);
+    }
+    Ok(written)
+}
+
+/// Composes the structures and parameter sets of all packages from the FMUs' descriptions in a folder, `NAME.xml`.
+/// Returns their paths below that folder with their contents.
+///
+/// # Errors
+/// When a description is not there or cannot be used.
+pub fn describe_packages(folder: &Path) -> Result<Vec<TextFile>, ComposeError> {
+    let description = |file: &str| {
+        let path = folder.join(Path::new(file).with_extension("xml"));
+        let bytes = read_file(&path)?;
+        ModelDescription::from_bytes(&bytes).map_err(|source| ComposeError::Description { path, source })
+    };
+    let plant = description(grasp::PLANT)?;
+    let mut texts = Vec::new();
+    for grasp in GRASPS {
+        let controller = description(grasp.controller.fmu)?;
+        let files = grasp.describe([&plant, &controller])?;
+        texts.extend(files.into_iter().map(|(path, text)| (format!("{}/{path}", grasp.name()), text)));
+    }
+    Ok(texts)
+}
+
+/// The package, from its text files and its FMUs (file name and content).
+fn archive(texts: &[TextFile], fmus: &[(String, Vec<u8>)]) -> io::Result<Vec<u8>> {
+    let fmus = fmus.iter().map(|(name, content)| (fmu_path(name), content.as_slice())).collect::<Vec<_>>();
+    let texts = texts.iter().map(|(path, text)| (path.as_str(), text.as_bytes()));
+    package::archive(texts.chain(fmus.iter().map(|(path, content)| (path.as_str(), *content))))
+}
+
+fn read_file(path: &Path) -> Result<Vec<u8>, ComposeError> {
+    std::fs::read(path).map_err(|source| ComposeError::Read { path: path.to_owned(), source })
+}
+
+impl Grasp {
+    /// Name of the package, without extension.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("DualArmGrasp-{}", self.controller.title)
+    }
+
+    /// The structures and parameter sets, from the descriptions of the plant and of the controller.
+    fn describe(&self, descriptions: [&ModelDescription; 2]) -> Result<Vec<TextFile>, ComposeError> {
+        let closed = self.structure(descriptions)?;
+        let mut files = Vec::new();
+        let mut add_structure = |variant: &str, mut structure: SystemStructure, set: Option<ParameterSet>| {
+            if let Some(set) = set {
+                let path = format!("resources/{}.ssv", variant.to_lowercase());
+                structure.system.bindings.push(file_binding(path.clone()));
+                files.push((path, write::parameter_set(&set)));
+            }
+            files.push((format!("{variant}.ssd"), write::system_structure(&structure)));
+        };
+        let default = DEFAULT_STRUCTURE.trim_end_matches(".ssd");
+        add_structure(default, closed.clone(), None);
+        let (driven, start_values) = driven(closed.clone(), descriptions);
+        add_structure(DRIVEN, driven, Some(start_values));
+
+        for (variant, scenario) in self.presets {
+            let scenario = BuiltIn::find(scenario)?.scenario()?;
+            let mut structure = closed.clone();
+            structure.name = format!("{}_{variant}", closed.name);
+            structure.description = Some(scenario.title.clone());
+            add_structure(variant, structure, Some(settings_set(variant, &scenario, descriptions)?));
+        }
+        for (component, description) in closed.system.components.iter().zip(descriptions) {
+            let set = paper_set(description, &component.connectors);
+            files.push((paper_set_path(description), write::parameter_set(&set)));
+        }
+        files.sort();
+        Ok(files)
+    }
+
+    /// The default structure: two components, connected by equal names.
+    fn structure(&self, descriptions: [&ModelDescription; 2]) -> Result<SystemStructure, ComposeError> {
+        let scenario = BuiltIn::find(self.controller.key)?.scenario()?;
+        let names = [PLANT, CONTROLLER];
+        let named = [(names[0], descriptions[0]), (names[1], descriptions[1])];
+        let connections: Vec<Connection> = wire_by_name(&named)?
+            .iter()
+            .map(|wire| {
+                let end = |terminal: fmi2_cosim::wiring::Terminal| {
+                    let variable = &descriptions[terminal.component].variables[terminal.variable];
+                    End::of(names[terminal.component], &variable.name)
+                };
+                Connection {
+                    start: end(wire.from),
+                    end: end(wire.to),
+                    suppress_unit_conversion: false,
+                    line: Line::default(),
+                }
+            })
+            .collect();
+        let components: Vec<_> = names
+            .iter()
+            .zip(descriptions)
+            .map(|(name, description)| {
+                let is_connected = |variable: &&Variable| {
+                    let end = End::of(name, &variable.name);
+                    connections.iter().any(|connection| connection.start == end || connection.end == end)
+                };
+                let variables = description
+                    .variables
+                    .iter()
+                    .filter(|variable| is_connected(variable) || SHOWN.contains(&variable.name.as_str()));
+                Component {
+                    name: (*name).to_owned(),
+                    description: description.description.clone(),
+                    source: fmu_path(&format!("{}.fmu", description.model_name)),
+                    connectors: variables.filter_map(connector).collect(),
+                    extent: None,
+                    bindings: vec![file_binding(paper_set_path(description))],
+                    line: Line::default(),
+                }
+            })
+            .collect();
+        let mut structure = SystemStructure {
+            name: self.name().replace('-', "_"),
+            description: Some(scenario.title),
+            system: System {
+                name: "DualArmGrasp".into(),
+                description: Some("The arms with the object between them, and the controller".into()),
+                components,
+                connections,
+                ..System::default()
+            },
+            experiment: Experiment { start: Some(0.0), stop: scenario.experiment.stop, step: Some(self.step) },
+            ..SystemStructure::default()
+        };
+        draw(&mut structure.system);
+        set_units(&mut structure, descriptions);
+        Ok(structure)
+    }
+}
+
+fn fmu_path(file_name: &str) -> String {
+    format!("resources/{file_name}")
+}
+
+fn paper_set_path(description: &ModelDescription) -> String {
+    format!("resources/{}.ssv", description.model_name)
+}
+
+fn file_binding(path: String) -> Binding {
+    Binding { values: Values::File(path), ..Binding::default() }
+}
+
+/// The connector of an input or output.
+fn connector(variable: &Variable) -> Option<Connector> {
+    let kind = match variable.causality {
+        Causality::Input => Kind::Input,
+        Causality::Output => Kind::Output,
+        _ => return None,
+    };
+    Some(Connector {
+        name: variable.name.clone(),
+        kind,
+        base_type: Some(variable.base_type()),
+        unit: variable.unit().map(str::to_owned),
+        description: variable.description.clone(),
+        position: None,
+        line: Line::default(),
+    })
+}
+
+/// The variant in which all inputs that the components leave open are inputs of the system, and the shown outputs its
+/// outputs; with the start values of those inputs.
+fn driven(closed: SystemStructure, descriptions: [&ModelDescription; 2]) -> (SystemStructure, ParameterSet) {
+    let mut structure = closed;
+    structure.name = format!("{}_{DRIVEN}", structure.name);
+    structure.description =
+        Some("References and disturbances are inputs of the system, the contact forces its outputs".into());
+    let system = &mut structure.system;
+    let mut start_values = ParameterSet {
+        name: DRIVEN.to_lowercase(),
+        description: Some("Start values of the system's inputs: those of the FMUs".into()),
+        ..ParameterSet::default()
+    };
+    for (component, description) in system.components.iter_mut().zip(descriptions) {
+        let is_free = |variable: &&Variable| {
+            variable.causality == Causality::Input
+                && !component.connectors.iter().any(|connector| connector.name == variable.name)
+        };
+        let free: Vec<&Variable> = description.variables.iter().filter(is_free).collect();
+        component.connectors.extend(free.iter().copied().filter_map(connector));
+        start_values.parameters.extend(free.iter().copied().filter_map(parameter));
+        let outer = component.connectors.iter().filter(|connector| {
+            free.iter().any(|variable| variable.name == connector.name) || SHOWN.contains(&connector.name.as_str())
+        });
+        for connector in outer {
+            let (inside, outside) = (End::of(&component.name, &connector.name), End::system(&connector.name));
+            let (start, end) = if connector.kind == Kind::Input { (outside, inside) } else { (inside, outside) };
+            let line = Line::default();
+            system.connections.push(Connection { start, end, suppress_unit_conversion: false, line });
+            system.connectors.push(connector.clone());
+        }
+    }
+    start_values.units = units_of(descriptions, &parameter_units(&start_values));
+    draw(system);
+    set_units(&mut structure, descriptions);
+    (structure, start_values)
+}
+
+/// Start values of an FMU's parameters, except enumerations, and of the inputs that are not among its connectors.
+fn paper_set(description: &ModelDescription, connectors: &[Connector]) -> ParameterSet {
+    let mut set = ParameterSet {
+        name: PAPER.into(),
+        description: Some(format!("Start values of {}: the paper's case", description.model_name)),
+        ..ParameterSet::default()
+    };
+    let is_set = |variable: &&Variable| match variable.causality {
+        Causality::Parameter => true,
+        Causality::Input => !connectors.iter().any(|connector| connector.name == variable.name),
+        _ => false,
+    };
+    set.parameters = description.variables.iter().filter(is_set).filter_map(parameter).collect();
+    set.units = units_of([description, description], &parameter_units(&set));
+    set
+}
+
+/// A variable's start value, if it has one and is no enumeration.
+fn parameter(variable: &Variable) -> Option<Parameter> {
+    let value = match &variable.kind {
+        VariableType::Real(real) => Value::Real(real.start?, real.unit.clone()),
+        VariableType::Integer { start, .. } => Value::Integer((*start)?),
+        VariableType::Boolean { start } => Value::Boolean((*start)?),
+        VariableType::String { start } => Value::String(start.clone()?),
+        VariableType::Enumeration { .. } => return None,
+    };
+    Some(Parameter { name: variable.name.clone(), value, line: Line::default() })
+}
+
+/// Settings of a scenario as a parameter set of the system, under hierarchical names.
+fn settings_set(
+    variant: &str,
+    scenario: &Scenario,
+    descriptions: [&ModelDescription; 2],
+) -> Result<ParameterSet, ComposeError> {
+    let mut set = ParameterSet {
+        name: variant.to_lowercase(),
+        description: Some(scenario.title.clone()),
+        ..ParameterSet::default()
+    };
+    for Located { item: setting, .. } in scenario.settings.iter().chain(&scenario.held) {
+        let unfit = || ComposeError::Setting { scenario: scenario.title.clone(), setting: setting.clone() };
+        let before = set.parameters.len();
+        for (component, model) in [PLANT, CONTROLLER].into_iter().zip(descriptions) {
+            let Some(variable) = model.variable(&setting.target) else { continue };
+            let text = &setting.value;
+            let value = match &variable.kind {
+                VariableType::Real(real) => text.parse().ok().map(|value| Value::Real(value, real.unit.clone())),
+                VariableType::Integer { .. } => text.parse().ok().map(Value::Integer),
+                VariableType::Boolean { .. } => text.parse().ok().map(Value::Boolean),
+                VariableType::String { .. } => Some(Value::String(text.clone())),
+                VariableType::Enumeration { declared_type, .. } => {
+                    let kind = declared_type.map(|index| &model.types[index]);
+                    set.enumerations.extend(kind.map(|kind| (kind.name.clone(), kind.items.clone())));
+                    Some(Value::Enumeration(text.clone(), kind.map(|kind| kind.name.clone())))
+                }
+            };
+            let name = format!("{component}.{}", variable.name);
+            set.parameters.push(Parameter { name, value: value.ok_or_else(unfit)?, line: Line::default() });
+        }
+        if set.parameters.len() == before {
+            return Err(unfit());
+        }
+    }
+    set.units = units_of(descriptions, &parameter_units(&set));
+    Ok(set)
+}
+
+fn parameter_units(set: &ParameterSet) -> Vec<&str> {
+    let units = set.parameters.iter().map(|parameter| match &parameter.value {
+        Value::Real(_, unit) => unit.as_deref(),
+        _ => None,
+    });
+    units.flatten().collect()
+}
+
+fn set_units(structure: &mut SystemStructure, descriptions: [&ModelDescription; 2]) {
+    let system = &structure.system;
+    let connectors = system.components.iter().flat_map(|component| &component.connectors).chain(&system.connectors);
+    let used: Vec<_> = connectors.filter_map(|connector| connector.unit.as_deref()).collect();
+    structure.units = units_of(descriptions, &used);
+}
+
+/// Definitions of the units, sorted by name.
+fn units_of(descriptions: [&ModelDescription; 2], names: &[&str]) -> Vec<Unit> {
+    let mut units: Vec<_> = descriptions
+        .iter()
+        .flat_map(|description| &description.units)
+        .filter(|unit| names.contains(&unit.name.as_str()))
+        .cloned()
+        .collect();
+    units.sort_by(|a, b| a.name.cmp(&b.name));
+    units.dedup_by(|a, b| a.name == b.name);
+    for unit in &mut units {
+        unit.display_units.clear(); // SSP has none
+    }
+    units
+}
+
+/// Draws the block diagram of the field: the controller at the left, the plant at the right, commands and measured
+/// signals as straight lines between them. References come from the left, disturbances from above, forces leave to the
+/// right.
+fn draw(system: &mut System) {
+    let between = system
+        .connections
+        .iter()
+        .filter(|connection| connection.start.element.is_some() && connection.end.element.is_some());
+    // Commands above measured signals, each in the order of the file.
+    let mut rows: Vec<(bool, String)> = between
+        .map(|connection| (connection.start.element.as_deref() == Some(PLANT), connection.start.connector.clone()))
+        .collect();
+    rows.sort_by_key(|(is_measured, _)| *is_measured);
+    let is_driven = !system.connectors.is_empty();
+    let first_row = PITCH * rows.len() as f64;
+    // Names of the connectors at the top need room above the first row.
+    let height = first_row + if is_driven { 4.0 * PITCH } else { PITCH };
+    let row = |index: usize| first_row - PITCH * index as f64;
+    let boxes = |name: &str| {
+        let left = if name == CONTROLLER { 0.0 } else { 2.0 * WIDTH };
+        Extent::new(left, 0.0, left + WIDTH, height)
+    };
+    let canvas = Extent::new(-WIDTH, -2.0 * PITCH, 4.0 * WIDTH, height + 4.0 * PITCH);
+
+    for component in &mut system.components {
+        let extent = boxes(&component.name);
+        component.extent = Some(extent);
+        let is_plant = component.name == PLANT;
+        let (mut outer_rows, mut columns) = (0.., 0..);
+        for connector in &mut component.connectors {
+            let shared = rows.iter().position(|(_, name)| *name == connector.name);
+            let (inner, outer) = if is_plant { (extent.low.x, extent.high.x) } else { (extent.high.x, extent.low.x) };
+            let point = match (shared, connector.kind) {
+                (Some(index), _) => Point { x: inner, y: row(index) },
+                (None, Kind::Input) if is_plant => {
+                    let column: usize = columns.next().unwrap_or_default();
+                    Point { x: extent.low.x + 2.0 * PITCH * (column + 1) as f64, y: extent.high.y }
+                }
+                (None, _) => Point { x: outer, y: row(outer_rows.next().unwrap_or_default()) },
+            };
+            connector.position = Some(extent.relative(point));
+            if let Some(own) = system.connectors.iter_mut().find(|own| own.name == connector.name) {
+                let at_border = if point.y >= extent.high.y {
+                    Point { y: canvas.high.y, ..point }
+                } else if is_plant {
+                    Point { x: canvas.high.x, ..point }
+                } else {
+                    Point { x: canvas.low.x, ..point }
+                };
+                own.position = Some(canvas.relative(at_border));
+            }
+        }
+    }
+    system.canvas = is_driven.then_some(canvas);
+}

@@ -1,0 +1,75 @@
+//! Figures: the paper's Figs. 2 to 18, overlays of the three controllers, and the picture of the README.
+//!
+//! [`chart`] draws, [`paper`] and [`overlay`] say what, [`raster`] turns the SVG into PNG.
+
+pub mod chart;
+pub mod overlay;
+pub mod paper;
+pub mod raster;
+pub mod text;
+
+use crate::grasp::Controller;
+use crate::grasp::metrics::Metrics;
+use crate::report::parameters::ModelParameters;
+use chart::Figure;
+use fmi2_cosim::record::Table;
+
+/// The result of one scenario, as figures and the report need it.
+#[derive(Debug, Clone)]
+pub struct Outcome {
+    /// What was run.
+    pub scenario: Controller,
+    /// What was recorded.
+    pub table: Table,
+    /// How good it was.
+    pub metrics: Metrics,
+    /// Parameters of plant and controller, in this order.
+    pub models: Vec<ModelParameters>,
+}
+
+/// A figure with the name of its files.
+#[derive(Debug, Clone)]
+pub struct NamedFigure {
+    /// File name without extension.
+    pub name: String,
+    /// What it shows, in one line.
+    pub caption: String,
+    /// How to read it: what lines and shades mean, in sentences.
+    pub note: String,
+    /// The figure.
+    pub figure: Figure,
+}
+
+/// The signals figures show; what a run need not record is left out.
+pub const SIGNALS: &[&str] = &[
+    "contact_force1",
+    "contact_force2",
+    "theta1",
+    "theta2",
+    "theta1_d",
+    "theta2_d",
+    "lambda2_d",
+    "tau1",
+    "tau2",
+    "u",
+    "tau1_cmd",
+    "tau2_cmd",
+    "u_cmd",
+    "m_hat",
+    "J1_hat",
+    "J2_hat",
+    "epsilon_hat",
+    "pi1_hat",
+    "pi2_hat",
+    "W_norm",
+    "U1_norm",
+    "U2_norm",
+];
+
+/// All figures of a comparison, in the order of the report.
+#[must_use]
+pub fn all(outcomes: &[Outcome]) -> Vec<NamedFigure> {
+    let mut figures = overlay::figures(outcomes);
+    figures.extend(paper::figures(outcomes));
+    figures
+}

@@ -1,0 +1,284 @@
+//! The paper's Figs. 2 to 18: for each scenario forces, angles, (estimates,) and control signals.
+
+use super::chart::{Curve, Figure, Panel, Target, palette};
+use super::{NamedFigure, Outcome};
+use fmi2_cosim::record::Table;
+
+/// Size of a figure in px.
+const SIZE: (u32, u32) = (720, 400);
+const TALL: (u32, u32) = (720, 520);
+
+/// A figure of the paper: its number and what it shows of a scenario.
+struct Entry {
+    number: u32,
+    scenario: &'static str,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Force(usize),
+    Angle(usize),
+    Estimates,
+    Torques,
+    TipForce,
+}
+
+const fn entry(number: u32, scenario: &'static str, kind: Kind) -> Entry {
+    Entry { number, scenario, kind }
+}
+
+/// What each figure of the paper shows. PD has no angles there.
+const ENTRIES: [Entry; 17] = [
+    entry(2, "nabfc", Kind::Force(1)),
+    entry(3, "nabfc", Kind::Force(2)),
+    entry(4, "nabfc", Kind::Angle(1)),
+    entry(5, "nabfc", Kind::Angle(2)),
+    entry(6, "nabfc", Kind::Estimates),
+    entry(7, "nabfc", Kind::Torques),
+    entry(8, "nabfc", Kind::TipForce),
+    entry(9, "pds", Kind::Force(1)),
+    entry(10, "pds", Kind::Force(2)),
+    entry(11, "pds", Kind::Angle(1)),
+    entry(12, "pds", Kind::Angle(2)),
+    entry(13, "pds", Kind::Torques),
+    entry(14, "pds", Kind::TipForce),
+    entry(15, "pd", Kind::Force(1)),
+    entry(16, "pd", Kind::Force(2)),
+    entry(17, "pd", Kind::Torques),
+    entry(18, "pd", Kind::TipForce),
+];
+
+/// Figs. 2 to 18, as far as their scenarios are there.
+#[must_use]
+pub fn figures(outcomes: &[Outcome]) -> Vec<NamedFigure> {
+    let find = |key| outcomes.iter().find(|outcome| outcome.scenario.key == key);
+    ENTRIES.iter().filter_map(|entry| Some(entry.figure(find(entry.scenario)?))).collect()
+}
+
+impl Entry {
+    fn figure(&self, outcome: &Outcome) -> NamedFigure {
+        let table = &outcome.table;
+        let range = window(outcome);
+        let (subject, size, rows) = match self.kind {
+            Kind::Force(arm) => (format!("Contact force, arm {arm}"), SIZE, single(force(table, arm, range))),
+            Kind::Angle(arm) => (format!("Hub angle, arm {arm}"), SIZE, single(angle(table, arm, range))),
+            Kind::Estimates => ("Norms of the estimated parameters".into(), TALL, estimates(outcome, range)),
+            Kind::Torques => {
+                let rows = vec![control(table, "tau1", range), control(table, "tau2", range)];
+                ("Torques at the roots".into(), TALL, below_each_other(rows))
+            }
+            Kind::TipForce => {
+                let rows = vec![control(table, "u", range)];
+                ("Force at the end-effectors".into(), SIZE, below_each_other(rows))
+            }
+        };
+        let number = self.number;
+        let title = outcome.scenario.title;
+        NamedFigure {
+            name: format!("fig{number:02}"),
+            caption: format!("Fig. {number} — {subject} ({title})"),
+            note: self.kind.note().into(),
+            figure: Figure { title: format!("Fig. {number} — {subject} ({title})"), size, rows },
+        }
+    }
+}
+
+impl Kind {
+    fn note(self) -> &'static str {
+        match self {
+            Self::Force(_) => FORCE_NOTE,
+            Self::Angle(_) => ANGLE_NOTE,
+            Self::Estimates => {
+                "The mass and the inertias are adaptive gains of the law, the disturbances bounds that it learns. They stop \
+                 where the errors vanish and need not reach the true values, which the panels state; m̂ must stay well below \
+                 (docs/controllers.md says why)."
+            }
+            Self::Torques | Self::TipForce => {
+                "Thin: what the actuator puts out; wide: what the controller commands. Where the start kicks, its first \
+                 20 ms have a panel of their own, and the other panel cuts them off."
+            }
+        }
+    }
+}
+
+pub(super) const FORCE_NOTE: &str = "Horizontal line: the target, shaded: ±2 % of it.";
+pub(super) const ANGLE_NOTE: &str = "Horizontal line: the target.";
+
+/// A round time span that shows the settling and some calm after it.
+fn window(outcome: &Outcome) -> (f64, f64) {
+    const ROUND: [f64; 10] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+    let times = outcome.table.times();
+    let (start, stop) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(1.0));
+    let wanted = outcome.metrics.settling_2().map_or(f64::INFINITY, |settling| 2.2 * settling);
+    let span = ROUND.into_iter().find(|span| *span >= wanted).unwrap_or(f64::INFINITY);
+    (start, stop.min(start + span))
+}
+
+fn single(panel: Panel) -> Vec<Vec<Panel>> {
+    below_each_other(vec![vec![panel]])
+}
+
+/// Rows of panels with a labelled time axis only under the last one, unless they differ in their axes.
+pub(super) fn below_each_other(mut rows: Vec<Vec<Panel>>) -> Vec<Vec<Panel>> {
+    let axes = |row: &[Panel]| row.iter().map(|panel| panel.x_range).collect::<Vec<_>>();
+    for index in 0..rows.len() {
+        let is_last = rows.get(index + 1).is_none_or(|next| axes(next) != axes(&rows[index]));
+        for panel in &mut rows[index] {
+            panel.x_label = is_last.then(|| "Time (s)".into());
+        }
+    }
+    rows
+}
+
+/// A signal as the points of a curve.
+pub(super) fn points(table: &Table, name: &str, scale: f64) -> Vec<(f64, f64)> {
+    let values = table.column(name).unwrap_or_default();
+    table.times().iter().copied().zip(values.into_iter().map(|value| value * scale)).collect()
+}
+
+/// The last value of a signal.
+fn last(table: &Table, name: &str) -> Option<f64> {
+    table.column(name)?.last().copied()
+}
+
+pub(super) fn force_target(table: &Table) -> Vec<Target> {
+    let target = last(table, "lambda2_d").map(|value| Target {
+        value,
+        band: 0.02 * value.abs(),
+        labels: vec![format!("target {} N", super::text::number(value, 1)), "±2 %".into()],
+    });
+    target.into_iter().collect()
+}
+
+pub(super) fn angle_target(table: &Table, arm: usize) -> Vec<Target> {
+    let target = last(table, &format!("theta{arm}_d")).map(|radians| Target {
+        value: radians.to_degrees(),
+        band: 0.0,
+        labels: vec![format!("target {}°", super::text::number(radians.to_degrees(), 2))],
+    });
+    target.into_iter().collect()
+}
+
+pub(super) const SUBSCRIPTS: [&str; 3] = ["", "₁", "₂"];
+
+fn force(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
+    let points = points(table, &format!("contact_force{arm}"), 1.0);
+    Panel {
+        y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
+        x_range,
+        y_include: vec![0.0],
+        curves: vec![Curve { name: String::new(), color: palette::BLUE, wide: false, points }],
+        targets: force_target(table),
+        ..Panel::default()
+    }
+}
+
+fn angle(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
+    let points = points(table, &format!("theta{arm}"), 1_f64.to_degrees());
+    Panel {
+        y_label: format!("Hub angle θ{} (°)", SUBSCRIPTS[arm]),
+        x_range,
+        y_include: vec![0.0],
+        curves: vec![Curve { name: String::new(), color: palette::BLUE, wide: false, points }],
+        targets: angle_target(table, arm),
+        ..Panel::default()
+    }
+}
+
+/// A control signal: thin what the actuator puts out, on top of what the controller commands.
+fn control(table: &Table, signal: &str, x_range: (f64, f64)) -> Vec<Panel> {
+    let curve = |name: &str, signal: &str, color, wide| Curve {
+        name: name.into(),
+        color,
+        wide,
+        points: points(table, signal, 1.0),
+    };
+    with_close_up(Panel {
+        y_label: control_label(signal),
+        x_range,
+        y_include: vec![0.0],
+        curves: vec![
+            curve("actuator output", signal, palette::BLUE, false),
+            curve("commanded", &format!("{signal}_cmd"), palette::VERMILION, true),
+        ],
+        ..Panel::default()
+    })
+}
+
+/// How long the kick lasts that PD and PDS begin with, in s.
+const START: f64 = 0.02;
+
+/// A kick at the start would squeeze the rest of a control signal into a line. So the start gets a panel of its own, and
+/// the other panel cuts the kick off.
+pub(super) fn with_close_up(panel: Panel) -> Vec<Panel> {
+    let start = panel.x_range.0;
+    let span = |from: f64| {
+        let points = panel.curves.iter().flat_map(|curve| &curve.points).filter(|(time, _)| *time >= from);
+        let (low, high) = points.fold((0.0_f64, 0.0_f64), |(low, high), (_, y)| (low.min(*y), high.max(*y)));
+        high - low
+    };
+    if span(start) < 5.0 * span(start + START) {
+        return vec![panel];
+    }
+    let close_up = Panel { x_range: (start, start + START), weight: 0.4, ..panel.clone() };
+    // After the kick output and command are equal, and what vibrates would cover everything below it.
+    vec![close_up, Panel { y_label: String::new(), y_from: Some(start + START), first_on_top: true, ..panel }]
+}
+
+pub(super) fn control_label(signal: &str) -> String {
+    match signal {
+        "tau1" => "Torque τ₁ (N·m)".into(),
+        "tau2" => "Torque τ₂ (N·m)".into(),
+        _ => "Force u (N)".into(),
+    }
+}
+
+/// Each estimate has its own unit, so each has its own panel; the two arms share one, the object has another colour.
+fn estimates(outcome: &Outcome, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
+    let plant = outcome.models.first();
+    let true_value = |names: &[&str]| names.iter().map(|name| plant?.real(name)).sum::<Option<f64>>();
+    let mass = with_truth("mass", true_value(&["m1", "m2", "M"]), "kg");
+    let inertias = [true_value(&["J1"]), true_value(&["J2"])];
+    // One number for both hubs, where they are alike.
+    let inertias = with_truth("hub inertias", inertias[0].filter(|_| inertias[0] == inertias[1]), "kg·m²");
+    let panel = |label: &str, signals: &[&str], heading: &str, last: bool| {
+        let is_object = signals.len() == 1;
+        let colors = if is_object { [palette::PURPLE; 2] } else { [palette::BLUE, palette::VERMILION] };
+        let curves = signals.iter().zip(colors).enumerate().map(|(arm, (signal, color))| Curve {
+            name: if is_object { "object".into() } else { format!("arm {}", arm + 1) },
+            color,
+            wide: !is_object && arm == 0, // the second arm's may lie on it
+            points: points(&outcome.table, signal, 1.0).into_iter().map(|(time, value)| (time, value.abs())).collect(),
+        });
+        Panel {
+            heading: Some(heading.into()),
+            x_label: last.then(|| "Time (s)".into()),
+            y_label: label.into(),
+            x_range,
+            y_include: vec![0.0],
+            curves: curves.collect(),
+            ..Panel::default()
+        }
+    };
+    vec![
+        vec![
+            panel("|m̂| (kg)", &["m_hat"], &mass, false),
+            panel("|Ĵ| (kg·m²)", &["J1_hat", "J2_hat"], &inertias, false),
+        ],
+        vec![
+            panel("|ε̂| (N)", &["epsilon_hat"], "disturbance, object", false),
+            panel("|π̂| (N·m)", &["pi1_hat", "pi2_hat"], "disturbance, hubs", false),
+        ],
+        vec![
+            panel("‖Ŵ‖", &["W_norm"], "network, object", true),
+            panel("‖Û‖", &["U1_norm", "U2_norm"], "networks, hubs", true),
+        ],
+    ]
+}
+
+/// A heading that states the true value, which is often far outside the curve's axis.
+fn with_truth(heading: &str, value: Option<f64>, unit: &str) -> String {
+    // Sums such as 0.1 + 0.1 + 0.3 have digits that only rounding puts there.
+    value.map_or(heading.into(), |value| format!("{heading} (true: {} {unit})", (value * 1e9).round() / 1e9))
+}

@@ -1,0 +1,231 @@
+//! Tables and the report of a comparison; its [`figures`], and the same as a page to play with ([`html`]) with the models'
+//! [`parameters`].
+
+pub mod figures;
+pub mod html;
+pub mod parameters;
+
+use std::fmt::Write;
+
+use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
+use crate::report::figures::text::number;
+use crate::report::figures::{NamedFigure, Outcome};
+
+/// A table of texts: a header and rows.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct TextTable {
+    /// Column headings.
+    pub header: Vec<String>,
+    /// Rows as long as the header.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl TextTable {
+    fn new(header: &[&str]) -> Self {
+        Self { header: header.iter().map(|&heading| heading.to_owned()).collect(), rows: Vec::new() }
+    }
+
+    /// For a terminal: aligned columns, names to the left, numbers to the right.
+    #[must_use]
+    pub fn to_terminal(&self) -> String {
+        let widths: Vec<usize> = (0..self.header.len())
+            .map(|column| self.lines().map(|line| line[column].chars().count()).max().unwrap_or(0))
+            .collect();
+        let mut text = String::new();
+        for (index, line) in self.lines().enumerate() {
+            let cells: Vec<String> = line
+                .iter()
+                .zip(&widths)
+                .enumerate()
+                .map(
+                    |(column, (cell, &width))| {
+                        if column < 2 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+                    },
+                )
+                .collect();
+            let _ = writeln!(text, "{}", cells.join("  ").trim_end());
+            if index == 0 {
+                let rules: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
+                let _ = writeln!(text, "{}", rules.join("  "));
+            }
+        }
+        text
+    }
+
+    /// As a Markdown table.
+    #[must_use]
+    pub fn to_markdown(&self) -> String {
+        let mut text = String::new();
+        for (index, line) in self.lines().enumerate() {
+            let _ = writeln!(text, "| {} |", line.join(" | "));
+            if index == 0 {
+                let rules: Vec<&str> = (0..line.len()).map(|column| if column < 2 { ":--" } else { "--:" }).collect();
+                let _ = writeln!(text, "|{}|", rules.join("|"));
+            }
+        }
+        text
+    }
+
+    fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
+        std::iter::once(&self.header).chain(&self.rows)
+    }
+}
+
+/// How the contact forces settle; `paper` adds what the paper states.
+#[must_use]
+pub fn force_table<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics, &'a str)>) -> TextTable {
+    let mut table = TextTable::new(&[
+        "controller",
+        "contact force",
+        "settling 2 %",
+        "settling 5 %",
+        "overshoot",
+        "steady error",
+        "paper",
+    ]);
+    for (title, metrics, paper) in results {
+        for (arm, force) in metrics.forces.iter().enumerate() {
+            let first = arm == 0;
+            table.rows.push(vec![
+                if first { title.to_owned() } else { String::new() },
+                format!("arm {}", arm + 1),
+                seconds(force.settling_2),
+                seconds(force.settling_5),
+                format!("{} %", number(force.overshoot, 2)),
+                format!("{} mN", number(1e3 * force.steady_error, 2)),
+                if first { paper.to_owned() } else { String::new() },
+            ]);
+        }
+    }
+    table
+}
+
+/// What the actuators do.
+#[must_use]
+pub fn effort_table<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics)>) -> TextTable {
+    let mut table = TextTable::new(&["controller", "control", "peak", "rms", "in saturation"]);
+    for (title, metrics) in results {
+        for (index, (effort, (name, unit))) in metrics.efforts.iter().zip(CONTROLS).enumerate() {
+            table.rows.push(vec![
+                if index == 0 { title.to_owned() } else { String::new() },
+                name.to_owned(),
+                format!("{} {unit}", number(effort.peak, 4)),
+                format!("{} {unit}", number(effort.rms, 4)),
+                effort.saturated.map_or("–".into(), |time| format!("{} ms", number(1e3 * time, 1))),
+            ]);
+        }
+    }
+    table
+}
+
+const CONTROLS: [(&str, &str); 3] = [("τ₁", "N·m"), ("τ₂", "N·m"), ("u", "N")];
+
+fn seconds(time: Option<f64>) -> String {
+    time.map_or("not settled".into(), |time| format!("{} s", number(time, 3)))
+}
+
+/// All metrics as CSV with plain names and SI units, one line per scenario; absent values are empty.
+#[must_use]
+pub fn metrics_csv<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics)>) -> String {
+    let mut header = vec!["controller".to_owned()];
+    for arm in 1..=2 {
+        for name in ["target_N", "settling_2_s", "settling_5_s", "overshoot_percent", "steady_error_N"] {
+            header.push(format!("force{arm}_{name}"));
+        }
+    }
+    for (signal, unit) in [("tau1", "Nm"), ("tau2", "Nm"), ("u", "N")] {
+        header.extend([
+            format!("{signal}_peak_{unit}"),
+            format!("{signal}_rms_{unit}"),
+            format!("{signal}_saturated_s"),
+        ]);
+    }
+    let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let mut text = header.join(",") + "\n";
+    for (title, metrics) in results {
+        let mut line = vec![title.to_owned()];
+        for force in &metrics.forces {
+            let ForceMetrics { target, settling_2, settling_5, overshoot, steady_error } = *force;
+            line.extend([target.to_string(), optional(settling_2), optional(settling_5)]);
+            line.extend([overshoot.to_string(), steady_error.to_string()]);
+        }
+        for effort in &metrics.efforts {
+            let EffortMetrics { peak, rms, saturated } = *effort;
+            line.extend([peak.to_string(), rms.to_string(), optional(saturated)]);
+        }
+        text += &(line.join(",") + "\n");
+    }
+    text
+}
+
+/// The metrics of a comparison as Markdown.
+#[must_use]
+pub fn metrics_markdown(outcomes: &[Outcome]) -> String {
+    let (forces, efforts) = tables(outcomes);
+    format!(
+        "## Contact forces\n\n\
+         Settling: time after which the force stays within the band around its target. Overshoot: in % of the way from \
+         the first value to the target. Steady error: mean over the last 5 % of the run. Last column: what the paper \
+         states.\n\n{}\n\
+         ## Control effort\n\n\
+         Outputs of the actuators over the whole run.\n\n{}",
+        forces.to_markdown(),
+        efforts.to_markdown()
+    )
+}
+
+/// Force and effort table of a comparison.
+#[must_use]
+pub fn tables(outcomes: &[Outcome]) -> (TextTable, TextTable) {
+    let forces = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics, outcome.scenario.paper));
+    let efforts = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics));
+    (force_table(forces), effort_table(efforts))
+}
+
+/// The report: how it was made, the metrics, every figure. `setup` says how the runs were made.
+#[must_use]
+pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str) -> String {
+    let mut text = format!(
+        "# Grasping with two flexible arms: NABFC, PDS and PD\n\n{setup}\n\n\
+         [report.html](report.html) shows the same runs to play with: the arms in motion, curves to zoom into, the parameters \
+         of every model.\n\n{}",
+        metrics_markdown(outcomes).replace("\n## ", "\n### ").replacen("## ", "### ", 1)
+    );
+    text += "\n## Figures\n\n\
+             Numbers are those of the paper. Each figure is there as SVG and PNG. Where curves look thick, they vibrate: \
+             PD and PDS hardly damp the antisymmetric bending of the two arms, at about 90 Hz.\n";
+    for figure in figures {
+        let NamedFigure { name, caption, note, .. } = figure;
+        let _ = write!(text, "\n### {caption}\n\n![{caption}](figures/{name}.svg)\n\n{note}\n");
+    }
+    text += "\n## Data\n\n";
+    for outcome in outcomes {
+        let (title, key) = (outcome.scenario.title, outcome.scenario.key);
+        let _ = writeln!(text, "* [{key}.csv]({key}.csv): all outputs of plant and controller, {title}");
+    }
+    text += "* [metrics.csv](metrics.csv): the tables above in full digits\n";
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_are_aligned_and_valid_markdown() {
+        let force =
+            ForceMetrics { target: 0.5, settling_2: Some(0.38), settling_5: None, overshoot: 0.1, steady_error: -2e-5 };
+        let effort = EffortMetrics { peak: 2.0, rms: 0.1, saturated: None };
+        let metrics = Metrics { forces: [force; 2], efforts: [effort; 3] };
+        let table = force_table([("NABFC", &metrics, "less than 0.5 s")]);
+        let terminal = table.to_terminal();
+        let lines: Vec<_> = terminal.lines().collect();
+        assert_eq!(lines[2].find("0.380 s"), lines[3].find("0.380 s"));
+        assert!(lines[2].contains("\u{2212}0.02 mN") && lines[2].ends_with("less than 0.5 s"));
+        assert!(table.to_markdown().lines().all(|line| line.matches('|').count() == 8));
+        let csv = metrics_csv([("NABFC", &metrics)]);
+        let columns: Vec<_> = csv.lines().map(|line| line.matches(',').count()).collect();
+        assert_eq!(columns, [19, 19]);
+        assert!(csv.contains(",0.38,,0.1,-0.00002,"), "{csv}");
+    }
+}

@@ -1,0 +1,79 @@
+//! Inputs that follow signals over time.
+//!
+//! At every communication point an input gets its signal's value there. During the step it is held, unless it is a
+//! straight line and the FMU can interpolate inputs: then it also gets the slope to the value at the end of the step
+//! (`fmi2SetRealInputDerivatives`, order 1).
+
+use crate::grid::TimeGrid;
+use crate::settings::Place;
+use crate::signal::Signal;
+use fmi2_import::description::BaseType;
+use fmi2_import::{CallError, Instance, ModelDescription};
+
+/// One input and the signal it follows.
+pub(crate) struct Drive {
+    pub component: usize,
+    pub variable: usize,
+    reference: u32,
+    base: BaseType,
+    interpolates: bool,
+    signal: Signal,
+    /// What the FMU was told last; `None` if it has to be told again.
+    told: Option<f64>,
+}
+
+impl Drive {
+    pub fn new((component, variable): Place, description: &ModelDescription, signal: Signal) -> Self {
+        let (reference, base) =
+            (description.variables[variable].value_reference, description.variables[variable].base_type());
+        let interpolates = base == BaseType::Real
+            && description.co_simulation.as_ref().is_some_and(|interface| interface.can_interpolate_inputs);
+        Self { component, variable, reference, base, interpolates, signal, told: None }
+    }
+
+    /// Fits the signal to the communication points. Returns what a user should know about that.
+    pub fn fit(&mut self, grid: &TimeGrid, name: &str) -> Vec<String> {
+        let jumps = self.signal.snap(grid);
+        let mut remarks: Vec<String> = jumps
+            .iter()
+            .map(|time| {
+                format!("{name} jumps at {time} s, between two communication points: the jump comes with the next one")
+            })
+            .collect();
+        if self.signal.is_ramped() && !self.interpolates {
+            remarks.push(format!(
+                "{name} is a straight line, but its FMU cannot interpolate inputs: it is held during each step"
+            ));
+        }
+        remarks
+    }
+
+    /// Gives the FMU the value at `time` and, if it can use it, the slope until `next`. True if anything changed.
+    pub fn apply(&mut self, instance: &mut Instance, time: f64, next: Option<f64>) -> Result<bool, CallError> {
+        let value = self.signal.at(time);
+        let slope = match next {
+            Some(next) if self.interpolates => (self.signal.before(next) - value) / (next - time),
+            _ => 0.0,
+        };
+        let changed = self.told != Some(value);
+        if changed {
+            let references = [self.reference];
+            match self.base {
+                BaseType::Boolean => instance.set_boolean(&references, &[value != 0.0])?,
+                BaseType::Integer | BaseType::Enumeration => {
+                    #[allow(clippy::cast_possible_truncation)] // a scenario's values are checked when it is read
+                    let value = value.round() as i32;
+                    instance.set_integer(&references, &[value])?
+                }
+                _ => instance.set_real(&references, &[value])?,
+            };
+        }
+        if slope == 0.0 {
+            self.told = Some(value);
+        } else {
+            instance.set_input_derivatives(&[self.reference], &[1], &[slope])?;
+            self.told = None; // at the end of the step the input stands elsewhere
+        }
+        Ok(changed || slope != 0.0)
+    }
+}

@@ -1,0 +1,19 @@
+//! Co-simulates FMI 2.0 FMUs.
+//!
+//! * A [`system`] says which FMUs run together, how they are connected and what is set; a [`scenario`] file or an
+//!   [`ssp`] archive describes one.
+//! * [`master`] steps the FMUs of a system together on a [`grid`], with [`wiring`] by equal names, [`settings`] by name
+//!   and [`signal`]s over time.
+//! * [`record`] keeps the results; [`files`] writes files whole or not at all.
+
+mod drive;
+pub mod files;
+pub mod grid;
+pub mod master;
+pub mod record;
+pub mod scenario;
+pub mod settings;
+pub mod signal;
+pub mod ssp;
+pub mod system;
+pub mod wiring;

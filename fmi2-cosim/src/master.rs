@@ -1,0 +1,597 @@
+//! The co-simulation master: steps any set of FMUs together and exchanges their signals.
+//!
+//! Components are connected by equal names ([`wire_by_name`]). Two ways to exchange:
+//!
+//! * [`Coupling::Jacobi`]: read every output, set every input, step everybody. No component sees another one's new
+//!   outputs before the next communication point: the commands of a controller reach the plant one step late.
+//! * [`Coupling::GaussSeidel`]: one component after the other gets the newest outputs, steps and publishes its own. A
+//!   controller after its plant computes its commands from the plant's outputs at the same instant: no delay.
+//!
+//! ```no_run
+//! use fmi2_import::Fmu;
+//! use fmi2_cosim::grid::TimeGrid;
+//! use fmi2_cosim::master::{Coupling, Master};
+//! use fmi2_cosim::record::Table;
+//! use fmi2_cosim::settings::Setting;
+//!
+//! let fmus = [Fmu::open("dist/DualArmPlant.fmu")?, Fmu::open("dist/PdController.fmu")?];
+//! let mut master = Master::new(&fmus, Coupling::GaussSeidel)?;
+//! master.apply(&Setting::new("kp", "12"))?;
+//! let grid = TimeGrid::new(0.0, 5.0, 1e-4)?;
+//! master.initialize(&grid)?;
+//! let mut table = Table::new(master.record(|name| name == "contact_force1"));
+//! master.run(&grid, 1e-3, &mut table, &mut |_| ())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::io;
+
+use crate::drive::Drive;
+use crate::grid::TimeGrid;
+use crate::record::{Column, Kind, Schedule, Sink};
+use crate::settings::{self, Place, Setting, SettingError};
+use crate::signal::Signal;
+use crate::wiring::{AmbiguousWire, Bus, Terminal, Wire, wire_by_name};
+use fmi2_import::description::BaseType;
+use fmi2_import::{
+    CallError, Causality, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status, ValueReference, Variable,
+};
+
+/// How components exchange their signals.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Coupling {
+    /// All at once: signals arrive one step late.
+    Jacobi,
+    /// One after the other: each gets the newest signals.
+    #[default]
+    GaussSeidel,
+}
+
+/// Why a co-simulation stopped.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MasterError {
+    /// Two outputs could feed one input.
+    #[error(transparent)]
+    Wiring(#[from] AmbiguousWire),
+    /// A call before the first step failed.
+    #[error("{0}")]
+    Setup(#[from] CallError),
+    /// A call at a communication point failed.
+    #[error("at t = {} s: {source}", seconds(*.time))]
+    Step {
+        /// The communication point in s.
+        time: f64,
+        /// What the FMU says.
+        source: CallError,
+    },
+    /// A component asks for the end of the simulation.
+    #[error("at t = {} s: {component} asks to end the simulation: {source}", seconds(*.time))]
+    Ended {
+        /// How far it got, in s.
+        time: f64,
+        /// The component.
+        component: String,
+        /// What the FMU says.
+        source: CallError,
+    },
+    /// The signals at the start do not settle.
+    #[error(
+        "the initial values do not settle after {sweeps} exchanges: the components form an algebraic loop that plain \
+         iteration does not solve"
+    )]
+    AlgebraicLoop {
+        /// How many exchanges were tried.
+        sweeps: usize,
+    },
+    /// A component cannot do a last step of another size.
+    #[error(
+        "{component} can only do steps of equal size, but {duration} s is no multiple of the step size {step} s; \
+         choose a stop time that is"
+    )]
+    UnequalSteps {
+        /// The component.
+        component: String,
+        /// Duration of the run in s.
+        duration: f64,
+        /// Step size in s.
+        step: f64,
+    },
+    /// A recorded value cannot be kept.
+    #[error(transparent)]
+    Record(io::Error),
+}
+
+/// A time without the digits that only rounding puts there.
+fn seconds(time: f64) -> String {
+    let digits = format!("{time:.9}");
+    digits.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// A value that was set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Applied<'a> {
+    /// The component.
+    pub component: &'a str,
+    /// Its model.
+    pub model: &'a str,
+    /// The variable.
+    pub name: &'a str,
+    /// The value as written.
+    pub value: &'a str,
+}
+
+/// FMUs that run together.
+pub struct Master {
+    components: Vec<Component>,
+    wires: Vec<Wire>,
+    coupling: Coupling,
+    buses: Buses,
+    drives: Vec<Drive>,
+    settings: Vec<(Place, String)>,
+    warnings: Vec<String>,
+    recording: Recording,
+    /// Inputs are already those of the current communication point. Exchanging a second time would give a Jacobi
+    /// coupling the commands it must see one step later.
+    exchanged: bool,
+}
+
+struct Component {
+    name: String,
+    instance: Instance,
+    drivers: Vec<(usize, String)>,
+}
+
+struct Buses {
+    real: Bus<f64>,
+    integer: Bus<i32>,
+    boolean: Bus<bool>,
+}
+
+/// The variables that are recorded; one row of `values` holds component after component, reals, integers, booleans.
+#[derive(Default)]
+struct Recording {
+    ports: Vec<RecordPort>,
+    values: Vec<f64>,
+}
+
+#[derive(Default)]
+struct RecordPort {
+    real: Vec<ValueReference>,
+    integer: Vec<ValueReference>,
+    boolean: Vec<ValueReference>,
+    integers: Vec<i32>,
+    booleans: Vec<bool>,
+}
+
+impl Master {
+    /// Exchanges at most this often to find consistent initial values.
+    const MAX_SWEEPS: usize = 100;
+
+    /// Instantiates the FMUs under their model's names and connects equal names. The order counts for
+    /// [`Coupling::GaussSeidel`].
+    ///
+    /// # Errors
+    /// When an FMU refuses to be instantiated, or two outputs could feed one input.
+    pub fn new(fmus: &[Fmu], coupling: Coupling) -> Result<Self, MasterError> {
+        let named = named(fmus);
+        let wires = wires_by_name(&named)?;
+        Self::with_wires(&named, wires, coupling)
+    }
+
+    /// Instantiates the FMUs under these names and connects them as `wires` says. The order counts for
+    /// [`Coupling::GaussSeidel`].
+    ///
+    /// # Errors
+    /// When an FMU refuses to be instantiated.
+    ///
+    /// # Panics
+    /// When a wire names a component or a variable that is not there.
+    pub fn with_wires(named: &[(String, Fmu)], wires: Vec<Wire>, coupling: Coupling) -> Result<Self, MasterError> {
+        let variable = |terminal: Terminal| &named[terminal.component].1.description().variables[terminal.variable];
+        let mut components: Vec<Component> = Vec::with_capacity(named.len());
+        for (name, fmu) in named {
+            let index = components.len();
+            let drivers = wires.iter().filter(|wire| wire.to.component == index).map(|wire| {
+                let source = &named[wire.from.component].0;
+                (wire.to.variable, format!("{source}.{}", variable(wire.from).name))
+            });
+            let drivers = drivers.collect();
+            components.push(Component { name: name.clone(), instance: fmu.instantiate(name)?, drivers });
+        }
+        let descriptions: Vec<_> = named.iter().map(|(_, fmu)| fmu.description()).collect();
+        let buses = Buses {
+            real: Bus::new(&descriptions, &wires),
+            integer: Bus::new(&descriptions, &wires),
+            boolean: Bus::new(&descriptions, &wires),
+        };
+        Ok(Self {
+            components,
+            wires,
+            coupling,
+            buses,
+            drives: Vec::new(),
+            settings: Vec::new(),
+            warnings: Vec::new(),
+            recording: Recording::default(),
+            exchanged: false,
+        })
+    }
+
+    /// Names of the components, in their order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.components.iter().map(|component| component.name.as_str())
+    }
+
+    /// All connections.
+    #[must_use]
+    pub fn wires(&self) -> &[Wire] {
+        &self.wires
+    }
+
+    /// One component's instance.
+    ///
+    /// # Panics
+    /// When there are not that many components.
+    pub fn instance(&mut self, component: usize) -> &mut Instance {
+        &mut self.components[component].instance
+    }
+
+    /// Sets a variable before initialisation. An input that was to follow a signal keeps this value instead.
+    ///
+    /// # Errors
+    /// When there is no such variable, it is not the user's to set, the value does not fit or the FMU refuses it.
+    pub fn apply(&mut self, setting: &Setting) -> Result<(), SettingError> {
+        let set = settings::apply(setting, &mut self.components)?;
+        self.drives.retain(|drive| !set.contains(&(drive.component, drive.variable)));
+        self.settings.extend(set.into_iter().map(|place| (place, setting.value.clone())));
+        Ok(())
+    }
+
+    /// What [`Master::apply`] has set, in its order.
+    pub fn settings(&self) -> impl Iterator<Item = Applied<'_>> {
+        self.settings.iter().map(|((component, variable), value)| {
+            let Component { name: component, instance, .. } = &self.components[*component];
+            let description = instance.description();
+            let (model, name) = (description.model_name.as_str(), description.variables[*variable].name.as_str());
+            Applied { component, model, name, value }
+        })
+    }
+
+    /// Lets an input (`name`, in every component where it is free, or `Component.name`) follow a signal over time, from
+    /// [`Master::initialize`] on. It has the signal's value at every communication point; between them it is held or, on
+    /// a straight line and if the FMU can interpolate inputs, follows the line.
+    ///
+    /// # Errors
+    /// When there is no such variable or it is no free input.
+    pub fn drive(&mut self, target: &str, signal: &Signal) -> Result<(), SettingError> {
+        for place in settings::meant(target, &self.components, |component, index| {
+            settings::obstacle_to_driving(component, index, signal)
+        })? {
+            self.drives.retain(|drive| (drive.component, drive.variable) != place);
+            let description = self.components[place.0].instance.description();
+            self.drives.push(Drive::new(place, description, signal.clone()));
+        }
+        Ok(())
+    }
+
+    /// What a user should know about the run, apart from errors; known after [`Master::initialize`].
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// Initialises all components with consistent signals: they are exchanged in initialisation mode until nothing
+    /// changes any more, which also follows chains of direct feedthrough.
+    ///
+    /// # Errors
+    /// When an FMU refuses, or the signals do not settle.
+    pub fn initialize(&mut self, grid: &TimeGrid) -> Result<(), MasterError> {
+        for component in &self.components {
+            let interface = component.instance.description().co_simulation.as_ref();
+            if grid.has_shorter_last_step()
+                && interface.is_some_and(|interface| !interface.can_handle_variable_communication_step_size)
+            {
+                return Err(MasterError::UnequalSteps {
+                    component: component.name.clone(),
+                    duration: grid.stop() - grid.start(),
+                    step: grid.step(),
+                });
+            }
+        }
+        self.warnings.clear();
+        for drive in &mut self.drives {
+            let component = &self.components[drive.component];
+            let variable = &component.instance.description().variables[drive.variable];
+            self.warnings.extend(drive.fit(grid, &format!("{}.{}", component.name, variable.name)));
+        }
+        let experiment = Experiment { start: grid.start(), stop: Some(grid.stop()), tolerance: None };
+        for component in &mut self.components {
+            component.instance.setup_experiment(experiment)?;
+            component.instance.enter_initialization_mode()?;
+        }
+        for drive in &mut self.drives {
+            drive.apply(&mut self.components[drive.component].instance, grid.start(), None)?;
+        }
+        self.read_all()?;
+        let mut sweeps = 0;
+        while !self.sweep()? {
+            sweeps += 1;
+            if sweeps == Self::MAX_SWEEPS {
+                return Err(MasterError::AlgebraicLoop { sweeps });
+            }
+        }
+        for component in &mut self.components {
+            component.instance.exit_initialization_mode()?;
+        }
+        self.read_all()?;
+        self.exchanged = false;
+        Ok(())
+    }
+
+    /// Hands every component its inputs and fetches its outputs, one after the other. True when nothing changed.
+    fn sweep(&mut self) -> Result<bool, CallError> {
+        let (real, integer, boolean) = (
+            self.buses.real.signals().to_vec(),
+            self.buses.integer.signals().to_vec(),
+            self.buses.boolean.signals().to_vec(),
+        );
+        for (index, component) in self.components.iter_mut().enumerate() {
+            self.buses.write(index, &mut component.instance)?;
+            self.buses.read(index, &mut component.instance)?;
+        }
+        Ok(settled(&real, self.buses.real.signals())
+            && settled(&integer, self.buses.integer.signals())
+            && settled(&boolean, self.buses.boolean.signals()))
+    }
+
+    fn read_all(&mut self) -> Result<(), CallError> {
+        for (index, component) in self.components.iter_mut().enumerate() {
+            self.buses.read(index, &mut component.instance)?;
+        }
+        Ok(())
+    }
+
+    /// Chooses what is recorded: the outputs whose names `wanted` accepts. Returns the columns of a row.
+    pub fn record(&mut self, wanted: impl Fn(&str) -> bool) -> Vec<Column> {
+        let is_shared = |name: &str| {
+            let owners = self.components.iter().filter(|component| {
+                let variable = component.instance.description().variable(name);
+                variable.is_some_and(|variable| variable.causality == Causality::Output)
+            });
+            owners.count() > 1
+        };
+        let mut columns = Vec::new();
+        let mut ports = Vec::new();
+        for component in &self.components {
+            let outputs: Vec<&Variable> = component
+                .instance
+                .description()
+                .with_causality(Causality::Output)
+                .filter(|variable| wanted(&variable.name))
+                .collect();
+            let mut of = |types: &[BaseType], kind: Kind| -> Vec<ValueReference> {
+                let chosen = outputs.iter().filter(|variable| types.contains(&variable.base_type()));
+                chosen
+                    .map(|variable| {
+                        let name = if is_shared(&variable.name) {
+                            format!("{}.{}", component.name, variable.name)
+                        } else {
+                            variable.name.clone()
+                        };
+                        columns.push(Column { name, unit: variable.unit().map(str::to_owned), kind });
+                        variable.value_reference
+                    })
+                    .collect()
+            };
+            let real = of(&[BaseType::Real], Kind::Real);
+            let integer = of(&[BaseType::Integer, BaseType::Enumeration], Kind::Integer);
+            let boolean = of(&[BaseType::Boolean], Kind::Boolean);
+            let (integers, booleans) = (vec![0; integer.len()], vec![false; boolean.len()]);
+            ports.push(RecordPort { real, integer, boolean, integers, booleans });
+        }
+        self.recording = Recording { ports, values: vec![0.0; columns.len()] };
+        columns
+    }
+
+    /// Steps over the whole grid. Rows go to `sink` at the start, then every `interval` s, and at the end; `progress`
+    /// hears from time to time how many steps are done.
+    ///
+    /// # Errors
+    /// When an FMU does not complete a step, or a row cannot be kept.
+    pub fn run(
+        &mut self,
+        grid: &TimeGrid,
+        interval: f64,
+        sink: &mut dyn Sink,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<(), MasterError> {
+        const STEPS_PER_REPORT: u64 = 1024;
+        let mut schedule = Schedule::new(grid.start(), interval);
+        for index in 0..grid.steps() {
+            let (time, size) = (grid.time(index), grid.size(index));
+            self.apply_drives(time, Some(grid.time(index + 1)))?;
+            if schedule.is_due(time) {
+                self.put_row(time, sink)?;
+            }
+            self.step(time, size)?;
+            if index % STEPS_PER_REPORT == 0 {
+                progress(index);
+            }
+        }
+        self.apply_drives(grid.stop(), None)?;
+        self.put_row(grid.stop(), sink)?;
+        progress(grid.steps());
+        Ok(())
+    }
+
+    /// Gives the driven inputs their values at `time`; `next` is the communication point after it. Outputs that follow
+    /// them at once are fetched again, so that nobody computes with those of the old inputs.
+    fn apply_drives(&mut self, time: f64, next: Option<f64>) -> Result<(), MasterError> {
+        let mut apply = || {
+            for drive in &mut self.drives {
+                let instance = &mut self.components[drive.component].instance;
+                if drive.apply(instance, time, next)? {
+                    self.buses.read(drive.component, instance)?;
+                }
+            }
+            Ok(())
+        };
+        apply().map_err(|source| MasterError::Step { time, source })
+    }
+
+    fn put_row(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
+        self.exchange().and_then(|()| self.read_row()).map_err(|source| MasterError::Step { time, source })?;
+        sink.row(time, &self.recording.values).map_err(MasterError::Record)
+    }
+
+    /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep what they
+    /// have: only [`Master::run`] moves them.
+    ///
+    /// # Errors
+    /// When an FMU does not complete it.
+    #[inline]
+    pub fn step(&mut self, time: f64, size: f64) -> Result<(), MasterError> {
+        let result = match self.coupling {
+            Coupling::Jacobi => self.step_all(time, size),
+            Coupling::GaussSeidel => self.step_in_turn(time, size),
+        };
+        self.exchanged = false;
+        result.map_err(|(index, source)| self.failure(index, time, source))
+    }
+
+    fn step_all(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
+        self.exchange().map_err(|source| (0, source))?;
+        for (index, component) in self.components.iter_mut().enumerate() {
+            component.instance.do_step(time, size).map_err(|source| (index, source))?;
+        }
+        Ok(())
+    }
+
+    fn step_in_turn(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
+        for (index, component) in self.components.iter_mut().enumerate() {
+            let mut turn = || {
+                self.buses.write(index, &mut component.instance)?;
+                component.instance.do_step(time, size)?;
+                self.buses.read(index, &mut component.instance)
+            };
+            turn().map_err(|source| (index, source))?;
+        }
+        Ok(())
+    }
+
+    /// Brings every input up to the current communication point.
+    fn exchange(&mut self) -> Result<(), CallError> {
+        if self.exchanged {
+            return Ok(());
+        }
+        if self.coupling == Coupling::Jacobi {
+            self.read_all()?;
+        }
+        for (index, component) in self.components.iter_mut().enumerate() {
+            self.buses.write(index, &mut component.instance)?;
+        }
+        self.exchanged = true;
+        Ok(())
+    }
+
+    fn read_row(&mut self) -> Result<(), CallError> {
+        let mut rest = self.recording.values.as_mut_slice();
+        for (port, component) in self.recording.ports.iter_mut().zip(&mut self.components) {
+            let instance = &mut component.instance;
+            let (real, after) = rest.split_at_mut(port.real.len());
+            instance.get_real(&port.real, real)?;
+            let (integer, after) = after.split_at_mut(port.integer.len());
+            instance.get_integer(&port.integer, &mut port.integers)?;
+            for (value, source) in integer.iter_mut().zip(&port.integers) {
+                *value = f64::from(*source);
+            }
+            let (boolean, after) = after.split_at_mut(port.boolean.len());
+            instance.get_boolean(&port.boolean, &mut port.booleans)?;
+            for (value, source) in boolean.iter_mut().zip(&port.booleans) {
+                *value = f64::from(u8::from(*source));
+            }
+            rest = after;
+        }
+        Ok(())
+    }
+
+    #[cold]
+    fn failure(&mut self, index: usize, time: f64, source: CallError) -> MasterError {
+        let component = &mut self.components[index];
+        if source.status() == Some(Status::Discard) && component.instance.wants_to_end() {
+            let time = component.instance.last_successful_time().unwrap_or(time);
+            return MasterError::Ended { time, component: component.name.clone(), source };
+        }
+        MasterError::Step { time, source }
+    }
+
+    /// Ends the simulation and returns what the components logged: name and message.
+    ///
+    /// # Errors
+    /// When an FMU refuses to terminate.
+    pub fn finish(mut self) -> Result<Vec<(String, LogMessage)>, MasterError> {
+        let mut log = Vec::new();
+        for component in &mut self.components {
+            component.instance.terminate()?;
+            log.extend(component.instance.take_log().into_iter().map(|message| (component.name.clone(), message)));
+        }
+        Ok(log)
+    }
+}
+
+impl Buses {
+    #[inline]
+    fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        self.real.read(component, instance)?;
+        self.integer.read(component, instance)?;
+        self.boolean.read(component, instance)
+    }
+
+    #[inline]
+    fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        self.real.write(component, instance)?;
+        self.integer.write(component, instance)?;
+        self.boolean.write(component, instance)
+    }
+}
+
+impl settings::Target for Component {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn instance(&mut self) -> &mut Instance {
+        &mut self.instance
+    }
+    fn description(&self) -> &ModelDescription {
+        self.instance.description()
+    }
+    fn driven_by(&self, variable: usize) -> Option<&str> {
+        self.drivers.iter().find(|(index, _)| *index == variable).map(|(_, driver)| driver.as_str())
+    }
+}
+
+/// The FMUs under names that tell them apart: their models', with a number from the second of one model on.
+pub(crate) fn named(fmus: &[Fmu]) -> Vec<(String, Fmu)> {
+    let mut named: Vec<(String, Fmu)> = Vec::with_capacity(fmus.len());
+    for fmu in fmus {
+        let model = &fmu.description().model_name;
+        let namesakes = named.iter().filter(|(_, other)| other.description().model_name == *model);
+        let name = match namesakes.count() {
+            0 => model.clone(),
+            others => format!("{model}_{}", others + 1),
+        };
+        named.push((name, fmu.clone()));
+    }
+    named
+}
+
+/// See [`wire_by_name`].
+pub(crate) fn wires_by_name(named: &[(String, Fmu)]) -> Result<Vec<Wire>, MasterError> {
+    let described: Vec<_> = named.iter().map(|(name, fmu)| (name.as_str(), fmu.description())).collect();
+    Ok(wire_by_name(&described)?)
+}
+
+fn settled<T: crate::wiring::Signal>(before: &[T], after: &[T]) -> bool {
+    before.iter().zip(after).all(|(before, after)| before.agrees(*after))
+}

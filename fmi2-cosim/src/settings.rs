@@ -1,0 +1,321 @@
+//! Values a user gives to variables by name: `name=value` or `Component.name=value`.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::signal::Signal;
+use fmi2_import::description::BaseType;
+use fmi2_import::{CallError, Causality, Instance, ModelDescription, Variability, Variable};
+
+/// A value for a variable, still as text: its meaning depends on the variable's type.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Setting {
+    /// `name` (in every component that has it) or `Component.name`.
+    pub target: String,
+    /// Number, `true`/`false`, text, or the name of an enumeration's item.
+    pub value: String,
+}
+
+/// Why a setting cannot be applied.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SettingError {
+    /// No component has such a variable.
+    #[error("there is no variable \"{target}\" in {}{}", .components.join(" or "), suggestion(.similar))]
+    Unknown {
+        /// What the user wrote.
+        target: String,
+        /// The components that were searched.
+        components: Vec<String>,
+        /// Settable variables with similar names.
+        similar: Vec<String>,
+    },
+    /// What stands before the dot is no component.
+    #[error("there is no component \"{component}\"; the components are {}{}", .components.join(", "), suggestion(.similar))]
+    UnknownComponent {
+        /// What stands before the dot.
+        component: String,
+        /// All components.
+        components: Vec<String>,
+        /// What the user may have meant.
+        similar: Vec<String>,
+    },
+    /// The variable is not the user's to set.
+    #[error("{component}.{name} cannot be set: {reason}")]
+    NotSettable {
+        /// The component.
+        component: String,
+        /// The variable.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// The text is not a value of the variable's type.
+    #[error("{component}.{name} needs {expected}, not \"{value}\"")]
+    Value {
+        /// The component.
+        component: String,
+        /// The variable.
+        name: String,
+        /// What the user wrote.
+        value: String,
+        /// What is needed.
+        expected: String,
+    },
+    /// The FMU refused the value.
+    #[error("{setting} is refused: {source}")]
+    Refused {
+        /// The setting.
+        setting: Setting,
+        /// What the FMU says.
+        source: CallError,
+    },
+}
+
+/// "; did you mean …?", or nothing.
+#[must_use]
+pub fn suggestion(similar: &[String]) -> String {
+    match similar {
+        [] => String::new(),
+        names => format!("; did you mean {}?", names.join(" or ")),
+    }
+}
+
+impl Setting {
+    /// A setting.
+    #[must_use]
+    pub fn new(target: impl Into<String>, value: impl Into<String>) -> Self {
+        Self { target: target.into(), value: value.into() }
+    }
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some((target, value)) if !target.trim().is_empty() => Ok(Self::new(target.trim(), value.trim())),
+            _ => Err("expected name=value or Component.name=value".into()),
+        }
+    }
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}", self.target, self.value)
+    }
+}
+
+/// A component as far as settings are concerned.
+pub(crate) trait Target {
+    fn name(&self) -> &str;
+    fn instance(&mut self) -> &mut Instance;
+    fn description(&self) -> &ModelDescription;
+    /// Which output drives this input, if one does.
+    fn driven_by(&self, variable: usize) -> Option<&str>;
+}
+
+/// A variable of a component: indices.
+pub(crate) type Place = (usize, usize);
+
+/// Applies a setting to every component it means and returns where. Only valid before initialisation.
+pub(crate) fn apply<T: Target>(setting: &Setting, targets: &mut [T]) -> Result<Vec<Place>, SettingError> {
+    let meant = meant(&setting.target, targets, obstacle_to_setting)?;
+    for &(target, variable) in &meant {
+        set(&mut targets[target], variable, setting)?;
+    }
+    Ok(meant)
+}
+
+/// Every variable a user means with `name` or `Component.name` and to which there is no obstacle.
+pub(crate) fn meant<T: Target>(
+    wanted: &str,
+    targets: &[T],
+    obstacle: impl Fn(&T, usize) -> Option<String>,
+) -> Result<Vec<Place>, SettingError> {
+    let named = targets.iter().enumerate().filter_map(|(index, target)| {
+        let description = target.description();
+        let local = || {
+            let name = wanted.strip_prefix(target.name())?.strip_prefix('.')?;
+            description.index_of(name)
+        };
+        description.index_of(wanted).or_else(local).map(|variable| (index, variable))
+    });
+    let (mut free, mut first_obstacle) = (Vec::new(), None);
+    for (target, variable) in named {
+        match obstacle(&targets[target], variable) {
+            None => free.push((target, variable)),
+            Some(reason) => _ = first_obstacle.get_or_insert((target, variable, reason)),
+        }
+    }
+    match first_obstacle {
+        // A name may be one component's output and another one's parameter: it means the one where nothing is in the way.
+        _ if !free.is_empty() => Ok(free),
+        None => Err(unknown(wanted, targets)),
+        Some((target, variable, reason)) => Err(SettingError::NotSettable {
+            component: targets[target].name().to_owned(),
+            name: targets[target].description().variables[variable].name.clone(),
+            reason,
+        }),
+    }
+}
+
+fn obstacle_to_setting<T: Target>(target: &T, index: usize) -> Option<String> {
+    let variable = &target.description().variables[index];
+    if let Some(source) = target.driven_by(index) {
+        return Some(format!("it is an input that {source} drives"));
+    }
+    if variable.is_settable() {
+        return None;
+    }
+    Some(match (variable.variability, variable.causality) {
+        (Variability::Constant, _) => "it is a constant".into(),
+        (_, Causality::Output) => "it is an output that the FMU computes".into(),
+        _ => "the FMU computes it".into(),
+    })
+}
+
+/// Why a variable cannot follow this signal over time.
+pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &Signal) -> Option<String> {
+    let variable = &target.description().variables[index];
+    if let Some(source) = target.driven_by(index) {
+        return Some(format!("it is an input that {source} drives"));
+    }
+    if variable.causality != Causality::Input {
+        return Some("only inputs can change over time, and it is none".into());
+    }
+    let values = || signal.values().map(|value| value.to_string()).collect::<Vec<_>>().join(", ");
+    match variable.base_type() {
+        BaseType::Real => None,
+        BaseType::String => Some("texts cannot change over time".into()),
+        _ if signal.is_ramped() => Some("only real inputs can follow straight lines; give it steps".into()),
+        BaseType::Boolean if signal.values().any(|value| value != 0.0 && value != 1.0) => {
+            Some(format!("it needs true and false (or 1 and 0), not {}", values()))
+        }
+        _ if signal.values().any(|value| value.fract() != 0.0 || value.abs() > f64::from(i32::MAX)) => {
+            Some(format!("it needs integers, not {}", values()))
+        }
+        _ => None,
+    }
+}
+
+fn set<T: Target>(target: &mut T, index: usize, setting: &Setting) -> Result<(), SettingError> {
+    let variable = target.description().variables[index].clone();
+    let text = setting.value.as_str();
+    let wrong = |expected: String, target: &T| SettingError::Value {
+        component: target.name().to_owned(),
+        name: variable.name.clone(),
+        value: text.to_owned(),
+        expected,
+    };
+    let references = [variable.value_reference];
+    let result = match variable.base_type() {
+        BaseType::Real => match text.parse::<f64>() {
+            Ok(value) if !value.is_nan() => target.instance().set_real(&references, &[value]),
+            _ => return Err(wrong(format!("a number{}", in_unit(&variable)), target)),
+        },
+        BaseType::Integer => match text.parse() {
+            Ok(value) => target.instance().set_integer(&references, &[value]),
+            Err(_) => return Err(wrong("an integer".into(), target)),
+        },
+        BaseType::Boolean => match text {
+            "true" | "1" => target.instance().set_boolean(&references, &[true]),
+            "false" | "0" => target.instance().set_boolean(&references, &[false]),
+            _ => return Err(wrong("true or false".into(), target)),
+        },
+        BaseType::String => target.instance().set_string(variable.value_reference, text),
+        BaseType::Enumeration => {
+            let items = target.description().items(&variable);
+            let item = items
+                .iter()
+                .find(|item| item.name == text || item.value.to_string() == text)
+                .map(|item| item.value)
+                // Without a list of items any number may be right.
+                .or_else(|| text.parse().ok().filter(|_| items.is_empty()));
+            let Some(value) = item else {
+                let names: Vec<_> = items.iter().map(|item| item.name.as_str()).collect();
+                return Err(wrong(format!("one of {}", names.join(", ")), target));
+            };
+            target.instance().set_integer(&references, &[value])
+        }
+    };
+    match result {
+        Ok(_) => Ok(()),
+        Err(source) => Err(SettingError::Refused { setting: setting.clone(), source }),
+    }
+}
+
+fn in_unit(variable: &Variable) -> String {
+    variable.unit().map(|unit| format!(" in {unit}")).unwrap_or_default()
+}
+
+/// What to say about a name that no component has.
+fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
+    let components: Vec<String> = targets.iter().map(|target| target.name().to_owned()).collect();
+    let split = wanted
+        .split_once('.')
+        .map(|(component, name)| (component, name, components.iter().position(|c| c == component)));
+    match split {
+        Some((component, name, Some(index))) => {
+            let mut similar = similar_names(name, &targets[index..=index], Some(component));
+            if similar.is_empty() {
+                similar = targets
+                    .iter()
+                    .filter(|target| target.description().index_of(name).is_some())
+                    .map(|target| format!("{}.{name}", target.name()))
+                    .collect();
+            }
+            SettingError::Unknown { target: name.to_owned(), components: vec![component.to_owned()], similar }
+        }
+        // A dot may also belong to a variable's own name.
+        Some((component, name, None)) if similar_names(wanted, targets, None).is_empty() => {
+            let close = closest(component, components.iter().map(String::as_str));
+            let similar = close.into_iter().map(|component| format!("{component}.{name}")).collect();
+            SettingError::UnknownComponent { component: component.to_owned(), components, similar }
+        }
+        _ => {
+            let similar = similar_names(wanted, targets, None);
+            SettingError::Unknown { target: wanted.to_owned(), components, similar }
+        }
+    }
+}
+
+/// The settable variables whose names come closest, with `prefix.` in front.
+fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -> Vec<String> {
+    let settable = targets.iter().flat_map(|target| {
+        let variables = target.description().variables.iter().enumerate();
+        let free = variables.filter(|(index, variable)| variable.is_settable() && target.driven_by(*index).is_none());
+        free.map(|(_, variable)| variable.name.as_str())
+    });
+    let prefix = prefix.map(|component| format!("{component}.")).unwrap_or_default();
+    closest(wanted, settable).into_iter().map(|name| format!("{prefix}{name}")).collect()
+}
+
+/// The candidates that come closest to a misspelt name, best first; none if none is close.
+#[must_use]
+pub fn closest<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    const SHOWN: usize = 3;
+    const ALIKE: f64 = 0.8;
+    let mut found: Vec<(f64, &str)> = Vec::new();
+    for candidate in candidates {
+        let score = strsim::jaro_winkler(&wanted.to_lowercase(), &candidate.to_lowercase());
+        if score >= ALIKE && !found.iter().any(|(_, known)| *known == candidate) {
+            found.push((score, candidate));
+        }
+    }
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().take(SHOWN).map(|(_, name)| name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_split_at_the_first_equals_sign() {
+        assert_eq!("EI1=0.2".parse(), Ok(Setting::new("EI1", "0.2")));
+        assert_eq!(" a.b[1] = x=y ".parse(), Ok(Setting::new("a.b[1]", "x=y")));
+        assert!("EI1".parse::<Setting>().is_err());
+        assert!("=1".parse::<Setting>().is_err());
+    }
+}

@@ -1,0 +1,165 @@
+//! What can go wrong with an SSP, in words that name the file, the line and the element.
+
+use std::io;
+use std::path::PathBuf;
+
+use fmi2_import::FmuError;
+
+/// Why an SSP cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SspError {
+    /// The file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// Not a zip archive, so not an SSP.
+    #[error("{} is not an SSP: not a readable zip archive ({reason})", path.display())]
+    NotAZip {
+        /// The file.
+        path: PathBuf,
+        /// What the zip reader says.
+        reason: String,
+    },
+    /// The archive has no such system structure.
+    #[error(
+        "{} has no {wanted} at its root (it has: {}); name a variant as FILE.ssp#VARIANT.ssd",
+        path.display(),
+        if available.is_empty() { "no .ssd file" } else { available }
+    )]
+    NoStructure {
+        /// The file.
+        path: PathBuf,
+        /// The `.ssd` file that was looked for.
+        wanted: String,
+        /// The `.ssd` files found instead.
+        available: String,
+    },
+    /// An entry would land outside the folder an archive is unpacked to.
+    #[error("{} contains the entry \"{entry}\", which points outside the archive; not unpacked", path.display())]
+    UnsafeEntry {
+        /// The file.
+        path: PathBuf,
+        /// The entry's name.
+        entry: String,
+    },
+    /// A document in the archive cannot be used.
+    #[error("{}, {document}: {source}", path.display())]
+    Document {
+        /// The file.
+        path: PathBuf,
+        /// The document's path in the archive.
+        document: String,
+        /// What is wrong with it.
+        source: Box<DocumentError>,
+    },
+    /// An FMU in the archive cannot be unpacked.
+    #[error("cannot unpack {entry} of {} to a temporary folder: {source}", path.display())]
+    Unpack {
+        /// The file.
+        path: PathBuf,
+        /// The FMU's path in the archive.
+        entry: String,
+        /// Why.
+        source: io::Error,
+    },
+    /// An FMU in the archive cannot be used.
+    #[error("{}, {entry}: {source}", path.display())]
+    Fmu {
+        /// The file.
+        path: PathBuf,
+        /// The FMU's path in the archive.
+        entry: String,
+        /// What is wrong with it.
+        source: Box<FmuError>,
+    },
+}
+
+/// What is wrong with an `.ssd`, `.ssv` or `.ssm` document.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum DocumentError {
+    /// Not UTF-8.
+    #[error("it is not UTF-8 text")]
+    Encoding,
+    /// Not well-formed XML.
+    #[error("it is not well-formed XML: {0}")]
+    Xml(#[from] roxmltree::Error),
+    /// Some other XML document.
+    #[error("its root element is <{found}>, not <{expected}> of SSP 1.0")]
+    Root {
+        /// The root element.
+        found: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// Another version of the standard.
+    #[error("it is written for SSP {0}; this tool reads SSP 1.0")]
+    Version(String),
+    /// A required attribute or child is absent.
+    #[error("line {line}: <{element}> lacks {missing}")]
+    Missing {
+        /// Element that should have it.
+        element: String,
+        /// What it lacks.
+        missing: String,
+        /// Line in the file.
+        line: u32,
+    },
+    /// An attribute's value makes no sense.
+    #[error("line {line}: {attribute}=\"{value}\" is not {expected}")]
+    Value {
+        /// The attribute.
+        attribute: String,
+        /// Its value.
+        value: String,
+        /// What it should be.
+        expected: &'static str,
+        /// Line in the file.
+        line: u32,
+    },
+    /// The standard has it, this tool does not.
+    #[error("line {line}: {what}: this tool does not support that; {instead}")]
+    Unsupported {
+        /// The element.
+        what: String,
+        /// What to do about it.
+        instead: &'static str,
+        /// Line in the file.
+        line: u32,
+    },
+    /// A name that means nothing here.
+    #[error("line {line}: there is no {what}{}", suggestion(.similar.as_deref()))]
+    Unknown {
+        /// What was looked for.
+        what: String,
+        /// The closest name there is.
+        similar: Option<String>,
+        /// Line in the file.
+        line: u32,
+    },
+    /// Two things that must be unique, or two that do not fit together.
+    #[error("line {line}: {problem}")]
+    Conflict {
+        /// What collides.
+        problem: String,
+        /// Line in the file.
+        line: u32,
+    },
+}
+
+fn suggestion(similar: Option<&str>) -> String {
+    similar.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default()
+}
+
+/// The name closest to `wanted`, if one is close.
+pub(super) fn closest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    const ALIKE: f64 = 0.8;
+    let score = |name: &str| strsim::jaro_winkler(&wanted.to_lowercase(), &name.to_lowercase());
+    let best = names.into_iter().map(|name| (score(name), name)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 >= ALIKE).then(|| best.1.to_owned())
+}

@@ -1,0 +1,314 @@
+//! SSD and SSV documents as XML. The same values always give the same text.
+
+use super::namespace;
+use super::parameters::{Parameter, ParameterSet, Value};
+use super::read::type_name;
+use super::structure::{
+    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Mapping, MappingEntry, System,
+    SystemStructure, Values,
+};
+use super::xml::{Attributes, Xml, number};
+use fmi2_import::description::{BaseType, Item, Unit};
+
+const GENERATION_TOOL: &str = concat!("dualarm ", env!("CARGO_PKG_VERSION"));
+const LICENSE: &str = env!("CARGO_PKG_LICENSE");
+
+/// The text of an `.ssd` file.
+#[must_use]
+pub fn system_structure(structure: &SystemStructure) -> String {
+    let mut root: Attributes<'_> = vec![
+        ("xmlns:ssc", namespace::SSC.into()),
+        ("xmlns:ssd", namespace::SSD.into()),
+        ("xmlns:ssv", namespace::SSV.into()),
+        ("xmlns:oms", namespace::OMS.into()),
+        ("xmlns:osp", namespace::OSP.into()),
+        ("version", "1.0".into()),
+        ("name", structure.name.clone()),
+    ];
+    describe(&mut root, structure.description.as_ref());
+    root.extend([("license", LICENSE.into()), ("generationTool", GENERATION_TOOL.into())]);
+    Xml::document("ssd:SystemStructureDescription", &root, |xml| {
+        system(xml, &structure.system, structure.experiment.step);
+        units(xml, "ssd:Units", &structure.units);
+        experiment(xml, structure.experiment);
+    })
+}
+
+/// The text of an `.ssv` file.
+#[must_use]
+pub fn parameter_set(set: &ParameterSet) -> String {
+    let mut root = vec![("xmlns:ssc", namespace::SSC.to_owned()), ("xmlns:ssv", namespace::SSV.to_owned())];
+    root.extend(set_attributes(set));
+    root.extend([("license", LICENSE.into()), ("generationTool", GENERATION_TOOL.into())]);
+    Xml::document("ssv:ParameterSet", &root, |xml| set_content(xml, set))
+}
+
+fn describe(attributes: &mut Attributes<'_>, description: Option<&String>) {
+    attributes.extend(description.map(|text| ("description", text.clone())));
+}
+
+fn system(xml: &mut Xml, system: &System, step: Option<f64>) {
+    let mut attributes = vec![("name", system.name.clone())];
+    describe(&mut attributes, system.description.as_ref());
+    xml.element("ssd:System", &attributes, |xml| {
+        connectors(xml, &system.connectors);
+        bindings(xml, &system.bindings);
+        if !system.components.is_empty() {
+            xml.element("ssd:Elements", &[], |xml| {
+                for each in &system.components {
+                    component(xml, each);
+                }
+            });
+        }
+        if !system.connections.is_empty() {
+            xml.element("ssd:Connections", &[], |xml| {
+                for connection in &system.connections {
+                    xml.empty("ssd:Connection", &connection_attributes(connection));
+                }
+            });
+        }
+        if let Some(canvas) = &system.canvas {
+            xml.empty("ssd:SystemGeometry", &corners(canvas));
+        }
+        if let Some(step) = step {
+            annotation(xml, "org.openmodelica", |xml| oms_master(xml, step));
+        }
+    });
+}
+
+/// `OMSimulator` finds here that the system is stepped by a co-simulation master, and how.
+fn oms_master(xml: &mut Xml, step: f64) {
+    xml.element("oms:Annotations", &[], |xml| {
+        xml.element("oms:SimulationInformation", &[], |xml| {
+            let attributes = [
+                ("description", "oms-ma".into()),
+                ("stepSize", format!("{step}")),
+                ("absoluteTolerance", "0.0001".into()),
+                ("relativeTolerance", "0.0001".into()),
+            ];
+            xml.empty("oms:FixedStepMaster", &attributes);
+        });
+    });
+}
+
+fn experiment(xml: &mut Xml, experiment: Experiment) {
+    let mut attributes = Vec::new();
+    attributes.extend(experiment.start.map(|time| ("startTime", number(time))));
+    attributes.extend(experiment.stop.map(|time| ("stopTime", number(time))));
+    let Some(step) = experiment.step else {
+        if !attributes.is_empty() {
+            xml.empty("ssd:DefaultExperiment", &attributes);
+        }
+        return;
+    };
+    xml.element("ssd:DefaultExperiment", &attributes, |xml| {
+        annotation(xml, "com.opensimulationplatform", |xml| {
+            xml.element("osp:Algorithm", &[], |xml| {
+                xml.empty("osp:FixedStepAlgorithm", &[("baseStepSize", format!("{step}"))]);
+            });
+        });
+    });
+}
+
+fn annotation(xml: &mut Xml, kind: &str, content: impl FnOnce(&mut Xml)) {
+    xml.element("ssd:Annotations", &[], |xml| xml.element("ssc:Annotation", &[("type", kind.into())], content));
+}
+
+fn component(xml: &mut Xml, component: &Component) {
+    let mut attributes = vec![
+        ("name", component.name.clone()),
+        ("type", "application/x-fmu-sharedlibrary".into()),
+        ("source", component.source.clone()),
+        ("implementation", "CoSimulation".into()),
+    ];
+    describe(&mut attributes, component.description.as_ref());
+    xml.element("ssd:Component", &attributes, |xml| {
+        connectors(xml, &component.connectors);
+        if let Some(extent) = &component.extent {
+            xml.empty("ssd:ElementGeometry", &corners(extent));
+        }
+        bindings(xml, &component.bindings);
+    });
+}
+
+fn corners(extent: &Extent) -> Attributes<'static> {
+    vec![
+        ("x1", number(extent.low.x)),
+        ("y1", number(extent.low.y)),
+        ("x2", number(extent.high.x)),
+        ("y2", number(extent.high.y)),
+    ]
+}
+
+fn connectors(xml: &mut Xml, connectors: &[Connector]) {
+    if connectors.is_empty() {
+        return;
+    }
+    xml.element("ssd:Connectors", &[], |xml| {
+        for connector in connectors {
+            let mut attributes = vec![("name", connector.name.clone()), ("kind", kind(connector.kind).into())];
+            describe(&mut attributes, connector.description.as_ref());
+            xml.element("ssd:Connector", &attributes, |xml| {
+                // An enumeration would need its definition in the document; the FMU's variable has the type anyway.
+                if let Some(base_type) = connector.base_type.filter(|base_type| *base_type != BaseType::Enumeration) {
+                    let unit = connector.unit.iter().map(|unit| ("unit", unit.clone()));
+                    xml.empty(&format!("ssc:{}", type_name(base_type)), &unit.collect::<Vec<_>>());
+                }
+                if let Some(position) = connector.position {
+                    let attributes = [("x", number(position.x)), ("y", number(position.y))];
+                    xml.empty("ssd:ConnectorGeometry", &attributes);
+                }
+            });
+        }
+    });
+}
+
+fn kind(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Input => "input",
+        Kind::Output => "output",
+        Kind::Parameter => "parameter",
+        Kind::CalculatedParameter => "calculatedParameter",
+    }
+}
+
+fn connection_attributes(connection: &Connection) -> Attributes<'static> {
+    let mut attributes = Vec::new();
+    let mut end = |end: &End, element, connector| {
+        attributes.extend(end.element.clone().map(|name| (element, name)));
+        attributes.push((connector, end.connector.clone()));
+    };
+    end(&connection.start, "startElement", "startConnector");
+    end(&connection.end, "endElement", "endConnector");
+    if connection.suppress_unit_conversion {
+        attributes.push(("suppressUnitConversion", "true".into()));
+    }
+    attributes
+}
+
+fn bindings(xml: &mut Xml, bindings: &[Binding]) {
+    if bindings.is_empty() {
+        return;
+    }
+    xml.element("ssd:ParameterBindings", &[], |xml| {
+        for binding in bindings {
+            let mut attributes = Vec::new();
+            if let Values::File(source) = &binding.values {
+                attributes.push(("source", source.clone()));
+            }
+            if !binding.prefix.is_empty() {
+                attributes.push(("prefix", binding.prefix.clone()));
+            }
+            if matches!((&binding.values, &binding.mapping), (Values::File(_), None)) {
+                xml.empty("ssd:ParameterBinding", &attributes);
+                continue;
+            }
+            xml.element("ssd:ParameterBinding", &attributes, |xml| {
+                if let Values::Inline(set) = &binding.values {
+                    xml.element("ssd:ParameterValues", &[], |xml| {
+                        xml.element("ssv:ParameterSet", &set_attributes(set), |xml| set_content(xml, set));
+                    });
+                }
+                if let Some(mapping) = &binding.mapping {
+                    parameter_mapping(xml, mapping);
+                }
+            });
+        }
+    });
+}
+
+fn parameter_mapping(xml: &mut Xml, mapping: &Mapping) {
+    match mapping {
+        Mapping::File(source) => xml.empty("ssd:ParameterMapping", &[("source", source.clone())]),
+        Mapping::Inline(entries) => xml.element("ssd:ParameterMapping", &[], |xml| {
+            let root = [("xmlns:ssm", namespace::SSM.to_owned()), ("version", "1.0".to_owned())];
+            xml.element("ssm:ParameterMapping", &root, |xml| {
+                for entry in entries {
+                    mapping_entry(xml, entry);
+                }
+            });
+        }),
+    }
+}
+
+fn mapping_entry(xml: &mut Xml, entry: &MappingEntry) {
+    let attributes = [("source", entry.source.clone()), ("target", entry.target.clone())];
+    match entry.linear {
+        None => xml.empty("ssm:MappingEntry", &attributes),
+        Some((factor, offset)) => xml.element("ssm:MappingEntry", &attributes, |xml| {
+            xml.empty("ssc:LinearTransformation", &[("factor", number(factor)), ("offset", number(offset))]);
+        }),
+    }
+}
+
+fn set_attributes(set: &ParameterSet) -> Attributes<'static> {
+    let mut attributes = vec![("version", "1.0".to_owned()), ("name", set.name.clone())];
+    describe(&mut attributes, set.description.as_ref());
+    attributes
+}
+
+fn set_content(xml: &mut Xml, set: &ParameterSet) {
+    xml.element("ssv:Parameters", &[], |xml| {
+        for Parameter { name, value, .. } in &set.parameters {
+            xml.element("ssv:Parameter", &[("name", name.clone())], |xml| parameter_value(xml, value));
+        }
+    });
+    if !set.enumerations.is_empty() {
+        xml.element("ssv:Enumerations", &[], |xml| {
+            for (name, items) in &set.enumerations {
+                enumeration(xml, name, items);
+            }
+        });
+    }
+    units(xml, "ssv:Units", &set.units);
+}
+
+fn parameter_value(xml: &mut Xml, value: &Value) {
+    match value {
+        Value::Real(value, unit) => {
+            let mut attributes = vec![("value", number(*value))];
+            attributes.extend(unit.clone().map(|unit| ("unit", unit)));
+            xml.empty("ssv:Real", &attributes);
+        }
+        Value::Integer(value) => xml.empty("ssv:Integer", &[("value", value.to_string())]),
+        Value::Boolean(value) => xml.empty("ssv:Boolean", &[("value", value.to_string())]),
+        Value::String(value) => xml.empty("ssv:String", &[("value", value.clone())]),
+        Value::Enumeration(item, name) => {
+            let mut attributes = vec![("value", item.clone())];
+            attributes.extend(name.clone().map(|name| ("name", name)));
+            xml.empty("ssv:Enumeration", &attributes);
+        }
+    }
+}
+
+fn enumeration(xml: &mut Xml, name: &str, items: &[Item]) {
+    xml.element("ssc:Enumeration", &[("name", name.into())], |xml| {
+        for item in items {
+            xml.empty("ssc:Item", &[("name", item.name.clone()), ("value", item.value.to_string())]);
+        }
+    });
+}
+
+fn units(xml: &mut Xml, element: &str, units: &[Unit]) {
+    if units.is_empty() {
+        return;
+    }
+    xml.element(element, &[], |xml| {
+        for unit in units {
+            xml.element("ssc:Unit", &[("name", unit.name.clone())], |xml| {
+                let exponents = super::read::BASE_UNITS.iter().zip(unit.exponents);
+                let mut attributes: Attributes<'_> = exponents
+                    .filter(|(_, exponent)| *exponent != 0)
+                    .map(|(name, exponent)| (*name, exponent.to_string()))
+                    .collect();
+                if unit.factor != 1.0 {
+                    attributes.push(("factor", number(unit.factor)));
+                }
+                if unit.offset != 0.0 {
+                    attributes.push(("offset", number(unit.offset)));
+                }
+                xml.empty("ssc:BaseUnit", &attributes);
+            });
+        }
+    });
+}

@@ -1,0 +1,202 @@
+//! The importer against small FMUs compiled from C.
+
+mod support;
+
+use std::fs;
+use std::path::PathBuf;
+
+use fmi2_import::{CallError, Experiment, Fmu, Instance, Status};
+use support::{archive, description, package, package_as};
+
+fn start(fmu: &Fmu) -> Instance {
+    let mut instance = fmu.instantiate("it").unwrap();
+    instance.setup_experiment(Experiment { start: 0.0, stop: Some(1.0), tolerance: None }).unwrap();
+    instance.enter_initialization_mode().unwrap();
+    instance.exit_initialization_mode().unwrap();
+    instance
+}
+
+#[test]
+fn every_kind_of_value_goes_in_and_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package(folder.path(), "Lag") else { return };
+    let fmu = Fmu::open(path).unwrap();
+    let mut lag = fmu.instantiate("lag").unwrap();
+
+    lag.set_real(&[0, 1], &[2.0, 0.5]).unwrap();
+    let mut reals = [0.0; 3];
+    lag.get_real(&[1, 0, 4], &mut reals).unwrap();
+    assert_eq!(reals.map(f64::to_bits), [0.5, 2.0, 1e30].map(f64::to_bits));
+
+    lag.set_integer(&[0], &[1]).unwrap();
+    let mut integers = [0];
+    lag.get_integer(&[0], &mut integers).unwrap();
+    assert_eq!(integers, [1]);
+
+    // More booleans than one block holds.
+    let references: Vec<u32> = (0..20).collect();
+    let values: Vec<bool> = (0..20).map(|index| index % 3 == 0).collect();
+    lag.set_boolean(&references, &values).unwrap();
+    let mut read = [false; 20];
+    lag.get_boolean(&references, &mut read).unwrap();
+    assert!(!read[1], "the slave computes number 1 as the opposite of number 0");
+    assert_eq!(read[2..], values[2..]);
+
+    lag.set_string(0, "größer").unwrap();
+    assert_eq!(lag.get_string(0).unwrap(), "größer");
+    assert!(matches!(lag.set_string(0, "a\0b"), Err(CallError::ZeroByte { .. })));
+    assert_eq!(lag.get_real(&[], &mut []).unwrap(), Status::Ok);
+}
+
+#[test]
+fn resources_are_unpacked_and_vanish_with_the_last_user() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package(folder.path(), "Lag") else { return };
+    let fmu = Fmu::open(path).unwrap();
+    let mut lag = fmu.instantiate("lag").unwrap();
+    drop(fmu);
+    let uri = lag.get_string(1).unwrap();
+    let resources = PathBuf::from(uri.strip_prefix("file://").unwrap());
+    assert_eq!(fs::read_to_string(resources.join("table.txt")).unwrap(), "1 2 3");
+    assert!(!resources.join("../documentation").exists(), "only what is needed is unpacked");
+    drop(lag);
+    assert!(!resources.parent().unwrap().exists());
+}
+
+#[test]
+fn states_are_saved_restored_and_serialised() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package(folder.path(), "Lag") else { return };
+    let fmu = Fmu::open(path).unwrap();
+    let mut lag = start(&fmu);
+    let mut other = start(&fmu);
+    let value = |lag: &mut Instance| {
+        let mut value = [0.0];
+        lag.get_real(&[2], &mut value).unwrap();
+        value[0]
+    };
+
+    lag.set_real(&[0], &[1.0]).unwrap();
+    lag.do_step(0.0, 0.1).unwrap();
+    let (saved, before) = (lag.save_state().unwrap(), value(&mut lag));
+    lag.do_step(0.1, 0.1).unwrap();
+    assert!(value(&mut lag) > before);
+    lag.restore_state(&saved).unwrap();
+    assert_eq!(value(&mut lag).to_bits(), before.to_bits());
+
+    let bytes = lag.serialize_state(&saved).unwrap();
+    assert!(matches!(other.restore_state(&saved), Err(CallError::ForeignState { .. })));
+    lag.free_state(saved).unwrap();
+    let copy = other.deserialize_state(&bytes).unwrap();
+    other.restore_state(&copy).unwrap();
+    assert_eq!(value(&mut other).to_bits(), before.to_bits());
+    other.free_state(copy).unwrap();
+
+    let mut derivative = [0.0];
+    lag.directional_derivative(&[2], &[0], &[2.0], &mut derivative).unwrap();
+    assert!((derivative[0] + 2.0).abs() < 1e-15);
+    assert!(matches!(lag.output_derivatives(&[2], &[1], &mut derivative), Err(CallError::Unsupported { .. })));
+}
+
+#[test]
+fn refusals_carry_the_slaves_own_formatted_words() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package(folder.path(), "Lag") else { return };
+    let fmu = Fmu::open(path).unwrap();
+    let mut lag = fmu.instantiate("lag").unwrap();
+    let message = lag.set_real(&[1], &[-0.5]).unwrap_err().to_string();
+    assert_eq!(message, "lag: fmi2SetReal returned fmi2Error: T = -0.5 must be positive, # 100 %");
+
+    let mut warns = start(&fmu);
+    warns.set_real(&[4], &[0.0]).unwrap();
+    warns.set_integer(&[0], &[1]).unwrap();
+    assert_eq!(warns.do_step(0.0, 0.1).unwrap(), Status::Warning);
+    let log = warns.take_log();
+    assert_eq!((log[0].status, log[0].category.as_str()), (Status::Warning, "logStatusError"));
+    assert_eq!(log[0].text.len(), "trouble at t = 0".len() + 2999, "long messages are not cut");
+    assert!(warns.take_log().is_empty());
+
+    // After a fatal error nothing may be called, not even the release.
+    let mut dies = start(&fmu);
+    dies.set_real(&[4], &[0.0]).unwrap();
+    dies.set_integer(&[0], &[4]).unwrap();
+    assert_eq!(dies.do_step(0.0, 0.1).unwrap_err().status(), Some(Status::Fatal));
+}
+
+#[test]
+fn a_wrong_guid_is_refused_with_the_reason() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package_as(folder.path(), "Lag", |text| text.replace("{fixture}", "{other}")) else { return };
+    let message = Fmu::open(path).unwrap().instantiate("lag").unwrap_err().to_string();
+    assert_eq!(message, "lag: the FMU refuses to be instantiated: GUID {other} is not {fixture}");
+}
+
+#[test]
+fn what_is_no_usable_fmu_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.fmu");
+    let expect = |expected: &str| {
+        let message = Fmu::open(&path).err().expect("must not open").to_string();
+        assert!(message.contains(expected) && message.contains("x.fmu"), "{message:?} should contain {expected:?}");
+    };
+    expect("cannot read");
+    fs::write(&path, "hello").unwrap();
+    expect("not a readable zip archive");
+    fs::write(&path, "").unwrap();
+    expect("not a readable zip archive");
+    archive(&path, &[("readme.txt", b"")]);
+    expect("no modelDescription.xml");
+    archive(&path, &[("modelDescription.xml", b"<a>")]);
+    expect("not well-formed XML");
+
+    let lag = description("Lag");
+    archive(&path, &[("modelDescription.xml", lag.replace("\"2.0\"", "\"3.0\"").as_bytes())]);
+    expect("written for FMI 3.0");
+    archive(&path, &[("modelDescription.xml", lag.replace("CoSimulation", "ModelExchange").as_bytes())]);
+    expect("only model exchange");
+    archive(&path, &[("modelDescription.xml", lag.as_bytes()), ("binaries/vax/Lag.so", b"")]);
+    expect("for this platform (it has: binaries/vax/Lag.so)");
+    let entry = format!("binaries/linux64/Lag{}", std::env::consts::DLL_SUFFIX);
+    if cfg!(target_os = "linux") {
+        archive(&path, &[("modelDescription.xml", lag.as_bytes()), (&entry, b"no library")]);
+        expect("the system cannot load it");
+        let evil = [("modelDescription.xml", lag.as_bytes()), (&entry, b""), ("../outside.txt", b"evil")];
+        archive(&path, &evil);
+        expect("points outside the archive");
+        assert!(!folder.path().join("outside.txt").exists());
+    }
+    fs::remove_file(&path).unwrap();
+    fs::create_dir(&path).unwrap();
+    expect("it is a folder");
+}
+
+#[test]
+fn a_library_without_a_needed_function_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    // A system library loads but is no FMU.
+    let Some(path) = package(folder.path(), "Lag") else { return };
+    let Some(other) =
+        ["/lib/x86_64-linux-gnu/libm.so.6", "/usr/lib64/libm.so.6"].iter().find_map(|path| fs::read(path).ok())
+    else {
+        return;
+    };
+    archive(&path, &[("modelDescription.xml", description("Lag").as_bytes()), ("binaries/linux64/Lag.so", &other)]);
+    let message = Fmu::open(&path).err().unwrap().to_string();
+    assert!(message.contains("lacks the function fmi2GetTypesPlatform"), "{message}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_library_that_is_cut_off_is_refused_before_it_kills_us() {
+    let folder = tempfile::tempdir().unwrap();
+    let Ok(whole) = fs::read("/proc/self/exe") else { return };
+    let path = folder.path().join("x.fmu");
+    let lag = description("Lag");
+    for parts in 1..8 {
+        let library = &whole[..whole.len() / 8 * parts];
+        archive(&path, &[("modelDescription.xml", lag.as_bytes()), ("binaries/linux64/Lag.so", library)]);
+        let message = Fmu::open(&path).err().unwrap().to_string();
+        // Debug information belongs to no segment: without it, the test program is whole, but no library.
+        assert!(message.contains("it is cut off") || message.contains("cannot load it"), "{message}");
+    }
+}
