@@ -5,7 +5,8 @@ use std::sync::Arc;
 use crate::Model;
 use crate::access::{Access, EnumerationKind, Lens};
 use crate::problems::problems;
-use crate::variable::{Causality, Variability, Variable, Variables};
+use crate::variable::{Causality, Variability, Variable};
+use crate::variables::Variables;
 
 /// When the host may set a variable: one bit per phase.
 pub(crate) mod settable {

@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::access::{Access, EnumerationKind};
-use crate::variable::{Causality, Variable};
+use crate::variable::{Causality, Variability, Variable};
 use crate::{Info, Model};
 
 /// Everything that is wrong with the declarations.
@@ -47,6 +47,10 @@ pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations:
         if variable.rate.is_some() && variable.causality != Causality::Output {
             problems.push(format!("variable {name} has a rate, but is no output"));
         }
+        if variable.variability == Variability::Discrete && (variable.ramp.is_some() || variable.rate.is_some()) {
+            problems.push(format!("variable {name} is discrete: it can have no ramp or rate"));
+        }
+        problems.extend(variable.mistakes.iter().map(|mistake| format!("variable {name}: {mistake}")));
         value_problems(variable, &mut model, &mut problems);
     }
     for variable in list {
@@ -117,9 +121,6 @@ fn unit_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
     let mut units = HashMap::new();
     let mut display_units = HashMap::new();
     for variable in list {
-        if let Some(error) = &variable.unit_error {
-            problems.push(format!("variable {}: {error}", variable.name));
-        }
         if let Some(unit) = &variable.unit {
             if *units.entry(unit.name()).or_insert(unit) != unit {
                 problems.push(format!("unit {} is defined in two ways", unit.name()));

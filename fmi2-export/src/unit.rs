@@ -58,6 +58,17 @@ pub(crate) struct DisplayUnit {
     pub factor: f64,
 }
 
+impl DisplayUnit {
+    /// Degrees for an angle in rad, deg/s for its rate, and so on; `None` for what is no angle.
+    pub fn degrees(unit: &Unit) -> Option<Self> {
+        let [kg, m, _, ampere, kelvin, mol, cd, rad] = unit.exponents;
+        let is_coherent = unit.factor.to_bits() == 1.0_f64.to_bits() && unit.offset == 0.0;
+        let is_angle = rad == 1 && [kg, m, ampere, kelvin, mol, cd] == [0; 6];
+        (is_coherent && is_angle && unit.name.matches("rad").count() == 1)
+            .then(|| Self { name: unit.name.replace("rad", "deg"), factor: 180.0 / std::f64::consts::PI })
+    }
+}
+
 macro_rules! exponent {
     ($($method:ident $index:literal $what:literal),*) => { $(
         #[doc = concat!("Sets the exponent of the ", $what, ".")]
@@ -182,6 +193,18 @@ mod tests {
         assert_eq!(exponents("1/(m2.s)"), [0, -2, -1, 0, 0, 0, 0, 0]);
         assert_eq!(exponents("V/A"), exponents("Ohm"));
         assert_eq!(exponents("T.m2"), exponents("V.s"));
+    }
+
+    #[test]
+    fn angles_and_their_rates_are_shown_in_degrees() {
+        let shown = |expression: &str| DisplayUnit::degrees(&expression.parse().unwrap()).map(|shown| shown.name);
+        for (unit, degrees) in [("rad", "deg"), ("rad/s", "deg/s"), ("rad/s2", "deg/s2"), ("rad.s-1", "deg.s-1")] {
+            assert_eq!(shown(unit).as_deref(), Some(degrees));
+        }
+        for unit in ["1", "1/s", "N.m/rad", "rad2", "rad.m", "N.m.s/rad"] {
+            assert_eq!(shown(unit), None, "{unit}");
+        }
+        assert_eq!(DisplayUnit::degrees(&Unit::new("rad").rad(1).factor(2.0)), None);
     }
 
     #[test]

@@ -1,0 +1,359 @@
+//! Declaring variables: each once, by name and by the field of the model's struct it lives in.
+
+use std::sync::Arc;
+
+use crate::access::{Access, Scalar};
+use crate::builder::VariableBuilder;
+use crate::parameter::Parameter;
+use crate::variable::{Causality, Variability, Variable};
+
+/// The variables of a model, as [`Model::variables`](crate::Model::variables) declares them.
+///
+/// ```
+/// # use fmi2_export::Variables;
+/// # #[derive(Default)] struct Lag { u: f64, y: f64, time_constant: f64, x: f64 }
+/// # impl Lag { fn outputs(&mut self) { self.y = self.x } }
+/// # fn variables(variables: &mut Variables<Lag>) {
+/// let outputs = variables.evaluation(Lag::outputs);
+/// variables.input("u", |m| &mut m.u).description("Input");
+/// variables.output("y", outputs, |m| &mut m.y).description("Output");
+/// variables.parameter("T", |m| &mut m.time_constant).description("Time constant").unit("s").range(1e-6, 1e6);
+/// # }
+/// ```
+///
+/// # Arrays
+/// A slice of fields becomes as many variables as it has elements in the model's default value. In their name and
+/// description, and in the names of inputs they depend on, `{}` stands for the element's number, counted from 1; a name
+/// without it gets the number in brackets: `w` gives `w[1]`, `w[2]`, …
+///
+/// ```
+/// # use fmi2_export::Variables;
+/// # #[derive(Default)] struct Arms { command: [f64; 2], torque: [f64; 2] }
+/// # impl Arms { fn outputs(&mut self) { self.torque = self.command } }
+/// # fn variables(variables: &mut Variables<Arms>) {
+/// let outputs = variables.evaluation(Arms::outputs);
+/// variables.input_array("tau{}_cmd", |m| &mut m.command).unit("N.m").description("Commanded torque on hub {}");
+/// variables
+///     .output_array("tau{}", outputs, |m| &mut m.torque)
+///     .unit("N.m")
+///     .depends_on(["tau{}_cmd"])
+///     .description("Torque that actuator {} delivers");
+/// # }
+/// ```
+pub struct Variables<M> {
+    pub(crate) list: Vec<Variable<M>>,
+    pub(crate) evaluations: Vec<fn(&mut M)>,
+}
+
+/// A function of the model that fills in some of its outputs: see [`Variables::evaluation`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Evaluation(pub(crate) usize);
+
+/// What a variable is to the host, and what computes it.
+#[derive(Clone, Copy)]
+struct Role {
+    causality: Causality,
+    /// Of numbers; whatever is no number can only jump.
+    variability: Variability,
+    evaluation: Option<Evaluation>,
+}
+
+impl Role {
+    const INPUT: Self = Self { causality: Causality::Input, variability: Variability::Continuous, evaluation: None };
+    const FIXED: Self = Self { causality: Causality::Parameter, variability: Variability::Fixed, evaluation: None };
+    const TUNABLE: Self = Self { variability: Variability::Tunable, ..Self::FIXED };
+
+    const fn computed(causality: Causality, evaluation: Evaluation) -> Self {
+        Self { causality, variability: Variability::Continuous, evaluation: Some(evaluation) }
+    }
+}
+
+impl<M: 'static> Variables<M> {
+    pub(crate) fn new() -> Self {
+        Self { list: Vec::new(), evaluations: Vec::new() }
+    }
+
+    /// Declares a function that computes some of the outputs from the state, the parameters and the inputs.
+    ///
+    /// It is called when the host asks for one of those outputs and something they depend on has changed. Outputs that
+    /// are cheap and wanted every step should not share an evaluation with outputs that are expensive and rarely looked
+    /// at. At most 64 evaluations.
+    pub fn evaluation(&mut self, evaluation: fn(&mut M)) -> Evaluation {
+        self.evaluations.push(evaluation);
+        Evaluation(self.evaluations.len() - 1)
+    }
+
+    /// Declares an input. A number is continuous unless it is said to be [`discrete`](VariableBuilder::discrete),
+    /// anything else is discrete.
+    pub fn input<T: Scalar>(
+        &mut self,
+        name: impl Into<String>,
+        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        self.one(name, Role::INPUT, field)
+    }
+
+    /// Declares the elements of an array as inputs.
+    pub fn input_array<T: Scalar>(
+        &mut self,
+        name: &str,
+        field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        self.array(name, Role::INPUT, field)
+    }
+
+    /// Declares an output that `evaluation` computes.
+    pub fn output<T: Scalar>(
+        &mut self,
+        name: impl Into<String>,
+        evaluation: Evaluation,
+        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        self.one(name, Role::computed(Causality::Output, evaluation), field)
+    }
+
+    /// Declares the elements of an array as outputs that `evaluation` computes.
+    pub fn output_array<T: Scalar>(
+        &mut self,
+        name: &str,
+        evaluation: Evaluation,
+        field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        self.array(name, Role::computed(Causality::Output, evaluation), field)
+    }
+
+    /// Declares a local variable that `evaluation` computes: visible, but not meant to be wired.
+    pub fn local<T: Scalar>(
+        &mut self,
+        name: impl Into<String>,
+        evaluation: Evaluation,
+        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        self.one(name, Role::computed(Causality::Local, evaluation), field)
+    }
+
+    /// Declares the elements of an array as local variables that `evaluation` computes.
+    pub fn local_array<T: Scalar>(
+        &mut self,
+        name: &str,
+        evaluation: Evaluation,
+        field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        self.array(name, Role::computed(Causality::Local, evaluation), field)
+    }
+
+    /// Declares a parameter that is fixed once initialization mode has been left.
+    pub fn parameter<T: Scalar>(
+        &mut self,
+        name: impl Into<String>,
+        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        self.one(name, Role::FIXED, field)
+    }
+
+    /// Declares the elements of an array as parameters that are fixed once initialization mode has been left.
+    pub fn parameter_array<T: Scalar>(
+        &mut self,
+        name: &str,
+        field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        self.array(name, Role::FIXED, field)
+    }
+
+    /// Declares a parameter that the host may also change between steps.
+    pub fn tunable<T: Scalar>(
+        &mut self,
+        name: impl Into<String>,
+        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        self.one(name, Role::TUNABLE, field)
+    }
+
+    /// Declares the elements of an array as parameters that the host may also change between steps.
+    pub fn tunable_array<T: Scalar>(
+        &mut self,
+        name: &str,
+        field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        self.array(name, Role::TUNABLE, field)
+    }
+
+    /// Declares a table of parameters of one part of the model, fixed once initialization mode has been left.
+    pub fn parameters<T: 'static>(
+        &mut self,
+        table: impl IntoIterator<Item = Parameter<T>>,
+        part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        self.table(Role::FIXED, table, part)
+    }
+
+    /// As [`parameters`](Self::parameters), of parameters that the host may also change between steps.
+    pub fn tunables<T: 'static>(
+        &mut self,
+        table: impl IntoIterator<Item = Parameter<T>>,
+        part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        self.table(Role::TUNABLE, table, part)
+    }
+
+    /// Declares a table of parameters for each of several parts of the model: all of the first part, then all of the
+    /// second, and so on. They are fixed once initialization mode has been left.
+    pub fn parameter_family<T: 'static>(
+        &mut self,
+        table: impl IntoIterator<Item = Parameter<T>>,
+        parts: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        self.family(Role::FIXED, table, parts)
+    }
+
+    /// As [`parameter_family`](Self::parameter_family), of parameters that the host may also change between steps.
+    pub fn tunable_family<T: 'static>(
+        &mut self,
+        table: impl IntoIterator<Item = Parameter<T>>,
+        parts: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        self.family(Role::TUNABLE, table, parts)
+    }
+
+    fn one<T: Scalar>(
+        &mut self,
+        name: impl Into<String>,
+        role: Role,
+        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        let first = self.list.len();
+        self.add(name.into(), None, role, T::access(field));
+        self.since(first)
+    }
+
+    fn array<T: Scalar>(
+        &mut self,
+        name: &str,
+        role: Role,
+        field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        let first = self.list.len();
+        let length = field(&mut M::default()).len();
+        let field = Arc::new(field);
+        let pattern = if name.contains("{}") { name.to_owned() } else { format!("{name}[{{}}]") };
+        for i in 0..length {
+            let field = Arc::clone(&field);
+            self.add(numbered(&pattern, i + 1), Some(i + 1), role, T::access(move |model| &mut field(model)[i]));
+        }
+        self.since(first)
+    }
+
+    fn table<T: 'static>(
+        &mut self,
+        role: Role,
+        table: impl IntoIterator<Item = Parameter<T>>,
+        part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M> {
+        let first = self.list.len();
+        let part = Arc::new(part);
+        for row in table {
+            let part = Arc::clone(&part);
+            self.row(role, row, None, move |model| (row.field)(part(model)));
+        }
+        self.since(first)
+    }
+
+    fn family<T: 'static>(
+        &mut self,
+        role: Role,
+        table: impl IntoIterator<Item = Parameter<T>>,
+        parts: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
+    ) -> VariableBuilder<'_, M>
+    where
+        M: Default,
+    {
+        let first = self.list.len();
+        let length = parts(&mut M::default()).len();
+        let (table, parts): (Vec<_>, _) = (table.into_iter().collect(), Arc::new(parts));
+        for i in 0..length {
+            for row in table.iter().copied() {
+                let parts = Arc::clone(&parts);
+                self.row(role, row, Some(i + 1), move |model| (row.field)(&mut parts(model)[i]));
+            }
+        }
+        self.since(first)
+    }
+
+    /// One row of a table, for one part of the model.
+    fn row<T>(
+        &mut self,
+        role: Role,
+        row: Parameter<T>,
+        number: Option<usize>,
+        field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static,
+    ) {
+        let first = self.list.len();
+        let name = number.map_or_else(|| row.name.to_owned(), |number| numbered(row.name, number));
+        self.add(name, number, role, f64::access(field));
+        let builder = self.since(first).range(row.min, row.max).description(row.description);
+        if !row.unit.is_empty() {
+            builder.unit(row.unit);
+        }
+    }
+
+    fn add(&mut self, name: String, number: Option<usize>, role: Role, access: Access<M>) {
+        let variability = match (role.variability, &access) {
+            (Variability::Continuous, Access::Real(_)) => Variability::Continuous,
+            (Variability::Continuous, _) => Variability::Discrete,
+            (other, _) => other,
+        };
+        self.list.push(Variable {
+            name,
+            number,
+            description: String::new(),
+            causality: role.causality,
+            variability,
+            access,
+            unit: None,
+            display_unit: None,
+            min: None,
+            max: None,
+            nominal: None,
+            depends_on: Vec::new(),
+            starts_from: Vec::new(),
+            evaluation: role.evaluation,
+            ramp: None,
+            rate: None,
+            mistakes: Vec::new(),
+        });
+    }
+
+    /// What has been declared since there were `first` variables.
+    fn since(&mut self, first: usize) -> VariableBuilder<'_, M> {
+        VariableBuilder { variables: &mut self.list[first..] }
+    }
+}
+
+/// The text for one element of an array.
+pub(crate) fn numbered(text: &str, number: usize) -> String {
+    text.replace("{}", &number.to_string())
+}
