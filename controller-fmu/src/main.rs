@@ -1,8 +1,7 @@
 //! Packages the FMUs of this crate: `cargo run -p controller-fmu`.
 
-use controller_fmu::signals::References;
-use controller_fmu::target::Arms;
 use fmi2_export::package::{self, Document, OfTime, Panel, Response};
+use grasp_control::{Arms, References};
 
 const LICENSE: &str = include_str!("../../LICENSE");
 

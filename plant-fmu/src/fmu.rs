@@ -5,17 +5,17 @@ use std::f64::consts::PI;
 use fmi2_export::{
     DefaultExperiment, Enumeration, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder, Variables,
 };
-use serde::{Deserialize, Serialize};
-
-use crate::{
+use grasp_plant::{
     ActuatorModel, Arm, Channel, DEFLECTION_POINTS, Direct, Inputs, LARGEST, Measured, ORDER_RANGE, Parameters, Plant,
     Rates, SMALLEST, Uncertainty,
 };
+use serde::{Deserialize, Serialize};
 
 /// `DualArmPlant.fmu`.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct DualArmPlant {
     parameters: Parameters,
+    actuator_model: ActuatorChoice,
     inputs: Inputs,
     /// Slopes of the inputs over the next step.
     input_rates: Inputs,
@@ -54,6 +54,7 @@ impl Default for DualArmPlant {
     fn default() -> Self {
         Self {
             parameters: Parameters::default(),
+            actuator_model: ActuatorChoice::default(),
             inputs: Inputs::ZERO,
             input_rates: Inputs::ZERO,
             plant: None,
@@ -68,6 +69,11 @@ impl DualArmPlant {
     const TENSION: f64 = 1e-9;
     /// Compression from which on a grasp counts as closed again \[N\]: forces that tremble about zero warn once.
     const FIRM: f64 = 0.01;
+
+    /// The parameters as the host has set them.
+    fn parameters(&self) -> Parameters {
+        Parameters { actuator_model: self.actuator_model.0, ..self.parameters.clone() }
+    }
 
     fn measured(&mut self) {
         if let Some(plant) = &self.plant {
@@ -135,9 +141,10 @@ impl Model for DualArmPlant {
 
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         self.is_closed = true;
+        let parameters = self.parameters();
         match &mut self.plant {
-            Some(plant) if *plant.parameters() == self.parameters => plant.reset(),
-            plant => *plant = Some(Plant::new(self.parameters.clone()).map_err(Failure::error)?),
+            Some(plant) if *plant.parameters() == parameters => plant.reset(),
+            plant => *plant = Some(Plant::new(parameters).map_err(Failure::error)?),
         }
         Ok(())
     }
@@ -162,8 +169,8 @@ impl Model for DualArmPlant {
 
     fn restored(&mut self) -> Result<(), Failure> {
         // In initialization mode the parameters may have changed since the plant was made; it will be made anew then.
-        let parameters = &self.parameters;
-        self.plant.take_if(|plant| plant.parameters() != parameters);
+        let parameters = self.parameters();
+        self.plant.take_if(|plant| *plant.parameters() != parameters);
         let Some(plant) = &self.plant else { return Ok(()) };
         let lambda = plant.direct(&self.inputs).lambda;
         if !(plant.energy().is_finite() && lambda.iter().all(|value| value.is_finite())) {
@@ -467,7 +474,7 @@ fn common_parameters(variables: &mut Variables<DualArmPlant>) {
         .range(least, greatest)
         .description("Polynomial degree of the bending moment over each arm; the velocity has two less");
     variables
-        .parameter("actuator_model", |m| &mut m.parameters.actuator_model)
+        .parameter("actuator_model", |m| &mut m.actuator_model)
         .description("How the actuators turn commands into torques and the force; by default without dead zone");
 }
 
@@ -525,7 +532,11 @@ fn start_parameters(variables: &mut Variables<DualArmPlant>) {
         .description("Velocity of the object at the start");
 }
 
-impl Enumeration for ActuatorModel {
+/// The actuator model as a variable of the FMU.
+#[derive(Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+struct ActuatorChoice(ActuatorModel);
+
+impl Enumeration for ActuatorChoice {
     const NAME: &'static str = "ActuatorModel";
     const DESCRIPTION: &'static str = "How a command becomes an actuator output";
     const ITEMS: &'static [(&'static str, &'static str)] = &[
@@ -533,15 +544,14 @@ impl Enumeration for ActuatorModel {
         ("compensated", "Eq. (18): the dead zone is compensated, only saturation remains"),
         ("raw", "Saturation, then the dead zone"),
     ];
-    const VALUES: &'static [Self] = &[Self::Ideal, Self::Compensated, Self::Raw];
+    const VALUES: &'static [Self] =
+        &[Self(ActuatorModel::Ideal), Self(ActuatorModel::Compensated), Self(ActuatorModel::Raw)];
 }
 
 /// A plant in a saved state is its parameters and what moves; the matrices are computed again.
 mod plant_state {
+    use grasp_plant::{Parameters, Plant, State};
     use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
-
-    use crate::plant::State;
-    use crate::{Parameters, Plant};
 
     #[allow(clippy::ref_option)] // The signature serde asks for.
     pub fn serialize<S: Serializer>(plant: &Option<Plant>, serializer: S) -> Result<S::Ok, S::Error> {

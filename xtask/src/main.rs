@@ -80,7 +80,7 @@ fn long_checks(tree: &Tree) -> Outcome {
     for (package, test, name) in [
         ("fmi2-export", "random_calls", "all_calls_under_valgrind"),
         ("fmi2-export", "loading", ""),
-        ("plant-fmu", "conservation", ""),
+        ("grasp-plant", "conservation", ""),
     ] {
         let outcome = run(tree.cargo(&["test", "-p", package, "--test", test, "--", "--ignored", "--nocapture", name]));
         if outcome != Outcome::Passed {

@@ -1,0 +1,37 @@
+//! `PdsController.fmu`.
+
+use fmi2_export::Variables;
+use grasp_control::laws::pds::{Pds, PdsGains};
+use grasp_control::parameter::ParameterError;
+use grasp_control::{Arms, Law};
+
+use super::{Controller, FmuLaw, declare};
+
+/// `PdsController.fmu`.
+pub type PdsController = Controller<Pds>;
+
+impl FmuLaw for Pds {
+    type Settings = PdsGains;
+    type Extra = ();
+
+    const NAME: &'static str = "PdsController";
+    const DESCRIPTION: &'static str = "PD control with strain feedback (PDS) of the dual-arm grasp, eqs. (95) and (96)";
+
+    fn create(arms: Arms, gains: &PdsGains) -> Result<Self, ParameterError> {
+        Self::new(arms, *gains)
+    }
+
+    fn retune(&mut self, gains: &PdsGains) -> Result<(), ParameterError> {
+        // The law has no state to keep.
+        *self = Self::new(*self.arms(), *gains)?;
+        Ok(())
+    }
+
+    fn is_like(&self, other: &Self) -> bool {
+        self == other
+    }
+
+    fn declare_settings(variables: &mut Variables<PdsController>) {
+        declare(variables, &PdsGains::PARAMETERS, true, |m| &mut m.settings);
+    }
+}

@@ -1,0 +1,7 @@
+//! What laws are built from.
+
+pub mod adaptation;
+pub mod exponential;
+pub mod lowpass;
+pub mod rbf;
+pub(crate) mod sat;

@@ -1,0 +1,47 @@
+//! Gaussian radial-basis-function networks, Ŵᵀ Y(X) of (35) and Ûᵀ Y(Z) of (53).
+//!
+//! Basis function j is `Yⱼ(X) = exp(−‖x − cⱼ‖²/b²)`, where x is the input with every component divided by its scale.
+//! The centres fill the box |x| ≤ 1, equally spaced along each axis, in one of two layouts:
+//!
+//! * [`Layout::Grid`]: the full tensor grid, n nodes per axis. For the three inputs of the posture networks.
+//! * [`Layout::Star`]: a node at the origin and r nodes on both sides of it along each axis, 1 + 2rD in all. For the
+//!   seven inputs of the object network, where a grid of only five nodes per axis would have 78125.
+//!
+//! Both have their nodes densest where the networks must work in the end: at the origin, which is the target (zero
+//! errors, at rest). There a network acts on its loop as a leaky integrator of the sliding variable s with gain
+//! `a‖Y‖²` and forgetting rate aσ, so a lasting disturbance d leaves `s ≈ d σ/‖Y‖²`; the star is there for that reason
+//! and not a low-discrepancy set, whose nodes in seven dimensions nearly all lie in the corners.
+//!
+//! A Gaussian of the whole vector is the product of one-dimensional ones, and along an equally spaced axis those are a
+//! common factor times powers of another: `exp(−(x−c)²/b²) = exp(−x²/b²) exp(2xc/b²) exp(−c²/b²)`. So an evaluation needs
+//! few exponentials, not one per node:
+//!
+//! * a grid two per axis; and its activations are the products of those along its first axis with those of its other
+//!   axes, so these two lists stand for all of them;
+//! * a star one per axis and one more, because `exp(−‖x‖²/b²)` is common to all its nodes.
+//!
+//! Far outside the box every activation tends to zero and nothing else happens: values below 10⁻³⁰ count as zero (on
+//! each axis of a grid, in all of a star), which keeps denormal numbers out of the products.
+//!
+//! Everything comes in fours: the axes while the basis is evaluated, the nodes while the weights learn. What
+//! is left over is filled up with zeros, so that no loop has a remainder and every sum the same order on any processor.
+
+// Inlined into functions for wide registers, and indexed in step, or the compiler does not use these registers.
+#![allow(clippy::inline_always, clippy::needless_range_loop)]
+// What is unsafe asks for a feature of the processor, and nothing of the data.
+#![allow(clippy::unsafe_derive_deserialize)]
+
+mod axis;
+mod basis;
+mod lanes;
+mod layout;
+mod network;
+mod stored;
+#[cfg(test)]
+mod tests;
+
+pub use layout::{Layout, MAX_PER_AXIS};
+pub use network::Network;
+
+/// Narrowest and widest Gaussians in normalised units. Narrower ones would underflow inside the box.
+pub const WIDTHS: std::ops::RangeInclusive<f64> = 0.1..=10.0;

@@ -1,0 +1,155 @@
+//! The networks against their definition.
+
+use super::{Layout, Network};
+use proptest::prelude::*;
+
+/// The definition, node by node.
+fn gaussian<const D: usize>(x: [f64; D], centre: [f64; D], width: f64) -> f64 {
+    let distance2: f64 = x.iter().zip(centre).map(|(x, c)| (x - c).powi(2)).sum();
+    (-distance2 / width.powi(2)).exp()
+}
+
+fn assert_definition<const D: usize>(layout: Layout, width: f64, x: [f64; D]) {
+    let mut network = Network::<D>::new(layout, width);
+    network.activate(x);
+    for (node, activation) in network.activations().enumerate() {
+        let expected = gaussian(x, network.centre(node), width);
+        // Exponents of up to 340 cost as many ulp; negligible factors are flushed to zero.
+        assert!((activation - expected).abs() < 1e-12 * expected + 1e-29, "{layout:?} {width} {x:?} {node}");
+    }
+}
+
+fn weighted<const D: usize>(layout: Layout, width: f64) -> Network<D> {
+    let mut network = Network::<D>::new(layout, width);
+    for node in 0..layout.nodes(D) {
+        network.set_weight(node, (1.7 * node as f64).sin());
+    }
+    network
+}
+
+#[test]
+fn layouts_have_the_documented_sizes_and_centres() {
+    assert_eq!(Layout::Grid(5).nodes(3), 125);
+    assert_eq!(Layout::Star(2).nodes(7), 29);
+    let grid = Network::<3>::new(Layout::Grid(3), 1.0);
+    assert_eq!(grid.centre(0), [-1.0, -1.0, -1.0]);
+    assert_eq!(grid.centre(13), [0.0; 3]);
+    assert_eq!(grid.centre(14), [0.0, 0.0, 1.0]);
+    let star = Network::<2>::new(Layout::Star(2), 1.0);
+    let centres: Vec<_> = (0..9).map(|node| star.centre(node)).collect();
+    assert_eq!(
+        centres,
+        [
+            [0.0, 0.0],
+            [-1.0, 0.0],
+            [-0.5, 0.0],
+            [0.5, 0.0],
+            [1.0, 0.0],
+            [0.0, -1.0],
+            [0.0, -0.5],
+            [0.0, 0.5],
+            [0.0, 1.0],
+        ]
+    );
+}
+
+#[test]
+fn extreme_inputs_activate_nothing_and_give_no_nan() {
+    for x in [1e3, -1e9, 1e300, f64::MAX, f64::MIN] {
+        let mut grid = weighted::<3>(Layout::Grid(9), 0.1);
+        grid.activate([x, 0.0, 0.3]);
+        assert_eq!(grid.output(), 0.0);
+        assert_eq!(grid.gradient(), [0.0; 3]);
+        let mut star = weighted::<7>(Layout::Star(4), 10.0);
+        star.activate([x; 7]);
+        assert_eq!(star.output(), 0.0);
+        assert_eq!(star.gradient(), [0.0; 7]);
+    }
+}
+
+#[test]
+fn activations_survive_serialisation_by_recomputation() {
+    let mut network = weighted::<3>(Layout::Grid(4), 0.6);
+    network.activate([0.1, -0.2, 0.3]);
+    let text = serde_json::to_string(&network).unwrap();
+    let mut copy: Network<3> = serde_json::from_str(&text).unwrap();
+    copy.activate([0.1, -0.2, 0.3]);
+    assert_eq!(copy.output(), network.output());
+}
+
+/// The output that adaptation leaves behind is the one that a copy without it computes, to the bit; and wide
+/// registers change nothing.
+#[test]
+fn every_way_to_the_output_gives_the_same_bits() {
+    fn check<const D: usize>(layout: Layout) {
+        let mut network = weighted::<D>(layout, 0.7);
+        let mut plain = network.clone();
+        for step in 0..20 {
+            let x = std::array::from_fn(|axis| (0.3 * f64::from(step) + axis as f64).sin());
+            network.activate(x);
+            plain.activate_here(x);
+            network.adapt(0.99, 0.1);
+            plain.adapt_here(0.99, 0.1);
+            assert_eq!(network.weights, plain.weights);
+            plain.output = None;
+            assert_eq!(network.output().to_bits(), plain.output().to_bits(), "{layout:?}");
+        }
+    }
+    for n in 1..=9 {
+        check::<3>(Layout::Grid(n));
+    }
+    for rings in 0..=4 {
+        check::<7>(Layout::Star(rings));
+    }
+}
+
+#[test]
+fn impossible_stored_networks_are_refused() {
+    let good = Network::<3>::new(Layout::Grid(2), 0.5);
+    let text = serde_json::to_string(&good).unwrap();
+    assert!(serde_json::from_str::<Network<3>>(&text).is_ok());
+    assert!(serde_json::from_str::<Network<7>>(&text).is_err());
+    for (part, instead) in [("2", "200"), ("0.5", "0.0"), ("[0.0,", "[")] {
+        assert!(text.contains(part));
+        assert!(serde_json::from_str::<Network<3>>(&text.replacen(part, instead, 1)).is_err(), "{instead}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn grid_activations_are_the_gaussians(
+        n in 1_usize..=9, width in 0.1..3.0, x in prop::array::uniform3(-2.5..2.5),
+    ) {
+        assert_definition::<3>(Layout::Grid(n), width, x);
+    }
+
+    #[test]
+    fn star_activations_are_the_gaussians(
+        rings in 0_usize..=4, width in 0.1..3.0, x in prop::array::uniform7(-2.5..2.5),
+    ) {
+        assert_definition::<7>(Layout::Star(rings), width, x);
+    }
+
+    /// Central differences of step 1e-5: truncation ~1e-10 times the third derivative (≤ ~1e3 at these widths).
+    #[test]
+    fn gradients_agree_with_differences(
+        width in 0.4..2.0, x in prop::array::uniform3(-1.5..1.5), rings in 1_usize..=4, n in 2_usize..=5,
+    ) {
+        fn check<const D: usize>(mut network: Network<D>, x: [f64; D]) {
+            network.activate(x);
+            let gradient = network.gradient();
+            for (axis, slope) in gradient.into_iter().enumerate() {
+                let mut at = |step: f64| {
+                    let mut moved = x;
+                    moved[axis] += step;
+                    network.activate(moved);
+                    network.output()
+                };
+                let difference = (at(1e-5) - at(-1e-5)) / 2e-5;
+                assert!((slope - difference).abs() < 1e-6, "{slope} {difference}");
+            }
+        }
+        check(weighted::<3>(Layout::Grid(n), width), x);
+        check(weighted::<3>(Layout::Star(rings), width), x);
+    }
+}

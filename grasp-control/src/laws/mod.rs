@@ -1,0 +1,5 @@
+//! The control laws, one module each.
+
+pub mod nabfc;
+pub mod pd;
+pub mod pds;

@@ -1,0 +1,162 @@
+//! What a loop of NABFC learns, eqs. (37)–(39) and (55)–(57).
+//!
+//! The object's loop and those of the posture learn alike: the inertia that they move, a bound on the error of their
+//! network, and the network's weights. Each of the three follows a leaky law with a forcing of its own.
+
+use crate::blocks::adaptation::{HeldStep, LeakyLaw, Steps};
+use crate::blocks::rbf::Network;
+use serde::{Deserialize, Serialize};
+
+/// The update laws of a loop.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Laws {
+    /// Of the weights, (37) and (55).
+    pub weights: LeakyLaw,
+    /// Of the bound, (38) and (56).
+    pub bound: LeakyLaw,
+    /// Of the inertia, (39) and (57).
+    pub inertia: LeakyLaw,
+}
+
+/// What drives the estimates at one instant.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Drive {
+    /// The sliding variable; the weights' forcing is s Y.
+    pub s: f64,
+    /// Forcing of the bound.
+    pub bound: f64,
+    /// Forcing of the inertia.
+    pub inertia: f64,
+}
+
+/// Time derivatives of the estimates.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EstimateRates {
+    /// d/dt of the inertia.
+    pub inertia: f64,
+    /// d/dt of the bound.
+    pub bound: f64,
+    /// d/dt of the norm of the weights.
+    pub norm: f64,
+    /// d/dt of the network's output at the point where it is evaluated.
+    pub output: f64,
+}
+
+/// The estimates of one loop, whose network has `D` inputs.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Estimator<const D: usize> {
+    laws: Laws,
+    initial_inertia: f64,
+    /// m̂ \[kg\] or Ĵ \[kg·m²\].
+    pub inertia: f64,
+    /// ε̂ \[N\] or π̂ \[N·m\].
+    pub bound: f64,
+    /// Ŵᵀ Y(X) or Ûᵀ Y(Z).
+    pub network: Network<D>,
+    /// Whether the network does anything: with zero weights and no adaptation it need not be evaluated.
+    has_network: bool,
+    #[serde(skip)]
+    steps: Option<Steps>,
+}
+
+impl<const D: usize> Estimator<D> {
+    pub fn new(laws: Laws, initial_inertia: f64, network: Network<D>) -> Self {
+        Self {
+            laws,
+            initial_inertia,
+            inertia: initial_inertia,
+            bound: 0.0,
+            network,
+            has_network: laws.weights.gain > 0.0,
+            steps: None,
+        }
+    }
+
+    /// Other laws for the same estimates.
+    pub fn retune(&mut self, laws: Laws) {
+        self.laws = laws;
+        // What has been learnt stays, even if nothing more is learnt.
+        self.has_network |= laws.weights.gain > 0.0;
+        self.steps = None;
+    }
+
+    /// Whether laws, initial estimates and the network's layout are those of another estimator.
+    pub fn has_settings_of(&self, other: &Self) -> bool {
+        self.laws == other.laws
+            && self.initial_inertia == other.initial_inertia
+            && self.network.has_layout_of(&other.network)
+    }
+
+    /// Back to the initial estimates.
+    pub fn reset(&mut self) {
+        self.inertia = self.initial_inertia;
+        self.bound = 0.0;
+        self.network.reset();
+    }
+
+    /// Evaluates the network's basis at a normalised input, for all that follows.
+    #[inline]
+    pub fn activate(&mut self, x: [f64; D]) {
+        if self.has_network {
+            self.network.activate(x);
+        }
+    }
+
+    /// The network's output.
+    #[inline]
+    pub fn output(&self) -> f64 {
+        if self.has_network { self.network.output() } else { 0.0 }
+    }
+
+    /// Gradient of [`output`](Self::output) with respect to the normalised input.
+    pub fn gradient(&self) -> [f64; D] {
+        if self.has_network { self.network.gradient() } else { [0.0; D] }
+    }
+
+    /// Time derivatives of the estimates.
+    pub fn rates(&self, drive: &Drive) -> EstimateRates {
+        let Laws { weights, bound, inertia } = &self.laws;
+        let (mut norm, mut output) = (0.0, 0.0);
+        if self.has_network {
+            norm = self.network.norm_rate(weights, drive.s);
+            output = weights.rate(self.network.output(), drive.s * self.network.learning_gain());
+        }
+        EstimateRates {
+            inertia: inertia.rate(self.inertia, drive.inertia),
+            bound: bound.rate(self.bound, drive.bound),
+            norm,
+            output,
+        }
+    }
+
+    /// The laws' steps over `h`.
+    #[inline]
+    fn steps(&mut self, h: f64) -> Steps {
+        let Laws { weights, bound, inertia } = self.laws;
+        Steps::of_size(&mut self.steps, h, [weights, bound, inertia])
+    }
+
+    /// Advances the estimates over a step of `h` \[s\] with a drive that stays the same, exactly.
+    #[inline]
+    pub fn step(&mut self, h: f64, drive: &Drive) {
+        let steps = self.steps(h).held;
+        self.apply(steps, drive);
+    }
+
+    /// The part that `node` of [`NODES`](crate::blocks::adaptation::NODES) has in a step of `h` \[s\], from the drive there. To be
+    /// called for the first node, then for the second.
+    #[inline]
+    pub fn step_sampled(&mut self, h: f64, node: usize, drive: &Drive) {
+        let [weights, bound, inertia] = self.steps(h).sampled;
+        self.apply([weights.part(node), bound.part(node), inertia.part(node)], drive);
+    }
+
+    #[inline]
+    fn apply(&mut self, [weights, bound, inertia]: [HeldStep; 3], drive: &Drive) {
+        self.bound = bound.apply(self.bound, drive.bound);
+        self.inertia = inertia.apply(self.inertia, drive.inertia);
+        if self.has_network {
+            self.network.adapt(weights.decay, weights.weight * drive.s);
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Posture loop of one arm, eqs. (49)–(57).
+
+use super::estimator::{Drive, EstimateRates, Estimator, Laws};
+use super::gains::{Gains, PostureGains, RbfLayout};
+use crate::blocks::adaptation::LeakyLaw;
+use crate::blocks::exponential::tanh;
+use crate::blocks::rbf::Network;
+use crate::blocks::sat::{sat, sat_slope};
+use serde::{Deserialize, Serialize};
+
+/// What the user can set.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Settings {
+    gains: PostureGains,
+    sat_limit: f64,
+    /// Normalises Z = [e, s, α̇₂].
+    inverse_scales: [f64; 3],
+}
+
+impl Settings {
+    fn new(gains: &Gains, arm: usize) -> Self {
+        let RbfLayout { angle_scale, posture_surface_scale, posture_alpha_scale, .. } = gains.rbf;
+        Self {
+            gains: gains.posture[arm],
+            sat_limit: gains.sat_limit,
+            inverse_scales: [angle_scale, posture_surface_scale, posture_alpha_scale].map(f64::recip),
+        }
+    }
+
+    /// The update laws (55)–(57): Û, π̂, Ĵ.
+    fn laws(&self) -> Laws {
+        let g = &self.gains;
+        Laws {
+            weights: LeakyLaw { gain: g.a3, leakage: g.a4 },
+            bound: LeakyLaw { gain: g.zeta1, leakage: g.zeta2 },
+            inertia: LeakyLaw { gain: g.g1, leakage: g.g2 },
+        }
+    }
+}
+
+/// Controller of one hub.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct PostureLoop {
+    settings: Settings,
+    /// Ĵ, π̂, Û.
+    pub estimator: Estimator<3>,
+    #[serde(skip)]
+    point: Option<Point>,
+}
+
+/// Signals of the loop at one instant. The moment M(0) is not among them: it enters the command only.
+#[derive(Debug, Clone, Copy)]
+struct Point {
+    e: f64,
+    e_dot: f64,
+    /// s = (μ + c₃) e + ė.
+    s: f64,
+    /// tanh(s/ϵ₂).
+    tanh: f64,
+    /// ė (μ + c₃), which Ĵ multiplies.
+    regressor: f64,
+}
+
+impl Point {
+    /// Forcings of (55)–(57): s Y(Z), s tanh(s/ϵ₂) and s ė (μ + c₃).
+    fn drive(&self) -> Drive {
+        Drive { s: self.s, bound: self.s * self.tanh, inertia: self.s * self.regressor }
+    }
+}
+
+/// Partial derivatives of the hub torque, apart from ∂τ̄/∂M(0) = 1.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PosturePartials {
+    pub e: f64,
+    pub e_dot: f64,
+}
+
+impl PostureLoop {
+    pub fn new(gains: &Gains, arm: usize) -> Self {
+        let settings = Settings::new(gains, arm);
+        let network = Network::new(gains.rbf.posture(), gains.rbf.width_posture);
+        Self { settings, estimator: Estimator::new(settings.laws(), gains.posture[arm].j_hat_0, network), point: None }
+    }
+
+    /// Other gains for the same estimates. The layout of the network must be the same.
+    pub fn retune(&mut self, gains: &Gains, arm: usize) {
+        self.settings = Settings::new(gains, arm);
+        self.estimator.retune(self.settings.laws());
+        self.point = None;
+    }
+
+    /// Whether gains, scales and the network's layout are those of another loop.
+    pub fn has_settings_of(&self, other: &Self) -> bool {
+        self.settings == other.settings && self.estimator.has_settings_of(&other.estimator)
+    }
+
+    /// Back to the initial estimates.
+    pub fn reset(&mut self) {
+        self.estimator.reset();
+    }
+
+    /// Time derivatives of the estimates for these inputs, from (55)–(57).
+    pub fn estimate_rates(&mut self, e: f64, e_dot: f64) -> EstimateRates {
+        let drive = self.at(e, e_dot).drive();
+        self.estimator.rates(&drive)
+    }
+
+    /// μ + c₃.
+    pub fn slope(&self) -> f64 {
+        self.settings.gains.mu + self.settings.gains.c3
+    }
+
+    /// s = μ z₃ + z₄ with z₄ = ė + c₃ e, eqs. (50)–(52).
+    pub fn surface(&self, e: f64, e_dot: f64) -> f64 {
+        self.slope() * e + e_dot
+    }
+
+    /// Evaluates the surface, the tanh, the regressor and the network's basis, once per point.
+    fn at(&mut self, e: f64, e_dot: f64) -> Point {
+        if let Some(point) = self.point
+            && point.e == e
+            && point.e_dot == e_dot
+        {
+            return point;
+        }
+        let Settings { gains, inverse_scales: [angle, surface, alpha], .. } = &self.settings;
+        let s = self.surface(e, e_dot);
+        let point = Point { e, e_dot, s, tanh: tanh(s / gains.epsilon2), regressor: e_dot * self.slope() };
+        self.estimator.activate([e * angle, s * surface, -gains.c3 * e_dot * alpha]);
+        self.point = Some(point);
+        point
+    }
+
+    /// Hub torque τ̄, eq. (54).
+    ///
+    /// EI q''(0) − λᵈ l is the measured moment M(0): the target's own moment cancels.
+    pub fn command(&mut self, e: f64, e_dot: f64, root_moment: f64) -> f64 {
+        let Point { s, tanh, regressor, .. } = self.at(e, e_dot);
+        let Settings { gains: g, sat_limit, .. } = &self.settings;
+        -g.xi * sat(s, *sat_limit) - g.k * s - e - self.estimator.inertia * regressor + root_moment
+            - self.estimator.output()
+            - self.estimator.bound * tanh
+    }
+
+    /// Advances the estimates over a step with held signals, exactly.
+    pub fn step(&mut self, h: f64, e: f64, e_dot: f64) {
+        let drive = self.at(e, e_dot).drive();
+        self.estimator.step(h, &drive);
+    }
+
+    /// Advances the estimates over a step with the signals (e, ė) sampled at [`NODES`](crate::blocks::adaptation::NODES).
+    pub fn step_sampled(&mut self, h: f64, samples: [(f64, f64); 2]) {
+        for (node, (e, e_dot)) in samples.into_iter().enumerate() {
+            let drive = self.at(e, e_dot).drive();
+            self.estimator.step_sampled(h, node, &drive);
+        }
+    }
+
+    /// Partial derivatives of the torque with respect to e and ė.
+    pub fn partials(&mut self, e: f64, e_dot: f64) -> PosturePartials {
+        let Point { s, tanh, .. } = self.at(e, e_dot);
+        let Settings { gains: g, sat_limit, inverse_scales } = self.settings;
+        let gradient = self.estimator.gradient();
+        let [by_angle, by_surface, by_alpha] = std::array::from_fn(|axis| gradient[axis] * inverse_scales[axis]);
+        let by_s = -g.xi * sat_slope(s, sat_limit)
+            - g.k
+            - self.estimator.bound * (1.0 - tanh * tanh) / g.epsilon2
+            - by_surface;
+        PosturePartials {
+            e: by_s * self.slope() - 1.0 - by_angle,
+            e_dot: by_s - self.estimator.inertia * self.slope() + g.c3 * by_alpha,
+        }
+    }
+
+    /// Time derivative of the torque through the estimates alone, eqs. (55)–(57) in (54).
+    pub fn drift(&mut self, e: f64, e_dot: f64) -> f64 {
+        let point = self.at(e, e_dot);
+        let rates = self.estimator.rates(&point.drive());
+        -rates.output - rates.bound * point.tanh - rates.inertia * point.regressor
+    }
+}

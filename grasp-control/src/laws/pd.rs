@@ -1,0 +1,100 @@
+//! PD, eqs. (97) and (98).
+
+use crate::law::{CommandJacobian, Law, StepError};
+use crate::laws::pds::{Pds, PdsGains};
+use crate::parameter::{Parameter, ParameterError, Range, check};
+use crate::signals::{Commands, Inputs};
+use crate::target::Arms;
+use serde::{Deserialize, Serialize};
+
+/// Gains of the PD law; index 0 of an array is arm 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PdGains {
+    /// Object position gain kₚ \[N/m\], ≥ 0.
+    pub kp: f64,
+    /// Object velocity gain kᵥ \[N·s/m\], ≥ 0.
+    pub kv: f64,
+    /// Hub angle gains kₚᵢ \[N·m/rad\], ≥ 0.
+    pub kp_arm: [f64; 2],
+    /// Hub velocity gains kᵥᵢ \[N·m·s/rad\], ≥ 0. A sampled loop is stable only for steps below 2J/kᵥᵢ.
+    pub kv_arm: [f64; 2],
+}
+
+impl Default for PdGains {
+    /// The values of Section IV, scenario III.
+    fn default() -> Self {
+        Self { kp: 10.0, kv: 9.0, kp_arm: [60.0; 2], kv_arm: [55.0; 2] }
+    }
+}
+
+impl PdGains {
+    /// The parameters by their names in the interface.
+    pub const PARAMETERS: [Parameter<Self>; 6] = [
+        parameter!("kp", "N/m", Range::GAIN, "object position gain", kp),
+        parameter!("kv", "N.s/m", Range::GAIN, "object velocity gain", kv),
+        parameter!("kp1", "N.m/rad", Range::GAIN, "hub angle gain of arm 1", kp_arm[0]),
+        parameter!("kv1", "N.m.s/rad", Range::GAIN, "hub velocity gain of arm 1", kv_arm[0]),
+        parameter!("kp2", "N.m/rad", Range::GAIN, "hub angle gain of arm 2", kp_arm[1]),
+        parameter!("kv2", "N.m.s/rad", Range::GAIN, "hub velocity gain of arm 2", kv_arm[1]),
+    ];
+
+    /// Checks every parameter against its range.
+    ///
+    /// # Errors
+    /// The first parameter that is not finite or not in its range.
+    pub fn validate(&self) -> Result<(), ParameterError> {
+        check(&Self::PARAMETERS, self)
+    }
+}
+
+/// The PD law: (97) and (98) are (95) and (96) without the strain term. It has no state.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pd {
+    gains: PdGains,
+    law: Pds,
+}
+
+impl Pd {
+    /// A controller for these arms.
+    ///
+    /// # Errors
+    /// The first parameter that is not in its range.
+    pub fn new(arms: Arms, gains: PdGains) -> Result<Self, ParameterError> {
+        gains.validate()?;
+        let PdGains { kp, kv, kp_arm, kv_arm } = gains;
+        let law = Pds::new(arms, PdsGains { kp, kv, kp_arm, kv_arm, ks_arm: [0.0; 2] })?;
+        Ok(Self { gains, law })
+    }
+
+    /// The gains.
+    #[must_use]
+    pub const fn gains(&self) -> &PdGains {
+        &self.gains
+    }
+}
+
+impl Law for Pd {
+    fn arms(&self) -> &Arms {
+        self.law.arms()
+    }
+
+    fn initialize(&mut self, inputs: &Inputs) {
+        self.law.initialize(inputs);
+    }
+
+    fn commands(&mut self, inputs: &Inputs) -> Commands {
+        self.law.commands(inputs)
+    }
+
+    fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        self.law.step(h, inputs, rates)
+    }
+
+    fn jacobian(&mut self, inputs: &Inputs) -> CommandJacobian {
+        self.law.jacobian(inputs)
+    }
+
+    fn command_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Commands {
+        self.law.command_rates(inputs, rates)
+    }
+}

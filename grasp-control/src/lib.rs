@@ -1,0 +1,19 @@
+//! Force-sensorless grasp control of two flexible arms: NABFC, PDS and PD behind one trait, [`Law`].
+//!
+//! Equation numbers are those of Hejrati, *Neuro-Adaptive Boundary Force Control of Dual One-Link Flexible Arms with
+//! Unmodeled Dynamics and Input Constraints*.
+
+// Floats are compared literally where equality is meant literally: the same inputs, the same step size, an exact zero.
+#![allow(clippy::float_cmp)]
+
+#[macro_use]
+pub mod parameter;
+pub mod blocks;
+mod law;
+pub mod laws;
+mod signals;
+mod target;
+
+pub use law::{CommandJacobian, Law, StepError, inner};
+pub use signals::{Commands, Errors, INPUT_NAMES, INPUTS, Inputs, Measurements, References};
+pub use target::{Arms, ErrorJacobian, TargetJacobian, Targets};

@@ -1,0 +1,59 @@
+//! Dual-arm grasp plant: two flexible one-link arms squeeze an object between their tips.
+//!
+//! Each arm is an Euler–Bernoulli beam clamped to a motor hub. The plant is the hybrid PDE–ODE model (2)–(14) of Hejrati,
+//! *Neuro-Adaptive Boundary Force Control of Dual One-Link Flexible Arms with Unmodeled Dynamics and Input Constraints*,
+//! with its input constraints (18)–(20) and the uncertainties of its Section IV. Equation numbers refer to that paper.
+//!
+//! # Model
+//! With hub angles θ_i, deflections w_i(x, t), object position `y_M` and m = m_1 + m_2 + M:
+//!
+//! ```text
+//! ẅ_i + (EI_i/ρ_i) w_i'''' = x θ̈_i,   w_i(0) = w_i'(0) = w_i''(l) = 0        (8)(9)
+//! J_i θ̈_i + EI_i w_i''(0) = τ_i + Δf_i                                        (10)
+//! m ÿ_M + Σ EI_i w_i'''(l) = u + ΔF                                           (11)
+//! φ_i = l θ_i − w_i(l) − y_M + L/2 = 0                                        (12)
+//! λ_i = EI_i w_i'''(l) + m_i ÿ_M                                              (13)(14)
+//! ```
+//!
+//! Δf_i and ΔF are the built-in uncertainties of the parameters `root_uncertainty` and `tip_uncertainty` plus the external
+//! disturbances among the [`Inputs`]. With a Kelvin–Voigt coefficient κ, every transmitted moment EI w'' becomes
+//! EI (w'' + κ ẇ''): in the beam, on the hub, on the object and in λ_i. The outputs named root moment and tip shear stay
+//! the elastic EI w''(0) and EI w'''(l).
+//!
+//! # Discretisation
+//! Bending moment and absolute velocity are the two unknown fields of each arm, polynomials of degree k and k−2 over its
+//! whole length (k is [`Parameters::order`]). In energy coordinates the free plant is exactly skew-symmetric, so energy is
+//! conserved; boundary moments and shears are linear functions of the state; the constraint (12) is an invariant; and
+//! convergence in k is spectral.
+//!
+//! # Time stepping
+//! Between communication points the plant is linear and its inputs are known (held, or ramped), so [`Plant::step`] is
+//! exact for every step size: accuracy does not depend on it. Results do not depend on the processor's vector units.
+//!
+//! # Modules
+//! Parameters and their ranges, actuators, the beam operators, their assembly, the propagator and the plant are one file
+//! each. [`Plant`] is the entry point.
+
+// Formulas are written with the paper's letters, not as code.
+#![allow(clippy::doc_markdown)]
+
+mod actuator;
+mod basis;
+mod beam;
+mod dense;
+mod dynamics;
+mod initial;
+mod parameters;
+mod plant;
+mod propagator;
+mod signals;
+
+pub use actuator::Actuator;
+pub use beam::DEFLECTION_POINTS;
+pub use dense::Matrix;
+pub use parameters::{
+    ActuatorModel, Admissible, Arm, Channel, InvalidParameter, LARGEST, ORDER_RANGE, Parameters, SMALLEST, Start,
+};
+pub use plant::{Plant, State, StateError, StateSpace, StepError};
+pub use propagator::LONGEST_STEP;
+pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};

@@ -1,0 +1,141 @@
+//! Refusals, and extreme but legal parameters and step sizes.
+
+#![allow(clippy::doc_markdown)]
+
+use grasp_plant::{Arm, Inputs, LONGEST_STEP, Parameters, Plant, Start, State, StateError, StepError};
+
+const PUSH: Inputs = Inputs { torque_command: [1.0, -1.0], force_command: 0.2, ..Inputs::ZERO };
+
+#[test]
+fn refused_steps_change_nothing() {
+    let mut plant = Plant::new(Parameters::default()).unwrap();
+    plant.step(1e-3, &PUSH, &Inputs::ZERO).unwrap();
+    let before = plant.state().clone();
+    let measured = plant.measured();
+    for h in [0.0, -0.0, -1e-3, f64::NAN, f64::INFINITY] {
+        assert!(matches!(plant.step(h, &PUSH, &Inputs::ZERO), Err(StepError::NotPositive { .. })));
+    }
+    let longest = plant.longest_step();
+    assert_eq!(plant.step(2.0 * longest, &PUSH, &Inputs::ZERO), Err(StepError::TooLong { h: 2.0 * longest, longest }));
+    for bad in [f64::NAN, f64::INFINITY] {
+        let inputs = Inputs { object_disturbance: bad, ..PUSH };
+        assert_eq!(plant.step(1e-3, &inputs, &Inputs::ZERO), Err(StepError::InputNotFinite));
+        assert_eq!(plant.step(1e-3, &PUSH, &inputs), Err(StepError::InputNotFinite));
+    }
+    let huge = Inputs { object_disturbance: f64::MAX, ..PUSH };
+    assert_eq!(plant.step(100.0, &huge, &Inputs::ZERO), Err(StepError::Overflow));
+    assert_eq!(plant.step(100.0, &PUSH, &huge), Err(StepError::Overflow));
+    let kinked = Inputs { torque_command: [1.0, 0.0], ..huge };
+    assert_eq!(plant.step(100.0, &PUSH, &kinked), Err(StepError::Overflow));
+    assert_eq!((plant.state(), plant.measured()), (&before, measured));
+    plant.step(1e-3, &PUSH, &Inputs::ZERO).unwrap();
+}
+
+#[test]
+fn foreign_states_are_refused() {
+    let mut plant = Plant::new(Parameters::default()).unwrap();
+    let mut other = Plant::new(Parameters { order: 9, ..Parameters::default() }).unwrap();
+    assert_eq!(plant.set_state(other.state()), Err(StateError::Length { found: 37, expected: 33 }));
+    let spoiled = State { position: [0.0, f64::NAN, 0.0], ..plant.state().clone() };
+    assert_eq!(plant.set_state(&spoiled), Err(StateError::NotFinite));
+    other.step(1e-3, &PUSH, &Inputs::ZERO).unwrap();
+    other.reset();
+    assert_eq!(other.state(), Plant::new(other.parameters().clone()).unwrap().state());
+}
+
+/// EI over six decades, tip masses down to 1e-6 kg, all at the highest order, with every kind of dissipation.
+#[test]
+fn extreme_plants_stay_finite() {
+    for (ei, tip_mass, kelvin_voigt, order) in [
+        (1e-4, 0.1, 0.0, 24),
+        (1e2, 0.1, 0.0, 24),
+        (0.115, 1e-6, 0.0, 24),
+        (1e2, 1e-6, 1e-3, 24),
+        (1e-4, 1e-6, 1.0, 24),
+        (1e2, 1e-6, 1.0, 4),
+    ] {
+        let arms = [Arm { ei, tip_mass, ..Arm::default() }, Arm { tip_mass: 1e-6, ..Arm::default() }];
+        for uncertain in [0.0, 1.0] {
+            let parameters = Parameters {
+                arms,
+                order,
+                kelvin_voigt,
+                object_mass: 1e-6,
+                root_uncertainty: 0.1 * uncertain,
+                tip_uncertainty: 0.05 * uncertain,
+                ..Parameters::default()
+            };
+            let mut plant = Plant::new(parameters).unwrap();
+            for h in [1e-12, 1e-6, 1e-4, 1e-2, 1.0].map(|h: f64| h.min(plant.longest_part())) {
+                for _ in 0..20 {
+                    let result = plant.step(h, &PUSH, &Inputs { force_command: 0.1 / h, ..Inputs::ZERO });
+                    assert_eq!(result, Ok(()), "EI {ei} m {tip_mass} kappa {kelvin_voigt} uncertain {uncertain} h {h}");
+                }
+            }
+            println!(
+                "EI {ei} m {tip_mass} kappa {kelvin_voigt} uncertain {uncertain}: energy {:.2e} J, longest {:.1e} s, phi {:.1e}",
+                plant.energy(),
+                plant.longest_part(),
+                plant.constraint()[0]
+            );
+            assert!(plant.energy() < 1e9);
+        }
+    }
+}
+
+/// A plant so stiff that the default step is too long for one piece: the step is as exact as the same one done in parts.
+#[test]
+fn a_step_too_long_for_one_piece_is_done_in_parts() {
+    let arm = Arm { ei: 100.0, tip_mass: 1e-6, ..Arm::default() };
+    let parameters = Parameters { arms: [arm; 2], object_mass: 1e-6, order: 24, ..Parameters::default() };
+    let mut whole = Plant::new(parameters).unwrap();
+    let h = 2.5 * whole.longest_part();
+    let mut parts = whole.clone();
+    let rates = Inputs { torque_command: [3.0, -2.0], ..Inputs::ZERO };
+    whole.step(h, &PUSH, &rates).unwrap();
+    for i in 0..3 {
+        let time = h / 3.0 * f64::from(i);
+        let mut inputs = PUSH;
+        inputs.torque_command[0] += rates.torque_command[0] * time;
+        inputs.torque_command[1] += rates.torque_command[1] * time;
+        parts.step(h / 3.0, &inputs, &rates).unwrap();
+    }
+    assert_eq!(whole.state(), parts.state());
+}
+
+#[test]
+fn the_longest_step_is_stable_at_every_order() {
+    for order in 4..=24 {
+        for conservative in [true, false] {
+            let mut parameters = Parameters { order, ..Parameters::default() };
+            parameters.start = Start { theta: [0.1, -0.1], ..Start::default() };
+            if conservative {
+                (parameters.root_uncertainty, parameters.tip_uncertainty) = (0.0, 0.0);
+            }
+            let mut plant = Plant::new(parameters).unwrap();
+            assert_eq!(plant.longest_part().to_bits(), LONGEST_STEP.to_bits());
+            let before = plant.energy();
+            for _ in 0..1000 {
+                plant.step(LONGEST_STEP, &Inputs::ZERO, &Inputs::ZERO).unwrap();
+            }
+            let ratio = plant.energy() / before;
+            if conservative {
+                assert!((ratio - 1.0).abs() < 1e-11, "order {order}: {ratio}");
+            } else {
+                assert!(ratio < 1.0, "order {order}: {ratio}");
+            }
+        }
+    }
+}
+
+/// A decaying motion ends in zeros, not in subnormal numbers.
+#[test]
+fn decay_ends_in_zeros() {
+    let mut plant = Plant::new(Parameters { kelvin_voigt: 1e-3, ..Parameters::default() }).unwrap();
+    let squeeze = Inputs { torque_command: [0.1, -0.1], ..Inputs::ZERO };
+    plant.step(0.01, &squeeze, &Inputs::ZERO).unwrap();
+    for _ in 0..1000 {
+        plant.step(0.1, &Inputs::ZERO, &Inputs::ZERO).unwrap();
+        assert!(plant.state().coordinates.iter().all(|x| *x == 0.0 || x.is_normal()));
+    }
+}
