@@ -142,7 +142,7 @@ def test_notebook_is_stored_without_outputs() -> None:
 def hub_friction(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The FMU of the Rust example, packaged by its program."""
     folder = tmp_path_factory.mktemp("hub-friction")
-    command = ["cargo", "run", "--quiet", "--package", "hub-friction", "--", "--out", str(folder)]
+    command = ["cargo", "run", "--quiet", "--package", "hub-friction", "--features", "package", "--", "--out", str(folder)]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=600)
     assert run.returncode == 0, run.stderr
     return folder / "HubFriction.fmu"

@@ -55,7 +55,7 @@ def cargo(crate: Path, *arguments: str) -> str:
 @pytest.fixture(scope="module")
 def fmu(crate: Path) -> Path:
     """The new crate's FMU."""
-    cargo(crate, "run", "--quiet", "--release")
+    cargo(crate, "run", "--quiet", "--release", "--features", "package")
     return crate / "dist" / f"{NAME}.fmu"
 
 

@@ -1,6 +1,6 @@
-//! Packages the FMUs of this crate: `cargo run -p controller-fmu`.
+//! Packages the FMUs of this crate: `cargo run -p controller-fmu --features package`.
 
-use fmi2_export::package::{self, Document, OfTime, Panel, Response};
+use fmi2_package::{Document, OfTime, Panel, Response};
 use grasp_control::{Arms, References};
 
 const LICENSE: &str = include_str!("../../LICENSE");
@@ -114,5 +114,5 @@ fn main() -> std::process::ExitCode {
             ..common
         },
     ];
-    package::main(&controller_fmu::FMUS, &documents)
+    fmi2_package::main(&controller_fmu::FMUS, &documents)
 }

@@ -5,6 +5,6 @@ use std::path::Path;
 #[test]
 fn checked_in_descriptions_are_current() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
-    let outdated = fmi2_export::package::outdated(&controller_fmu::FMUS, &folder).unwrap();
+    let outdated = controller_fmu::FMUS.outdated(&folder).unwrap();
     assert!(outdated.is_empty(), "{outdated:?} changed: run `cargo xtask describe` and look at the difference");
 }

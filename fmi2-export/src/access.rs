@@ -21,9 +21,12 @@ pub(crate) enum Access<M> {
 
 /// What `<TypeDefinitions>` says of an enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct EnumerationKind {
+pub struct EnumerationKind {
+    /// Name of the type.
     pub name: &'static str,
+    /// What it is.
     pub description: &'static str,
+    /// Names and descriptions, numbered from 1.
     pub items: &'static [(&'static str, &'static str)],
 }
 

@@ -8,9 +8,13 @@ use crate::variable::{Causality, DependencyKind, Variability, Variable};
 use crate::{Info, Model, Unit};
 
 /// A model's interface.
-pub(crate) struct Interface {
+#[derive(Debug)]
+pub struct Interface {
+    /// Name, version and the like.
     pub info: Info,
+    /// In the order of their declaration.
     pub variables: Vec<VariableFacts>,
+    /// All that its variables have.
     pub enumerations: Vec<EnumerationKind>,
     /// Some inputs can be ramps over a step.
     pub interpolates_inputs: bool,
@@ -19,36 +23,54 @@ pub(crate) struct Interface {
 }
 
 /// What there is to say about a variable.
-pub(crate) struct VariableFacts {
+#[derive(Debug)]
+pub struct VariableFacts {
+    /// Name.
     pub name: String,
+    /// What it is.
     pub description: String,
+    /// Who gives its value.
     pub causality: Causality,
+    /// When its value changes.
     pub variability: Variability,
+    /// Type.
     pub kind: Kind,
-    pub reference: Reference,
+    pub(crate) reference: Reference,
+    /// Unit of its values.
     pub unit: Option<Unit>,
+    /// Unit in which people are shown its values.
     pub display_unit: Option<DisplayUnit>,
+    /// Least value.
     pub min: Option<f64>,
+    /// Greatest value.
     pub max: Option<f64>,
+    /// Order of magnitude.
     pub nominal: Option<f64>,
     /// The start value as XML has it, if it is given rather than computed.
     pub start: Option<String>,
+    /// Inputs it follows at once.
     pub depends_on: Vec<(String, DependencyKind)>,
+    /// Inputs that its initial value follows from besides.
     pub starts_from: Vec<String>,
 }
 
 /// The type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
+    /// `f64`.
     Real,
+    /// An integer of 32 bits.
     Integer,
+    /// `bool`.
     Boolean,
+    /// Text.
     String,
+    /// One of a list of names.
     Enumeration(EnumerationKind),
 }
 
 impl Interface {
-    pub fn of<M: Model>(layout: &Layout<M>) -> Self {
+    pub(crate) fn of<M: Model>(layout: &Layout<M>) -> Self {
         let mut model = M::default();
         let facts = |(variable, reference): (&Variable<M>, &Reference)| facts(variable, *reference, &mut model);
         Self {
@@ -90,6 +112,7 @@ fn facts<M>(variable: &Variable<M>, reference: Reference, model: &mut M) -> Vari
 
 impl VariableFacts {
     /// An end of the range, or another number, as XML has it.
+    #[must_use]
     pub fn number(&self, value: f64) -> String {
         if self.kind == Kind::Integer { format!("{value:.0}") } else { number(value) }
     }
@@ -120,6 +143,7 @@ impl Variability {
 }
 
 /// Shortest text that reads back as the same number: `0.5`, `1e-7`.
-pub(crate) fn number(value: f64) -> String {
+#[must_use]
+pub fn number(value: f64) -> String {
     format!("{value:?}")
 }

@@ -10,8 +10,8 @@ mod layout;
 mod logger;
 mod model;
 mod naming;
-#[cfg(feature = "package")]
-pub mod package;
+#[doc(hidden)]
+pub mod packaging;
 mod parameter;
 mod phase;
 mod problems;

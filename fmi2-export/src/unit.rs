@@ -33,7 +33,7 @@ pub struct Unit {
 type Exponents = [i32; 8];
 
 /// Attribute names of `<BaseUnit>`.
-pub(crate) const BASE_UNITS: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
+pub const BASE_UNITS: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
 /// Coherent derived units that may occur in an expression.
 const DERIVED: [(&str, Exponents); 12] = [
@@ -53,8 +53,10 @@ const DERIVED: [(&str, Exponents); 12] = [
 
 /// How tools may show a value: `factor * v` for a value v in the variable's unit.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct DisplayUnit {
+pub struct DisplayUnit {
+    /// Name.
     pub name: String,
+    /// How many of it one of the variable's unit is.
     pub factor: f64,
 }
 

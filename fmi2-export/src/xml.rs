@@ -42,7 +42,7 @@ pub(crate) fn describe_interface(interface: &Interface) -> Description {
 }
 
 /// `generationTool`.
-pub(crate) const GENERATION_TOOL: &str = concat!("fmi2-export ", env!("CARGO_PKG_VERSION"));
+pub const GENERATION_TOOL: &str = concat!("fmi2-export ", env!("CARGO_PKG_VERSION"));
 
 /// Attributes of an element, in order; optional ones can be absent.
 type Attributes<'a> = Vec<(&'a str, String)>;

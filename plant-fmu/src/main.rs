@@ -1,6 +1,6 @@
-//! Packages the FMU of this crate: `cargo run -p plant-fmu`.
+//! Packages the FMU of this crate: `cargo run -p plant-fmu --features package`.
 
-use fmi2_export::package::{self, Document, Panel, Response};
+use fmi2_package::{Document, Panel, Response};
 
 /// Torque that each hub holds against the grasp: at rest the contact force is this over the arms' length, 0.5 N.
 const SQUEEZE: f64 = 0.1;
@@ -30,5 +30,5 @@ fn main() -> std::process::ExitCode {
         response: Some(squeeze),
         ..Document::new()
     };
-    package::main(&plant_fmu::FMUS, &[plant])
+    fmi2_package::main(&plant_fmu::FMUS, &[plant])
 }

@@ -103,7 +103,17 @@ fn describe() -> ExitCode {
     let mut steps = Runner::new(3);
     for (name, package) in [("Plant", "plant-fmu"), ("Controllers", "controller-fmu")] {
         steps.step(name, || {
-            run(tree.cargo(&["run", "--quiet", "--package", package, "--", "--describe", "modelDescription"]))
+            run(tree.cargo(&[
+                "run",
+                "--quiet",
+                "--package",
+                package,
+                "--features",
+                "package",
+                "--",
+                "--describe",
+                "modelDescription",
+            ]))
         });
     }
     steps.step("Systems", || run(tree.cargo(&["run", "--release", "--", "package", "--describe", "modelDescription"])));

@@ -12,16 +12,14 @@ const FILES: [&str; 6] =
 pub fn create(root: &Path, path: &Path) -> Result<String, String> {
     let package = package_name(path)?;
     let model = model_name(&package);
-    let exporter =
-        root.join("fmi2-export").canonicalize().map_err(|error| format!("cannot find fmi2-export: {error}"))?;
+    let repository = root.canonicalize().map_err(|error| format!("cannot find this repository: {error}"))?;
+    let repository = repository.display().to_string();
+    let repository = format!("path = {:?}", repository.trim_start_matches(r"\\?\"));
     let change = |text: &str| {
-        text.replace(
-            "path = \"..\"",
-            &format!("path = {:?}", exporter.display().to_string().trim_start_matches(r"\\?\")),
-        )
-        .replace("my-model", &package)
-        .replace("my_model", &package.replace('-', "_"))
-        .replace("MyModel", &model)
+        text.replace("path = \"../..", repository.trim_end_matches('"'))
+            .replace("my-model", &package)
+            .replace("my_model", &package.replace('-', "_"))
+            .replace("MyModel", &model)
     };
     let read = |file: &str| {
         let source = root.join(TEMPLATE).join(file);
@@ -38,7 +36,7 @@ pub fn create(root: &Path, path: &Path) -> Result<String, String> {
         }
     }
     Ok(format!(
-        "{0} has a model that works, {model}. Next:\n\n    cd {0}\n    cargo run --release    # writes dist/{model}.fmu\n    \
+        "{0} has a model that works, {model}. Next:\n\n    cd {0}\n    cargo run --release --features package   # writes dist/{model}.fmu\n    \
          cargo test --release\n\nThen make it yours: README.md there says where to begin.\n",
         path.display()
     ))
@@ -92,7 +90,7 @@ mod tests {
         let nowhere = create(&root, &folder.join("missing/dc-motor"));
         fs::remove_dir_all(&folder).unwrap();
         assert!(created.unwrap().contains("dist/DcMotor.fmu"));
-        assert!(manifest.contains("name = \"dc-motor\"") && !manifest.contains("\"..\""), "{manifest}");
+        assert!(manifest.contains("name = \"dc-motor\"") && !manifest.contains("\".."), "{manifest}");
         assert!(library.contains("export!(DcMotor)") && program.contains("dc_motor::FMUS") && has_text);
         assert!(
             [manifest, library, program].iter().all(|text| !text.to_lowercase().contains("my")),

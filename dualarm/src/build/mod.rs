@@ -147,7 +147,7 @@ fn build(root: &Path, quiet: bool) -> Result<Vec<Built>, PackageError> {
     let mut command = Command::new(&cargo);
     command.current_dir(root).args(["build", "--profile", "fmu", "--message-format=json-render-diagnostics"]);
     for model in MODELS {
-        command.args(["--package", model]);
+        command.args(["--package", model, "--features", &format!("{model}/package")]);
     }
     if quiet {
         command.arg("--quiet");

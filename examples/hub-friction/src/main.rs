@@ -1,5 +1,5 @@
-//! Packages the FMU: `cargo run -p hub-friction`.
+//! Packages the FMU: `cargo run -p hub-friction --features package`.
 
 fn main() -> std::process::ExitCode {
-    fmi2_export::package::main(&hub_friction::FMUS, &[])
+    fmi2_package::main(&hub_friction::FMUS, &[])
 }

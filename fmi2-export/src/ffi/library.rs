@@ -4,6 +4,7 @@
 //! So nothing here keeps memory once the last instance is gone.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
@@ -124,6 +125,23 @@ impl Library {
     #[must_use]
     pub fn models(&self) -> &'static [&'static dyn ExportedModel] {
         self.models
+    }
+
+    /// Which models' descriptions differ from the files `NAME.xml` in a folder, or have none there. For a test in crates that
+    /// keep their descriptions under version control, so that a change of the interface shows up in review.
+    ///
+    /// # Errors
+    /// If a model's declarations contradict themselves.
+    pub fn outdated(&self, folder: &Path) -> Result<Vec<&'static str>, DeclarationError> {
+        let mut names = Vec::new();
+        for model in self.models {
+            let description = model.description()?;
+            let kept = std::fs::read(folder.join(format!("{}.xml", description.name)));
+            if !kept.is_ok_and(|kept| kept == description.xml.as_bytes()) {
+                names.push(description.name);
+            }
+        }
+        Ok(names)
     }
 
     /// Keeps a state under a new handle, which is never zero and never reused.

@@ -1,6 +1,6 @@
-//! Packages the FMU: `cargo run --release`.
+//! Packages the FMU: `cargo run --release --features package`.
 
-use fmi2_export::package::{self, Document, Panel, Response};
+use fmi2_package::{Document, Panel, Response};
 
 fn main() -> std::process::ExitCode {
     // The figure in the FMU's documentation: the packaging program runs the model and draws it.
@@ -22,5 +22,5 @@ fn main() -> std::process::ExitCode {
         // icon: include_bytes!("../documentation/MyModel.png"), license: include_str!("../LICENSE"),
         ..Document::new()
     };
-    package::main(&my_model::FMUS, &[document])
+    fmi2_package::main(&my_model::FMUS, &[document])
 }

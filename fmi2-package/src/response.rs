@@ -2,14 +2,9 @@
 
 use std::fmt::Write as _;
 
-use crate::Experiment;
-use crate::ffi::ExportedModel;
-use crate::ffi::types::{CallbackFunctions, Status};
-use crate::interface::{Interface, Kind, VariableFacts};
-use crate::layout::BaseType;
-use crate::logger::Logger;
-use crate::slave::{AnySlave, Refusal};
-use crate::variable::Causality;
+use fmi2_export::Causality;
+use fmi2_export::ffi::ExportedModel;
+use fmi2_export::packaging::{Instance, Interface, Kind, VariableFacts};
 
 /// A value as a function of the time (s).
 pub type OfTime = fn(f64) -> f64;
@@ -17,7 +12,7 @@ pub type OfTime = fn(f64) -> f64;
 /// A run whose results the page shows, in one panel or several.
 ///
 /// ```
-/// use fmi2_export::package::{Panel, Response};
+/// use fmi2_package::{Panel, Response};
 /// let step = Response {
 ///     caption: "Step of the voltage, and a load from 0.5 s on.",
 ///     start: &[("voltage", 12.0)],
@@ -131,31 +126,28 @@ pub fn run<'i>(
     let panels = response.panels.iter().map(|panel| shown(interface, panel)).collect::<Result<_, _>>()?;
     let mut run = Run { times: Vec::new(), inputs, panels };
 
-    let refused = |time| move |refusal: Refusal| ResponseError::Refused { time, message: refusal.message };
-    let mut slave =
-        model.instantiate().map_err(|error| ResponseError::Refused { time: 0.0, message: error.to_string() })?;
-    let experiment = Experiment { start_time: 0.0, stop_time: None, tolerance: None };
-    let begin = |slave: &mut dyn AnySlave, run: &mut Run<'_>| {
+    let refused = |time| move |message| ResponseError::Refused { time, message };
+    let mut instance =
+        Instance::new(model).map_err(|error| ResponseError::Refused { time: 0.0, message: error.to_string() })?;
+    let mut begin = || {
         for (variable, value) in &start {
-            set(slave, variable, *value)?;
+            instance.set(variable, *value)?;
         }
-        slave.setup_experiment(experiment)?;
-        slave.enter_initialization()?;
-        run.apply(slave, &functions, 0.0)?;
-        slave.exit_initialization()?;
-        run.record(slave, 0.0)
+        instance.enter_initialization()?;
+        run.apply(&mut instance, &functions, 0.0)?;
+        instance.exit_initialization()?;
+        run.record(&mut instance, 0.0)
     };
-    begin(&mut *slave, &mut run).map_err(refused(0.0))?;
-    let silent = silent_logger();
+    begin().map_err(refused(0.0))?;
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // At most 100 000.
     for i in 0..steps as u32 {
         let (time, end) = (f64::from(i) * step_size, f64::from(i + 1) * step_size);
         let mut step = || {
             if i > 0 {
-                run.apply(&mut *slave, &functions, time)?;
+                run.apply(&mut instance, &functions, time)?;
             }
-            slave.do_step(time, end - time, &silent)?;
-            run.record(&mut *slave, end)
+            instance.step(time, end - time)?;
+            run.record(&mut instance, end)
         };
         step().map_err(refused(time))?;
     }
@@ -167,19 +159,19 @@ pub fn run<'i>(
 
 impl Run<'_> {
     /// Sets the inputs for the step from `time` on.
-    fn apply(&mut self, slave: &mut dyn AnySlave, functions: &[OfTime], time: f64) -> Result<(), Refusal> {
+    fn apply(&mut self, instance: &mut Instance, functions: &[OfTime], time: f64) -> Result<(), String> {
         for (series, function) in self.inputs.iter_mut().zip(functions) {
             let value = function(time);
             series.values.push(value);
-            slave.set_real(&[series.variable.reference.index], &[value])?;
+            instance.set(series.variable, value)?;
         }
         Ok(())
     }
 
-    fn record(&mut self, slave: &mut dyn AnySlave, time: f64) -> Result<(), Refusal> {
+    fn record(&mut self, instance: &mut Instance, time: f64) -> Result<(), String> {
         self.times.push(time);
         for series in self.panels.iter_mut().flatten() {
-            series.values.push(get(slave, series.variable)?);
+            series.values.push(instance.get(series.variable)?);
         }
         Ok(())
     }
@@ -274,47 +266,4 @@ fn find<'i>(interface: &'i Interface, name: &str) -> Result<&'i VariableFacts, R
         let hint = nearest.filter(|known| likeness(known) > 0.7).map(|known| known.name.clone());
         ResponseError::Unknown { name: name.to_owned(), hint }
     })
-}
-
-fn set(slave: &mut dyn AnySlave, variable: &VariableFacts, value: f64) -> Result<Status, Refusal> {
-    let reference = [variable.reference.index];
-    #[allow(clippy::cast_possible_truncation)] // What is no whole number is refused.
-    let integer = || {
-        let whole = value as i32;
-        if f64::from(whole) == value {
-            Ok([whole])
-        } else {
-            Err(Refusal::error(format!("{} cannot be {value}: it must be a whole number", variable.name)))
-        }
-    };
-    match variable.reference.base {
-        BaseType::Integer => slave.set_integer(&reference, &integer()?),
-        BaseType::Boolean => slave.set_boolean(&reference, &integer()?),
-        BaseType::Real | BaseType::String => slave.set_real(&reference, &[value]),
-    }
-}
-
-fn get(slave: &mut dyn AnySlave, variable: &VariableFacts) -> Result<f64, Refusal> {
-    let reference = [variable.reference.index];
-    let (mut real, mut integer) = ([0.0], [0]);
-    match variable.reference.base {
-        BaseType::Integer => slave.get_integer(&reference, &mut integer)?,
-        BaseType::Boolean => slave.get_boolean(&reference, &mut integer)?,
-        BaseType::Real | BaseType::String => {
-            slave.get_real(&reference, &mut real)?;
-            return Ok(real[0]);
-        }
-    };
-    Ok(f64::from(integer[0]))
-}
-
-fn silent_logger() -> Logger {
-    let functions = CallbackFunctions {
-        logger: None,
-        allocate_memory: None,
-        free_memory: None,
-        step_finished: None,
-        component_environment: std::ptr::null_mut(),
-    };
-    Logger::new(&functions, std::ffi::CString::default(), false)
 }

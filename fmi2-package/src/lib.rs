@@ -1,24 +1,4 @@
-//! Packaging: from a built library to `.fmu` files, and the command line program that does it.
-//!
-//! A model crate is a library (`crate-type = ["cdylib", "rlib"]`) with a program beside it:
-//!
-//! ```ignore
-//! // src/main.rs
-//! use fmi2_export::package::{self, Document};
-//!
-//! fn main() -> std::process::ExitCode {
-//!     package::main(&my_model::FMUS, &[Document {
-//!         model: "MyModel",
-//!         text: include_str!("../documentation/MyModel.md"),
-//!         license: include_str!("../LICENSE"),
-//!         ..Document::new()
-//!     }])
-//! }
-//! ```
-//!
-//! `cargo run` then builds the library in release mode and writes `NAME.fmu`. Besides the description and the library it
-//! has a page of documentation, `documentation/index.html`: what the author says in the [`Document`], a table of the
-//! variables and all else that the declarations say. It needs no network, no script and no font.
+#![doc = include_str!("../README.md")]
 
 mod archive;
 mod arguments;
@@ -29,12 +9,13 @@ mod response;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use fmi2_export::ffi::{ExportedModel, Library};
+use fmi2_export::{DeclarationError, Description};
+
 pub use archive::{Archive, platform_folder};
 pub use build::BuildError;
 pub use response::{OfTime, Panel, Response, ResponseError};
 
-use crate::ffi::{ExportedModel, Library};
-use crate::{DeclarationError, Description};
 use arguments::{Command, HELP, parse};
 
 /// What a model's author says of it besides its declarations. Every part is optional.
@@ -51,7 +32,7 @@ pub struct Document<'a> {
     pub license: &'a str,
     /// A run whose results the page shows.
     pub response: Option<Response<'a>>,
-    /// How the archive was made, as one would type it; `cargo run --release` if empty.
+    /// How the archive was made, as one would type it; `cargo run --release --features package` if empty.
     pub command: &'a str,
     /// Further files.
     pub files: &'a [File<'a>],
@@ -204,23 +185,6 @@ fn check_names(documents: &[Document<'_>], descriptions: &[Description]) -> Resu
         Some(stray) => Err(PackageError::NoSuchModel { model: stray.model.to_owned(), known }),
         None => Ok(()),
     }
-}
-
-/// Which models' descriptions differ from the files `NAME.xml` in a folder, or have none there. For a test in crates that
-/// keep their descriptions under version control, so that a change of the interface shows up in review.
-///
-/// # Errors
-/// If a model's declarations contradict themselves.
-pub fn outdated(library: &'static Library, folder: &Path) -> Result<Vec<&'static str>, DeclarationError> {
-    let mut names = Vec::new();
-    for model in library.models() {
-        let description = model.description()?;
-        let kept = std::fs::read(folder.join(format!("{}.xml", description.name)));
-        if !kept.is_ok_and(|kept| kept == description.xml.as_bytes()) {
-            names.push(description.name);
-        }
-    }
-    Ok(names)
 }
 
 fn create(folder: &Path) -> Result<(), PackageError> {

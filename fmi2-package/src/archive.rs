@@ -6,7 +6,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::PackageError;
+use crate::PackageError;
 
 /// An archive in the making. The same content always gives the same bytes: entries carry no time of day.
 #[derive(Clone, Debug, Default)]

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-use fmi2_export::package::{Document, File, PackageError, Panel, Response, write};
 use fmi2_export::{Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_package::{Document, File, PackageError, Panel, Response, write};
 use quick_xml::Reader;
 use quick_xml::events::Event;
 use serde::{Deserialize, Serialize};

@@ -8,15 +8,14 @@ mod text;
 
 use std::fmt::Write as _;
 
+use fmi2_export::Description;
+use fmi2_export::ffi::ExportedModel;
+use fmi2_export::packaging::{GENERATION_TOOL, Interface, VariableFacts, interface, number};
 use quick_xml::escape::escape;
 
 use self::chart::Chart;
-use super::response::{self, Run};
-use super::{Document, PackageError, Response, platform_folder};
-use crate::Description;
-use crate::ffi::ExportedModel;
-use crate::interface::{Interface, VariableFacts, number};
-use crate::xml::GENERATION_TOOL;
+use crate::response::{self, Run};
+use crate::{Document, PackageError, Response, platform_folder};
 
 const INDEX: &str = "documentation/index.html";
 const ICON: &str = "model.png";
@@ -35,7 +34,7 @@ pub fn files(
     description: &Description,
     document: &Document<'_>,
 ) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
-    let interface = model.interface()?;
+    let interface = interface(model)?;
     let wrong = |problem| PackageError::Document { model: description.name, problem };
     let text = text::read(document.text).map_err(|error| {
         wrong(format!("the formula ${}$ is not understood: {}", error.formula, error.reason.replace('\n', " ")))
@@ -237,7 +236,11 @@ impl Page<'_> {
         rows.extend(tables::capabilities(self.interface));
         rows.push(("Binary for", platform_folder().unwrap_or_default().to_owned()));
         rows.push(("Generation tool", GENERATION_TOOL.to_owned()));
-        let command = if self.document.command.is_empty() { "cargo run --release" } else { self.document.command };
+        let command = if self.document.command.is_empty() {
+            "cargo run --release --features package"
+        } else {
+            self.document.command
+        };
         rows.push(("Made by", command.to_owned()));
         rows.push(("GUID", self.description.guid.clone()));
         html.push_str("<table class=\"facts\">\n<tbody>\n");
@@ -275,7 +278,7 @@ impl Page<'_> {
 fn shown_unit(variable: &VariableFacts) -> (&str, f64) {
     match (&variable.display_unit, &variable.unit) {
         (Some(display), _) => (&display.name, display.factor),
-        (None, Some(unit)) => (&unit.name, 1.0),
+        (None, Some(unit)) => (unit.name(), 1.0),
         (None, None) => ("", 1.0),
     }
 }

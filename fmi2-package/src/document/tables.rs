@@ -3,13 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use fmi2_export::packaging::{BASE_UNITS, Interface, Kind, VariableFacts, in_base_units, log_categories};
+use fmi2_export::{Causality, Unit, Variability};
 use quick_xml::escape::escape;
-
-use crate::Unit;
-use crate::interface::{Interface, Kind, VariableFacts};
-use crate::logger;
-use crate::unit::BASE_UNITS;
-use crate::variable::{Causality, Variability};
 
 /// Heading and remark of each group of variables, in the order of the page.
 const GROUPS: [(Causality, Option<Variability>, &str, &str); 5] = [
@@ -88,7 +84,7 @@ fn row(html: &mut String, variable: &VariableFacts, columns: Columns) {
 /// The unit, or what a variable without one is.
 fn unit(variable: &VariableFacts) -> String {
     match (&variable.unit, variable.kind) {
-        (Some(unit), _) => unit.name.clone(),
+        (Some(unit), _) => unit.name().to_owned(),
         (None, Kind::Real) => "1".to_owned(),
         (None, Kind::Integer) => "Integer".to_owned(),
         (None, Kind::Boolean) => "Boolean".to_owned(),
@@ -172,7 +168,7 @@ pub fn units(html: &mut String, interface: &Interface) {
     let mut units: BTreeMap<&str, (&Unit, BTreeMap<&str, f64>)> = BTreeMap::new();
     for variable in &interface.variables {
         let Some(unit) = &variable.unit else { continue };
-        let (_, shown) = units.entry(&unit.name).or_insert((unit, BTreeMap::new()));
+        let (_, shown) = units.entry(unit.name()).or_insert((unit, BTreeMap::new()));
         shown.extend(variable.display_unit.as_ref().map(|display| (display.name.as_str(), display.factor)));
     }
     if units.is_empty() {
@@ -198,17 +194,18 @@ pub fn units(html: &mut String, interface: &Interface) {
 }
 
 fn base_units(unit: &Unit) -> String {
+    let (exponents, factor, offset) = in_base_units(unit);
     let mut parts = Vec::new();
-    if unit.factor.to_bits() != 1.0_f64.to_bits() {
-        parts.push(significant(unit.factor).to_string());
+    if factor.to_bits() != 1.0_f64.to_bits() {
+        parts.push(significant(factor).to_string());
     }
-    for (name, exponent) in BASE_UNITS.iter().zip(unit.exponents).filter(|(_, exponent)| *exponent != 0) {
+    for (name, exponent) in BASE_UNITS.iter().zip(exponents).filter(|(_, exponent)| *exponent != 0) {
         let power = exponent.to_string().replace('-', "\u{2212}");
         parts.push(if exponent == 1 { (*name).to_owned() } else { format!("{name}<sup>{power}</sup>") });
     }
     let mut text = if parts.is_empty() { "1".to_owned() } else { parts.join("\u{2009}·\u{2009}") };
-    if unit.offset != 0.0 {
-        let _ = write!(text, ", plus {}", significant(unit.offset));
+    if offset != 0.0 {
+        let _ = write!(text, ", plus {}", significant(offset));
     }
     text
 }
@@ -216,7 +213,7 @@ fn base_units(unit: &Unit) -> String {
 /// What the FMU can do, as `<CoSimulation>` says.
 pub fn capabilities(interface: &Interface) -> Vec<(&'static str, String)> {
     let yes = |can: bool| if can { "yes" } else { "no" }.to_owned();
-    let categories = logger::CATEGORIES.map(|(name, _)| name).join(", ");
+    let categories = log_categories().collect::<Vec<_>>().join(", ");
     vec![
         ("Variable communication step size", yes(true)),
         ("Ramps of inputs over a step", yes(interface.interpolates_inputs)),

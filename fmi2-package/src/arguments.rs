@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::PackageError;
+use crate::PackageError;
 
 pub const HELP: &str = "\
 Builds the FMU library of this crate and packages it.
 
-Usage: cargo run -- [OPTIONS]
+Usage: cargo run --release --features package -- [OPTIONS]
 
 Options:
   -o, --out DIR       folder for the .fmu files [default: dist]
@@ -16,8 +16,8 @@ Options:
   -h, --help          print this help
 
 Examples:
-  cargo run --release                    dist/NAME.fmu for each model of the crate
-  cargo run -- --describe descriptions   the XML, to look at or to check in
+  cargo run --release --features package                            dist/NAME.fmu for each model of the crate
+  cargo run --release --features package -- --describe descriptions   the XML, to look at or to check in
 ";
 
 #[derive(Debug)]
