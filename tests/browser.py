@@ -15,6 +15,8 @@ from typing import Any
 import pytest
 
 IS_CI = os.environ.get("CI") == "true"
+#: Guards against a browser that hangs, in ms: far above what the slowest machine needs.
+HANGS = 1_800_000
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = [
     *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
@@ -44,12 +46,12 @@ def install(package: str) -> None:
     """Installs a Debian package; waits while another process holds apt's locks."""
     commands = (["apt-get", "update"], ["apt-get", "install", "-y", "--no-install-recommends", package])
     for command in commands:
-        for attempt in range(20):
+        for attempt in range(120):
             environment = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
             done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
             if done.returncode == 0:
                 break
-            if "lock" not in done.stderr or attempt == 19:
+            if "lock" not in done.stderr or attempt == 119:
                 pytest.fail(f"`{' '.join(command)}` failed:\n{done.stderr}", pytrace=False)
             time.sleep(15)
 
@@ -63,6 +65,16 @@ class Opened:
     problems: list[str] = field(default_factory=list)
 
 
+def settle(page: Any, frames: int = 2) -> None:
+    """Waits until the page has drawn what the last input asked for: so many frames, however long the machine takes."""
+    page.evaluate(
+        """async count => {
+            for (let i = 0; i < count; i++) await new Promise(requestAnimationFrame);
+        }""",
+        frames,
+    )
+
+
 class Browser:
     """Opens files, each in a profile of its own."""
 
@@ -73,9 +85,9 @@ class Browser:
     def open(self, path: Path, **options: Any) -> Iterator[Opened]:
         """The page of a file once it is ready; afterwards nothing may have gone wrong in it."""
         context = self.chrome.new_context(**{"viewport": {"width": 1360, "height": 900}, **options})
+        context.set_default_timeout(HANGS)
         opened = Opened(context.new_page())
         page = opened.page
-        page.set_default_timeout(20_000)
         page.on("request", lambda request: opened.requests.append(request.url))
         page.on("pageerror", lambda error: opened.problems.append(str(error)))
         page.on(
@@ -97,6 +109,6 @@ def browser() -> Iterator[Browser]:
     except ImportError:
         not_here("Playwright has no package for this platform, so report.html was not opened in a browser")
     with sync_playwright() as playwright:
-        chrome = playwright.chromium.launch(executable_path=program, args=FLAGS, headless=True)
+        chrome = playwright.chromium.launch(executable_path=program, args=FLAGS, headless=True, timeout=HANGS)
         yield Browser(chrome)
         chrome.close()

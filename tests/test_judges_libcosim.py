@@ -43,7 +43,6 @@ def test_libcosim_gives_the_same_trajectories(
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=120,
         check=False,
     )
     assert done.returncode == 0, done.stderr

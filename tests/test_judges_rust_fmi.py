@@ -43,7 +43,6 @@ def test_rust_fmi_gives_the_same_bits(controller: str, coupling: str, judge: Pat
         [judge, *paths, coupling.replace("_", "-"), repr(STEP), str(STEPS)],
         capture_output=True,
         text=True,
-        timeout=60,
         check=False,
     )
     assert done.returncode == 0, done.stderr

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .browser import Browser, not_here
+from .browser import HANGS, Browser, not_here, settle
 from .conftest import ROOT
 from .test_native import dualarm
 
@@ -115,7 +115,7 @@ def shown_time(page: Any) -> float:
 def test_it_is_one_small_file_that_asks_for_nothing(report: Report, browser: Browser) -> None:
     assert report.html.stat().st_size < 3_000_000
     with browser.open(report.html) as opened:
-        opened.page.wait_for_timeout(200)
+        settle(opened.page, 20)
     assert opened.requests == [report.html.as_uri()]
     # Should a later change try: the page forbids itself to fetch.
     assert "default-src 'none'" in report.html.read_text(encoding="utf-8")
@@ -175,21 +175,22 @@ def test_it_moves_when_it_plays_and_stands_when_it_does_not(report: Report, brow
     with browser.open(report.html) as opened:
         page = opened.page
         before = tips(page)
-        page.wait_for_timeout(300)
+        settle(page, 20)
         assert tips(page) == before, "nothing moves by itself"
+        # So slow that no machine is still busy when it comes to the end.
+        page.select_option("#speed", "0.1")
         page.get_by_role("button", name="Play").click()
         moved = "before => document.querySelectorAll('circle.tip')[2].cy.baseVal.value !== before"
         page.wait_for_function(moved, arg=-before[2][1])
-        page.wait_for_timeout(300)
+        settle(page, 20)
         page.get_by_role("button", name="Pause").click()
         time, stopped = shown_time(page), tips(page)
         assert time > 0.306
         assert stopped != before
-        page.wait_for_timeout(300)
+        settle(page, 20)
         assert (shown_time(page), tips(page)) == (time, stopped)
         # At the end it stops by itself, and begins again from the start of the span.
         page.get_by_role("button", name="50 ms").click()
-        page.select_option("#speed", "0.1")
         page.get_by_role("button", name="Play").click()
         page.wait_for_selector("#play[aria-label=Play]")
         assert shown_time(page) == pytest.approx(0.05)
@@ -209,7 +210,7 @@ def test_zoom_is_shared_by_all_charts(report: Report, browser: Browser) -> None:
         page.mouse.down()
         page.mouse.move(at(0.5), middle, steps=5)
         page.mouse.up()
-        page.wait_for_timeout(100)
+        settle(page)
         zoomed = spans(page)
         assert len({time for time, _ in zoomed}) == 1
         # A pixel of the mouse is 0.025 s.
@@ -219,10 +220,10 @@ def test_zoom_is_shared_by_all_charts(report: Report, browser: Browser) -> None:
             high - low < bottom_top[1] - bottom_top[0] for (_, (low, high)), (_, bottom_top) in zip(zoomed, whole)
         )
         plot.dblclick()
-        page.wait_for_timeout(100)
+        settle(page)
         assert spans(page) == whole
         page.get_by_role("button", name="50 ms").click()
-        page.wait_for_timeout(100)
+        settle(page)
         # The kick of PD and PDS at the start: their motors are at the limit of 2 N·m.
         torque = spans(page)[6]
         assert torque[0] == (0.0, 0.05)
@@ -237,7 +238,7 @@ def test_the_cursor_is_linked_with_all_charts_and_the_animation(report: Report, 
         plot.scroll_into_view_if_needed()
         box = plot.bounding_box()
         page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-        page.wait_for_timeout(100)
+        settle(page)
         assert shown_time(page) == pytest.approx(4.0, abs=0.03)
         lines = page.eval_on_selector_all(".u-cursor-x", "all => all.map(one => one.style.transform)")
         assert len(lines) == 9
@@ -251,7 +252,7 @@ def test_the_cursor_is_linked_with_all_charts_and_the_animation(report: Report, 
         )
         assert shown == pytest.approx([report.at(run, "contact_force2", time) for run in RUNS], abs=1.5e-3)
         page.mouse.move(2, 2)
-        page.wait_for_timeout(100)
+        settle(page)
         assert (shown_time(page), tips(page)) == (kept, stood), "pointing is a look, no more"
         plot.click(position={"x": box["width"] / 4, "y": 40})
         page.mouse.move(2, 2)
@@ -271,7 +272,7 @@ def test_controllers_can_be_hidden(report: Report, browser: Browser) -> None:
         hidden = page.eval_on_selector_all(".chart figcaption > span", "all => all.map(one => one.hidden)")
         assert hidden == [False, True, False] * 9
         button.click()
-        page.wait_for_timeout(100)
+        settle(page)
         assert spans(page) == before
 
 
@@ -288,10 +289,10 @@ def test_light_and_dark(report: Report, browser: Browser) -> None:
         button = page.get_by_role("button", name="Dark")
         assert button.get_attribute("aria-pressed") == "true"
         button.click()
-        page.wait_for_timeout(200)
+        settle(page)
         assert page.evaluate(look) == light
         button.click()
-        page.wait_for_timeout(200)
+        settle(page)
         assert page.evaluate(look) == dark
     assert light[0] != dark[0]
     assert light[1] != dark[1]
@@ -307,11 +308,11 @@ def test_the_keyboard_is_enough(report: Report, browser: Browser) -> None:
         page.keyboard.press("ArrowLeft")
         assert shown_time(page) == pytest.approx(start + 10 * 8.0 / 200, abs=1e-3)
         page.keyboard.press("+")
-        page.wait_for_timeout(100)
+        settle(page)
         (low, high), _ = spans(page)[0]
         assert high - low == pytest.approx(4.0, abs=1e-3)
         page.keyboard.press("0")
-        page.wait_for_timeout(100)
+        settle(page)
         assert spans(page)[0][0] == (0.0, 8.0)
         page.keyboard.press(" ")
         assert page.get_by_role("button", name="Pause").count() == 1
@@ -385,14 +386,14 @@ def test_fingers_move_through_time_and_zoom(report: Report, browser: Browser) ->
         for share in (0.3, 0.4, 0.5):
             touch("touchMove", share)
         touch("touchEnd")
-        page.wait_for_timeout(100)
+        settle(page)
         assert shown_time(page) == pytest.approx(4.0, abs=0.1)
         # 3.2 s and 4.8 s are drawn apart to 20 % and 80 % of the width: 2.67 s in all.
         touch("touchStart", 0.4, 0.6)
         touch("touchMove", 0.3, 0.7)
         touch("touchMove", 0.2, 0.8)
         touch("touchEnd")
-        page.wait_for_timeout(100)
+        settle(page)
         times = {time for time, _ in spans(page)}
         assert len(times) == 1
         low, high = times.pop()
@@ -405,6 +406,7 @@ def test_metrics_are_those_of_the_table(report: Report, browser: Browser) -> Non
     with (report.html.parent / "metrics.csv").open(newline="", encoding="utf-8") as file:
         metrics = list(csv.DictReader(file))
     context = browser.chrome.new_context(java_script_enabled=False)
+    context.set_default_timeout(HANGS)
     page = context.new_page()
     page.goto(report.html.as_uri())
     rows = page.locator(".metrics tr", has_text="settling time, ±2 %")

@@ -96,7 +96,6 @@ def test_continues_in_another_process(name: str, fmus: dict[str, Fmu], tmp_path:
         cwd=ROOT,
         capture_output=True,
         text=True,
-        timeout=60,
         check=False,
     )
     assert done.returncode == 0, done.stderr

@@ -300,7 +300,7 @@ def test_info_reads_an_fmu_of_another_tool(tmp_path: Path) -> None:
 
 
 def test_verify_speaks_json(tmp_path: Path) -> None:
-    done = dualarm("verify", "--no-package", "--out", str(tmp_path), "--json", timeout=600)
+    done = dualarm("verify", "--no-package", "--out", str(tmp_path), "--json")
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
     assert document["failures"] == 0

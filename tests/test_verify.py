@@ -162,7 +162,7 @@ def test_documentation_quotes_the_table(tmp_path: Path) -> None:
     """
     quoted = rows_of((ROOT / "docs" / "verification.md").read_text(encoding="utf-8"))
     assert len(quoted) > 60
-    done = dualarm("--quiet", "verify", "--no-package", "--fmus", str(DIST), "--out", str(tmp_path), timeout=600)
+    done = dualarm("--quiet", "verify", "--no-package", "--fmus", str(DIST), "--out", str(tmp_path))
     assert done.returncode == 0, done.stderr
     made = rows_of((tmp_path / "verification.md").read_text(encoding="utf-8"))
     assert [row.name for row in made] == [row.name for row in quoted]

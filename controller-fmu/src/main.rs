@@ -1,4 +1,4 @@
-//! Packages the FMUs of this crate: `cargo run -p controller-fmu --features package`.
+//! Packages the FMUs of this crate: `cargo run --release -p controller-fmu --features package`.
 
 use fmi2_package::{Document, OfTime, Panel, Response};
 use grasp_control::{Arms, References};

@@ -1,6 +1,6 @@
 //! Every figure of a comparison, from synthetic results: sizes, no text outside the canvas, PNG and SVG alike.
 //!
-//! To look at them: `DUALARM_FIGURES=<folder> cargo test -p dualarm --test figures`
+//! To look at them: `DUALARM_FIGURES=<folder> cargo test --release -p dualarm --test figures`
 
 use dualarm::grasp;
 use dualarm::grasp::metrics::{Limits, Metrics};

@@ -203,7 +203,7 @@ fn instantiate_and_free_100000_times_leaves_no_memory_behind() {
 }
 
 #[test]
-#[ignore = "one minute; with FMU libraries built: cargo test -p fmi2-export --test loading -- --ignored --nocapture"]
+#[ignore = "one minute; with FMU libraries built: cargo test --release -p fmi2-export --test loading -- --ignored --nocapture"]
 #[cfg(target_os = "linux")]
 fn the_same_with_real_fmus_in_full() {
     let _alone = alone();

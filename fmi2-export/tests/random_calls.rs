@@ -15,7 +15,7 @@
 //! Both run with
 //!
 //! ```text
-//! cargo test -p fmi2-export --test random_calls -- --ignored --nocapture
+//! cargo test --release -p fmi2-export --test random_calls -- --ignored --nocapture
 //! ```
 //!
 //! and say what was not checked if the tool is not there.
@@ -790,8 +790,8 @@ fn all_calls_under_valgrind() {
     let runner = "target.'cfg(all())'.runner = ['valgrind', '--quiet', '--error-exitcode=9', '--leak-check=full', \
                   '--show-leak-kinds=definite', '--errors-for-leak-kinds=definite']";
     let tests = TESTS.iter().flat_map(|test| ["--test", test]);
-    let arguments: Vec<&str> = ["test", "--config", runner].into_iter().chain(tests).collect();
-    cargo(&["build", "--examples"], &[]);
+    let arguments: Vec<&str> = ["test", "--release", "--config", runner].into_iter().chain(tests).collect();
+    cargo(&["build", "--release", "--examples"], &[]);
     cargo(&arguments, &[("FMI2_BLOBS", "300")]);
 }
 
@@ -810,7 +810,10 @@ fn all_calls_under_address_sanitizer() {
     let real = std::env::join_paths(libraries()).unwrap().into_string().unwrap();
     let variables =
         [("RUSTFLAGS", "-Zsanitizer=address -Clink-arg=-Wl,--export-dynamic"), ("FMU_LIBRARIES", real.as_str())];
-    for command in [vec!["+nightly", "build", "--examples"], ["+nightly", "test"].into_iter().chain(tests).collect()] {
+    for command in [
+        vec!["+nightly", "build", "--release", "--examples"],
+        ["+nightly", "test", "--release"].into_iter().chain(tests).collect(),
+    ] {
         let arguments: Vec<&str> = command.into_iter().chain(target).collect();
         cargo(&arguments, &variables);
     }

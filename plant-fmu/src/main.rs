@@ -1,4 +1,4 @@
-//! Packages the FMU of this crate: `cargo run -p plant-fmu --features package`.
+//! Packages the FMU of this crate: `cargo run --release -p plant-fmu --features package`.
 
 use fmi2_package::{Document, Panel, Response};
 

@@ -11,27 +11,32 @@ import os
 import platform
 import shutil
 import subprocess
-from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "judges"
 
 
 class UnavailableError(Exception):
     """Something that building the judge needs is not here."""
 
 
-@cache
 def program() -> Path:
-    """The judge, built if need be (minutes at first, below a second when nothing has changed)."""
+    """The judge, which `cargo xtask test` has built before the tests."""
+    name = "rust-fmi-judge.exe" if platform.system() == "Windows" else "rust-fmi-judge"
+    path = TARGET / "debug" / name
+    libclang()
+    if not path.is_file():
+        raise FileNotFoundError(f"{path} is not built: `cargo xtask test --python` does it")
+    return path
+
+
+def build() -> None:
+    """Builds the judge if need be: minutes at first, below a second when nothing has changed."""
     crate = ROOT / "judges" / "rust-fmi"
-    target = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "judges"
-    command = ["cargo", "build", "--locked", "--quiet", "--manifest-path", str(crate / "Cargo.toml")]
-    environment = os.environ | libclang() | {"CARGO_TARGET_DIR": str(target)}
-    if shutil.which("cargo") is None:
-        raise UnavailableError("cargo is not installed")
-    subprocess.run(command, cwd=crate, env=environment, check=True, timeout=1800)
-    return target / "debug" / ("rust-fmi-judge.exe" if platform.system() == "Windows" else "rust-fmi-judge")
+    command = ["cargo", "build", "--locked", "--manifest-path", str(crate / "Cargo.toml")]
+    environment = os.environ | libclang() | {"CARGO_TARGET_DIR": str(TARGET)}
+    subprocess.run(command, cwd=crate, env=environment, check=True)
 
 
 def libclang() -> dict[str, str]:
@@ -47,3 +52,10 @@ def libclang() -> dict[str, str]:
         asked = subprocess.run([compiler, "-print-file-name=include"], capture_output=True, text=True, check=True)
         variables["BINDGEN_EXTRA_CLANG_ARGS"] = f"-I{asked.stdout.strip()}"
     return variables
+
+
+if __name__ == "__main__":
+    try:
+        build()
+    except UnavailableError as reason:
+        print(f"the judge of rust-fmi is not built, {reason}: what it judges is not checked")

@@ -10,9 +10,9 @@ Usage: cargo xtask <COMMAND>
 
 Commands:
   test [--rust | --python] [-- <PYTEST ARGS>...]
-         Run every test. Steps: FMU libraries, Rust tests, FMUs built and packaged into dist/, Python environment
-         (in the build directory, kept between runs), Python tests, long checks (valgrind, load cycles), instruction counts, code
-         checks.
+         Run every test. Steps: FMUs built and packaged into dist/, Rust tests, Python environment (in the build
+         directory, kept between runs), helper programs for the Python tests, Python tests, long checks (valgrind,
+         load cycles), instruction counts, code checks.
          --rust    only the Rust tests
          --python  only the FMUs and the Python tests
   check  Run the code checks only: cargo fmt --check, cargo clippy, cargo doc, warnings denied.

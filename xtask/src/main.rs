@@ -13,6 +13,7 @@
 
 mod cli;
 mod counts;
+mod helpers;
 mod python;
 mod steps;
 mod template;
@@ -45,22 +46,18 @@ fn main() -> ExitCode {
 fn test(selection: Selection, pytest_args: &[String]) -> ExitCode {
     let tree = Tree::find();
     let mut steps = Runner::new(match selection {
-        Selection::All => 10,
+        Selection::All => 11,
         Selection::Rust => 2,
-        Selection::Python => 3,
+        Selection::Python => 4,
     });
+    // First, because the Rust tests attack the FMUs' libraries too; stale ones would be attacked for what is no longer there.
+    steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package", "--release"])));
     if selection != Selection::Python {
-        // fmi2-export's tests attack these libraries; stale ones would be attacked for what is no longer there.
-        steps.step("FMU libraries", || {
-            run(tree.cargo(&["build", "--profile", "fmu", "--package", "plant-fmu", "--package", "controller-fmu"]))
-        });
-        steps.step("Rust tests", || run(tree.cargo(&["test", "--workspace"])));
+        steps.step("Rust tests", || run(tree.cargo(&["test", "--release", "--workspace", "--all-features"])));
     }
     if selection != Selection::Rust {
-        steps.step("Build and package the FMUs", || {
-            run(tree.cargo(&["run", "--release", "--", "package", "--release"]))
-        });
         steps.step("Python environment", || python::prepare(&tree));
+        steps.step("Helper programs", || helpers::build(&tree));
         steps.step("Python tests", || run(python::pytest(&tree, pytest_args)));
     }
     if selection == Selection::All {
@@ -82,7 +79,18 @@ fn long_checks(tree: &Tree) -> Outcome {
         ("fmi2-export", "loading", ""),
         ("grasp-plant", "conservation", ""),
     ] {
-        let outcome = run(tree.cargo(&["test", "-p", package, "--test", test, "--", "--ignored", "--nocapture", name]));
+        let outcome = run(tree.cargo(&[
+            "test",
+            "--release",
+            "-p",
+            package,
+            "--test",
+            test,
+            "--",
+            "--ignored",
+            "--nocapture",
+            name,
+        ]));
         if outcome != Outcome::Passed {
             return outcome;
         }
@@ -105,6 +113,7 @@ fn describe() -> ExitCode {
         steps.step(name, || {
             run(tree.cargo(&[
                 "run",
+                "--release",
                 "--quiet",
                 "--package",
                 package,
@@ -149,10 +158,14 @@ fn counts(record: Option<&str>) -> ExitCode {
 fn add_checks(steps: &mut Runner, tree: &Tree) {
     steps.step("Formatting", || tree.cargo_component("fmt", "rustfmt", &["--all", "--check"]));
     steps.step("Lints", || {
-        tree.cargo_component("clippy", "clippy", &["--workspace", "--all-targets", "--", "-D", "warnings"])
+        tree.cargo_component(
+            "clippy",
+            "clippy",
+            &["--release", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"],
+        )
     });
     steps.step("Documentation", || {
-        let mut doc = tree.cargo(&["doc", "--workspace", "--no-deps"]);
+        let mut doc = tree.cargo(&["doc", "--release", "--workspace", "--no-deps"]);
         doc.env("RUSTDOCFLAGS", "-D warnings");
         run(doc)
     });

@@ -21,9 +21,15 @@ pub fn prepare(tree: &Tree) -> Outcome {
 
 /// The command that runs the Python tests with `args` added.
 pub fn pytest(tree: &Tree, args: &[String]) -> Command {
-    let mut command = Command::new(interpreter(tree));
     // All processors; each file by one process, so that what its tests share is made once.
-    command.args(["-m", "pytest", "tests", "--numprocesses=auto", "--dist=loadfile"]);
+    let mut command = command(tree, &["-m", "pytest", "tests", "--numprocesses=auto", "--dist=loadfile"]);
+    command.args(args);
+    command
+}
+
+/// `python <args>` of the environment, in the workspace root.
+pub fn command(tree: &Tree, args: &[&str]) -> Command {
+    let mut command = Command::new(interpreter(tree));
     command.args(args).current_dir(&tree.root);
     command
 }

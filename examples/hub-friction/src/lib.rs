@@ -1,7 +1,7 @@
 //! An FMU of one's own: dry friction in both hubs, after Dahl.
 //!
 //! ```sh
-//! cargo run -p hub-friction --features package      # writes dist/HubFriction.fmu
+//! cargo run --release -p hub-friction --features package      # writes dist/HubFriction.fmu
 //! cargo run --release -- simulate dist/DualArmPlant.fmu dist/NabfcController.fmu dist/HubFriction.fmu -o friction.csv
 //! ```
 //!

@@ -1,4 +1,4 @@
-//! Packages the FMU: `cargo run -p hub-friction --features package`.
+//! Packages the FMU: `cargo run --release -p hub-friction --features package`.
 
 fn main() -> std::process::ExitCode {
     fmi2_package::main(&hub_friction::FMUS, &[])

@@ -18,7 +18,7 @@ pub const DISCARD: c_int = 2;
 pub const ERROR: c_int = 3;
 
 /// Path of an example's library. `cargo test` builds the examples before it runs the tests; `cargo test --test NAME` does
-/// not, so `cargo build --examples` has to come first then.
+/// not, so `cargo build --release --examples` has to come first then.
 pub fn example(name: &str) -> PathBuf {
     let exe = std::env::current_exe().unwrap();
     let file = format!("{}{name}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
