@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::Enumeration;
+use crate::enumeration::Enumeration;
 
 /// The way from a model to a value in it.
 pub(crate) type Lens<M, T> = Arc<dyn Fn(&mut M) -> &mut T + Send + Sync>;
@@ -43,7 +43,7 @@ mod sealed {
     impl Sealed for f64 {}
     impl Sealed for bool {}
     impl Sealed for String {}
-    impl<E: crate::Enumeration> Sealed for E {}
+    impl<E: crate::enumeration::Enumeration> Sealed for E {}
 }
 
 macro_rules! scalar {

@@ -17,9 +17,9 @@ macro_rules! export {
         );
 
         /// The models this library serves.
-        pub static FMUS: $crate::ffi::Library = $crate::ffi::Library::new(&[
+        pub static FMUS: $crate::Library = $crate::Library::new(&[
             $({
-                static EXPORTED: $crate::ffi::Exported<$model> = $crate::ffi::Exported::new();
+                static EXPORTED: $crate::Exported<$model> = $crate::Exported::new();
                 &EXPORTED
             }),+
         ]);

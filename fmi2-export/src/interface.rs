@@ -2,10 +2,11 @@
 //! documentation are both written from it.
 
 use crate::access::{Access, EnumerationKind};
+use crate::info::Info;
 use crate::layout::{Layout, Reference};
-use crate::unit::DisplayUnit;
+use crate::model::Model;
+use crate::unit::{DisplayUnit, Unit};
 use crate::variable::{Causality, DependencyKind, Variability, Variable};
-use crate::{Info, Model, Unit};
 
 /// A model's interface.
 #[derive(Debug)]

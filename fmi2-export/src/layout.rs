@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::Model;
 use crate::access::{Access, EnumerationKind, Lens};
+use crate::model::Model;
 use crate::problems::problems;
 use crate::variable::{Causality, Variability, Variable};
 use crate::variables::Variables;
@@ -163,6 +163,17 @@ impl<M: Model> Layout<M> {
             }
         };
         self.references.push(Reference { base, index: count });
+    }
+
+    /// Runs evaluations, a bit each.
+    pub fn evaluate(&self, mut todo: u64, model: &mut M) {
+        while todo != 0 {
+            let index = todo.trailing_zeros() as usize;
+            if let Some(evaluation) = self.evaluations.get(index) {
+                evaluation(model);
+            }
+            todo &= todo - 1;
+        }
     }
 
     /// Whether any output's time derivative can be asked for.

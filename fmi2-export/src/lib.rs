@@ -1,15 +1,21 @@
 #![doc = include_str!("../README.md")]
+#![deny(clippy::undocumented_unsafe_blocks)]
 
 mod access;
 mod builder;
+mod categories;
 mod enumeration;
 mod export;
+#[doc(hidden)]
 pub mod ffi;
+mod handles;
+mod info;
 mod interface;
 mod layout;
-mod logger;
+mod library;
 mod model;
 mod naming;
+mod out;
 #[doc(hidden)]
 pub mod packaging;
 mod parameter;
@@ -17,6 +23,7 @@ mod phase;
 mod problems;
 mod slave;
 mod snapshot;
+mod status;
 mod unit;
 mod variable;
 mod variables;
@@ -25,8 +32,12 @@ mod xml;
 pub use access::Scalar;
 pub use builder::VariableBuilder;
 pub use enumeration::Enumeration;
+pub use info::{DefaultExperiment, Info};
 pub use layout::DeclarationError;
-pub use model::{DefaultExperiment, Experiment, Failure, Info, Model, Step};
+#[doc(hidden)]
+pub use library::Exported;
+pub use library::{ExportedModel, Library};
+pub use model::{Experiment, Failure, Model, Step};
 pub use parameter::Parameter;
 #[doc(hidden)]
 pub use serde;

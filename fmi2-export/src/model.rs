@@ -2,7 +2,8 @@
 
 use serde::{Serialize, de::DeserializeOwned};
 
-use crate::Variables;
+use crate::info::Info;
+use crate::variables::Variables;
 
 /// A model that can be exported as an FMI 2.0 co-simulation slave.
 ///
@@ -31,9 +32,14 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     /// Computes the initial state from the parameters, and from the inputs at the start if it depends on them: outputs
     /// that then depend on those inputs say so with [`starts_from`](crate::VariableBuilder::starts_from).
     ///
+    /// Without it the state starts as in the default value, which is right where it follows from nothing.
+    ///
     /// # Errors
     /// If the parameters admit no initial state. The host gets `fmi2Error` and the message, and may correct them.
-    fn initialize(&mut self, experiment: &Experiment) -> Result<(), Failure>;
+    fn initialize(&mut self, experiment: &Experiment) -> Result<(), Failure> {
+        let _ = experiment;
+        Ok(())
+    }
 
     /// Advances the state from `step.time` to `step.time + step.size`.
     ///
@@ -67,63 +73,6 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     fn directional_derivative(&mut self, direction: &mut Self) {
         let _ = direction;
     }
-}
-
-/// Identification of a model and of its capabilities.
-#[derive(Clone, Copy, Debug)]
-pub struct Info {
-    /// `modelName` and `modelIdentifier`: a C identifier.
-    pub name: &'static str,
-    /// One line on what the model is.
-    pub description: &'static str,
-    /// Version of the model.
-    pub version: &'static str,
-    /// Who wrote it.
-    pub author: &'static str,
-    /// Copyright notice.
-    pub copyright: &'static str,
-    /// Licence, in short, e.g. `MIT`.
-    pub license: &'static str,
-    /// Default experiment: how long to simulate and with which communication step (s).
-    pub default_experiment: DefaultExperiment,
-    /// Whether [`Model::directional_derivative`] is implemented.
-    pub directional_derivatives: bool,
-}
-
-impl Info {
-    /// Defaults to fill up a definition with: `Info { name: "Lag", description: "…", ..Info::new() }`.
-    #[must_use]
-    pub const fn new() -> Self {
-        Self {
-            name: "",
-            description: "",
-            version: "",
-            author: "",
-            copyright: "",
-            license: "",
-            default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 1.0, step_size: 1e-3, tolerance: None },
-            directional_derivatives: false,
-        }
-    }
-}
-
-impl Default for Info {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-/// `<DefaultExperiment>`: what a tool proposes to its user.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DefaultExperiment {
-    /// Start time (s).
-    pub start_time: f64,
-    /// Stop time (s).
-    pub stop_time: f64,
-    /// Communication step size (s).
-    pub step_size: f64,
-    /// Relative tolerance, if the model has use for one.
-    pub tolerance: Option<f64>,
 }
 
 /// The experiment a host has set up with `fmi2SetupExperiment`.

@@ -2,19 +2,18 @@
 //!
 //! Hidden from the documentation, since only `fmi2-package` of the very same version uses it; it may change with any.
 
-use std::ffi::CString;
-
 pub use crate::access::EnumerationKind;
 pub use crate::interface::{Interface, Kind, VariableFacts, number};
 pub use crate::unit::{BASE_UNITS, DisplayUnit};
 pub use crate::xml::GENERATION_TOOL;
 
-use crate::ffi::ExportedModel;
-use crate::ffi::types::CallbackFunctions;
-use crate::layout::BaseType;
-use crate::logger::{self, Logger};
-use crate::slave::{AnySlave, Refusal};
-use crate::{DeclarationError, Experiment, Unit};
+use crate::categories::CATEGORIES;
+use crate::layout::{BaseType, DeclarationError};
+use crate::library::ExportedModel;
+use crate::model::Experiment;
+use crate::slave::AnySlave;
+use crate::status::Refusal;
+use crate::unit::Unit;
 
 /// A model's interface.
 ///
@@ -32,14 +31,13 @@ pub fn in_base_units(unit: &Unit) -> ([i32; BASE_UNITS.len()], f64, f64) {
 
 /// Names of the log categories.
 pub fn log_categories() -> impl Iterator<Item = &'static str> {
-    logger::CATEGORIES.iter().map(|(name, _)| *name)
+    CATEGORIES.iter().map(|(name, _)| *name)
 }
 
-/// An instance of a model that no host has: all rules of the standard hold for it, but nobody hears its logger. Errors are
+/// An instance of a model that no host has: all rules of the standard hold for it, but nobody hears its warnings. Errors are
 /// what a host would be told.
 pub struct Instance {
     slave: Box<dyn AnySlave>,
-    logger: Logger,
 }
 
 impl Instance {
@@ -48,7 +46,7 @@ impl Instance {
     /// # Errors
     /// If the model's declarations contradict themselves.
     pub fn new(model: &'static dyn ExportedModel) -> Result<Self, DeclarationError> {
-        Ok(Self { slave: model.instantiate()?, logger: silent() })
+        Ok(Self { slave: model.instantiate()? })
     }
 
     /// Into initialization mode of an experiment from 0 s on without an end.
@@ -57,8 +55,7 @@ impl Instance {
     /// What the model has against it.
     pub fn enter_initialization(&mut self) -> Result<(), String> {
         let experiment = Experiment { start_time: 0.0, stop_time: None, tolerance: None };
-        self.slave.setup_experiment(experiment).and_then(|_| self.slave.enter_initialization()).map_err(message)?;
-        Ok(())
+        self.slave.setup_experiment(experiment).and_then(|()| self.slave.enter_initialization()).map_err(message)
     }
 
     /// Out of initialization mode.
@@ -66,8 +63,7 @@ impl Instance {
     /// # Errors
     /// What the model has against it.
     pub fn exit_initialization(&mut self) -> Result<(), String> {
-        self.slave.exit_initialization().map_err(message)?;
-        Ok(())
+        self.slave.exit_initialization().map_err(message)
     }
 
     /// A communication step (s).
@@ -75,8 +71,7 @@ impl Instance {
     /// # Errors
     /// What the model has against it.
     pub fn step(&mut self, time: f64, size: f64) -> Result<(), String> {
-        self.slave.do_step(time, size, &self.logger).map_err(message)?;
-        Ok(())
+        self.slave.do_step(time, size, &mut |_| {}).map_err(message)
     }
 
     /// Sets a variable that is no string. Booleans are 0 or 1, enumerations numbered from 1.
@@ -99,8 +94,7 @@ impl Instance {
             BaseType::Boolean => self.slave.set_boolean(&reference, &integer()?),
             BaseType::Real | BaseType::String => self.slave.set_real(&reference, &[value]),
         }
-        .map_err(message)?;
-        Ok(())
+        .map_err(message)
     }
 
     /// The value of a variable that is no string, as [`set`](Self::set) takes it.
@@ -111,10 +105,10 @@ impl Instance {
         let reference = [variable.reference.index];
         let (mut real, mut integer) = ([0.0], [0]);
         match variable.reference.base {
-            BaseType::Integer => self.slave.get_integer(&reference, &mut integer),
-            BaseType::Boolean => self.slave.get_boolean(&reference, &mut integer),
+            BaseType::Integer => self.slave.get_integer(&reference, integer.as_mut_slice().into()),
+            BaseType::Boolean => self.slave.get_boolean(&reference, integer.as_mut_slice().into()),
             BaseType::Real | BaseType::String => {
-                self.slave.get_real(&reference, &mut real).map_err(message)?;
+                self.slave.get_real(&reference, real.as_mut_slice().into()).map_err(message)?;
                 return Ok(real[0]);
             }
         }
@@ -125,15 +119,4 @@ impl Instance {
 
 fn message(refusal: Refusal) -> String {
     refusal.message
-}
-
-fn silent() -> Logger {
-    let functions = CallbackFunctions {
-        logger: None,
-        allocate_memory: None,
-        free_memory: None,
-        step_finished: None,
-        component_environment: std::ptr::null_mut(),
-    };
-    Logger::new(&functions, CString::default(), false)
 }

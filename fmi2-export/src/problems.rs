@@ -4,8 +4,9 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::access::{Access, EnumerationKind};
+use crate::info::Info;
+use crate::model::Model;
 use crate::variable::{Causality, Variability, Variable};
-use crate::{Info, Model};
 
 /// Everything that is wrong with the declarations.
 pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations: usize) -> Vec<String> {

@@ -62,7 +62,7 @@ pub struct DisplayUnit {
 
 impl DisplayUnit {
     /// Degrees for an angle in rad, deg/s for its rate, and so on; `None` for what is no angle.
-    pub fn degrees(unit: &Unit) -> Option<Self> {
+    pub(crate) fn degrees(unit: &Unit) -> Option<Self> {
         let [kg, m, _, ampere, kelvin, mol, cd, rad] = unit.exponents;
         let is_coherent = unit.factor.to_bits() == 1.0_f64.to_bits() && unit.offset == 0.0;
         let is_angle = rad == 1 && [kg, m, ampere, kelvin, mol, cd] == [0; 6];

@@ -6,12 +6,13 @@ use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesStart, Event};
 use uuid::Uuid;
 
+use crate::categories::CATEGORIES;
 use crate::interface::{Interface, Kind, VariableFacts, number};
 use crate::layout::{DeclarationError, Layout};
+use crate::model::Model;
 use crate::naming::is_structured;
-use crate::unit::BASE_UNITS;
+use crate::unit::{BASE_UNITS, Unit};
 use crate::variable::{Causality, DependencyKind};
-use crate::{Model, Unit, logger};
 
 /// Namespace of the GUIDs: a version 5 UUID of the text "fmi2-export" in the DNS-less nil namespace.
 const NAMESPACE: Uuid = Uuid::from_u128(0x6f1d_3b5e_52a9_5c4b_9d0e_8a3c_71f2_46d7);
@@ -102,7 +103,7 @@ fn render(interface: &Interface, guid: &str) -> String {
         unit_definitions(xml, interface);
         type_definitions(xml, interface);
         xml.element("LogCategories", &[], |xml| {
-            for (name, description) in logger::CATEGORIES {
+            for (name, description) in CATEGORIES {
                 xml.empty("Category", &[("name", name.into()), ("description", description.into())]);
             }
         });

@@ -9,8 +9,8 @@ mod response;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use fmi2_export::ffi::{ExportedModel, Library};
 use fmi2_export::{DeclarationError, Description};
+use fmi2_export::{ExportedModel, Library};
 
 pub use archive::{Archive, platform_folder};
 pub use build::BuildError;

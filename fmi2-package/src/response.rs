@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use fmi2_export::Causality;
-use fmi2_export::ffi::ExportedModel;
+use fmi2_export::ExportedModel;
 use fmi2_export::packaging::{Instance, Interface, Kind, VariableFacts};
 
 /// A value as a function of the time (s).

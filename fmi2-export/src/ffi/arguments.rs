@@ -1,8 +1,10 @@
 //! What the host passes as pointers, checked and turned into slices and strings.
 
 use std::ffi::{CStr, c_char};
+use std::mem::MaybeUninit;
 
-use crate::slave::Refusal;
+use crate::out::Out;
+use crate::status::Refusal;
 
 /// A C array to read. An empty one may be null.
 ///
@@ -17,17 +19,18 @@ pub unsafe fn slice<'a, T>(pointer: *const T, length: usize, what: &str) -> Resu
     Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
 }
 
-/// A C array to write. An empty one may be null.
+/// A C array to write results to, which need not be initialised. An empty one may be null.
 ///
 /// # Safety
-/// If not null, `pointer` must be valid for writes of `length` initialised elements for the duration of the call.
-pub unsafe fn slice_mut<'a, T>(pointer: *mut T, length: usize, what: &str) -> Result<&'a mut [T], Refusal> {
+/// If not null, `pointer` must be valid for writes of `length` elements for the duration of the call.
+pub unsafe fn out<'a, T: Copy>(pointer: *mut T, length: usize, what: &str) -> Result<Out<'a, T>, Refusal> {
     if length == 0 {
-        return Ok(&mut []);
+        return Ok(Out::new(&mut []));
     }
     check(pointer, length, what)?;
-    // SAFETY: as above.
-    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, length) })
+    // SAFETY: not null, aligned, not larger than an allocation can be; `MaybeUninit` needs no values there; the rest is the
+    // caller's promise.
+    Ok(Out::new(unsafe { std::slice::from_raw_parts_mut(pointer.cast::<MaybeUninit<T>>(), length) }))
 }
 
 fn check<T>(pointer: *const T, length: usize, what: &str) -> Result<(), Refusal> {
@@ -43,14 +46,14 @@ fn check<T>(pointer: *const T, length: usize, what: &str) -> Result<(), Refusal>
     Ok(())
 }
 
-/// A place for one result.
+/// A variable of the host, which has a value already.
 ///
 /// # Safety
-/// If not null, `pointer` must be valid for writes.
-pub unsafe fn place<'a, T>(pointer: *mut T, what: &str) -> Result<&'a mut T, Refusal> {
-    // SAFETY: one element; the rest is the caller's promise.
-    let place = unsafe { slice_mut(pointer, 1, what) }?;
-    Ok(&mut place[0])
+/// If not null, `pointer` must be valid for reads and writes, and its target initialised.
+pub unsafe fn initialized<'a, T>(pointer: *mut T, what: &str) -> Result<&'a mut T, Refusal> {
+    check(pointer, 1, what)?;
+    // SAFETY: not null, aligned; the rest is the caller's promise.
+    Ok(unsafe { &mut *pointer })
 }
 
 /// A C string.

@@ -12,9 +12,19 @@
 //! end in a zero byte. Null pointers are refused. Handles of saved states are never dereferenced.
 
 mod arguments;
-pub mod calls;
-mod library;
+mod instance;
+mod life;
+mod logger;
 mod panics;
+mod states;
+mod step;
 pub mod types;
+mod values;
 
-pub use library::{Exported, ExportedModel, Library};
+/// The functions behind the C symbols that [`export!`](crate::export) defines.
+pub mod calls {
+    pub use super::life::*;
+    pub use super::states::*;
+    pub use super::step::*;
+    pub use super::values::*;
+}

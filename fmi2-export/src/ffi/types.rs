@@ -2,6 +2,8 @@
 
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
+pub use crate::status::Status;
+
 /// `fmi2Component`: an instance.
 pub type Component = *mut c_void;
 /// `fmi2FMUstate`: a saved state.
@@ -10,24 +12,6 @@ pub type FmuState = *mut c_void;
 pub type ValueReference = c_uint;
 /// `fmi2Boolean`: 0 or 1.
 pub type Boolean = c_int;
-
-/// `fmi2Status`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// All well.
-    Ok = 0,
-    /// Things are not quite right, but the computation can continue. The status of messages, never of calls.
-    Warning = 1,
-    /// Not done; may be retried differently.
-    Discard = 2,
-    /// Refused or failed.
-    Error = 3,
-    /// All instances are corrupted. Never returned here.
-    Fatal = 4,
-    /// Runs in the background. Never returned here.
-    Pending = 5,
-}
 
 /// `fmi2Type`: co-simulation.
 pub const CO_SIMULATION: c_int = 1;

@@ -9,7 +9,7 @@ mod text;
 use std::fmt::Write as _;
 
 use fmi2_export::Description;
-use fmi2_export::ffi::ExportedModel;
+use fmi2_export::ExportedModel;
 use fmi2_export::packaging::{GENERATION_TOOL, Interface, VariableFacts, interface, number};
 use quick_xml::escape::escape;
 

@@ -3,15 +3,14 @@
 //! A library can be loaded and unloaded many times in the life of a host, and the memory of statics is not freed then.
 //! So nothing here keeps memory once the last instance is gone.
 
-use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
-use crate::Model;
+use crate::handles::Handles;
 use crate::interface::Interface;
 use crate::layout::{DeclarationError, Layout};
-use crate::slave::{AnySlave, Slave, Snapshot};
+use crate::model::Model;
+use crate::slave::{AnySlave, Slave};
 use crate::snapshot::GUID_LENGTH;
 use crate::xml::{Description, describe, describe_interface};
 
@@ -104,21 +103,17 @@ impl<M: Model> sealed::Internal for Exported<M> {
     }
 }
 
-/// Owner and content of each saved state, by handle.
-type Snapshots = BTreeMap<usize, (usize, Snapshot)>;
-
 /// A loaded library: the models it serves and the states saved by `fmi2GetFMUstate`.
 pub struct Library {
     pub(crate) models: &'static [&'static dyn ExportedModel],
-    snapshots: Mutex<Snapshots>,
-    next_handle: AtomicUsize,
+    pub(crate) states: Handles,
 }
 
 impl Library {
     /// For a static.
     #[must_use]
     pub const fn new(models: &'static [&'static dyn ExportedModel]) -> Self {
-        Self { models, snapshots: Mutex::new(Snapshots::new()), next_handle: AtomicUsize::new(1) }
+        Self { models, states: Handles::new() }
     }
 
     /// The models this library serves.
@@ -142,54 +137,6 @@ impl Library {
             }
         }
         Ok(names)
-    }
-
-    /// Keeps a state under a new handle, which is never zero and never reused.
-    ///
-    /// A host that confuses the states of two FMUs shall get an error and not another state. So handles count from
-    /// where this library is, with room for some 10⁸ before those of the next one in the address space.
-    pub(crate) fn keep(&self, owner: usize, snapshot: Snapshot) -> usize {
-        let first = std::ptr::from_ref(self).addr().rotate_left(usize::BITS / 4);
-        let handle = first.wrapping_add(self.next_handle.fetch_add(1, Ordering::Relaxed));
-        lock(&self.snapshots).insert(handle, (owner, snapshot));
-        handle
-    }
-
-    /// Puts another state under a known handle. False if the handle is not known.
-    pub(crate) fn replace(&self, handle: usize, owner: usize, snapshot: Snapshot) -> bool {
-        let old = lock(&self.snapshots).get_mut(&handle).map(|entry| std::mem::replace(entry, (owner, snapshot)));
-        old.is_some()
-    }
-
-    pub(crate) fn snapshot(&self, handle: usize) -> Option<Snapshot> {
-        lock(&self.snapshots).get(&handle).map(|(_, snapshot)| Arc::clone(snapshot))
-    }
-
-    /// Forgets a state. False if the handle is not known.
-    pub(crate) fn forget(&self, handle: usize) -> bool {
-        let forgotten = self.remove(|snapshots| snapshots.remove(&handle));
-        forgotten.is_some()
-    }
-
-    /// Forgets all states an instance has saved, and hands them over to be dropped.
-    pub(crate) fn forget_all_of(&self, owner: usize) -> impl Iterator<Item = Snapshot> {
-        let forgotten = self.remove(|snapshots| {
-            let all = std::mem::take(snapshots);
-            let (its, others): (Snapshots, Snapshots) = all.into_iter().partition(|(_, (of, _))| *of == owner);
-            *snapshots = others;
-            its
-        });
-        forgotten.into_values().map(|(_, snapshot)| snapshot)
-    }
-
-    /// Removes states, which the caller drops: models have destructors, and these must not run while the lock is held.
-    fn remove<T>(&self, remove: impl FnOnce(&mut Snapshots) -> T) -> T {
-        let mut snapshots = lock(&self.snapshots);
-        let removed = remove(&mut snapshots);
-        if snapshots.is_empty() {
-            *snapshots = Snapshots::new();
-        }
-        removed
     }
 }
 

@@ -3,38 +3,23 @@
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::fmt::{self, Write as _};
 
-use crate::ffi::types::{CallbackFunctions, Status};
-
-/// Log categories, as `<LogCategories>` lists them; the names are those the standard proposes.
-pub(crate) const CATEGORIES: [(&str, &str); 4] = [
-    ("logStatusWarning", "Something is not quite right, but the computation continues"),
-    ("logStatusDiscard", "A step was not done; it can be retried with another size"),
-    ("logStatusError", "A call was refused, or the model has failed"),
-    ("logEvents", "Instantiation, initialization, reset and termination"),
-];
-
-/// A log category, by its place in [`CATEGORIES`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Category {
-    Warning = 0,
-    Discard = 1,
-    Error = 2,
-    Events = 3,
-}
+use super::types::{CallbackFunctions, LoggerCallback};
+use crate::categories::Category;
+use crate::status::Status;
 
 const C_NAMES: [&CStr; 4] = [c"logStatusWarning", c"logStatusDiscard", c"logStatusError", c"logEvents"];
 const ALL: u8 = 0b1111;
 
 /// Passes messages on to the host, if it wants them.
-pub(crate) struct Logger {
-    callback: Option<crate::ffi::types::LoggerCallback>,
+pub struct Logger {
+    callback: Option<LoggerCallback>,
     environment: *mut c_void,
     instance_name: CString,
     /// Enabled categories, a bit each.
     enabled: u8,
 }
 
-// The pointer is the host's and only ever handed back to it; the standard allows an instance to move between threads.
+// SAFETY: the pointer is the host's and only ever handed back to it; the standard allows an instance to move between threads.
 unsafe impl Send for Logger {}
 
 impl Logger {
@@ -118,6 +103,7 @@ fn escape(message: fmt::Arguments<'_>) -> CString {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::categories::CATEGORIES;
 
     #[test]
     fn escapes_what_printf_and_variable_references_would_interpret() {

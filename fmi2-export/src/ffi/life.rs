@@ -1,0 +1,201 @@
+//! C functions from instantiation to termination.
+#![allow(clippy::missing_safety_doc)] // One rule for all of them: see the module `ffi`.
+
+use std::cell::UnsafeCell;
+use std::ffi::{CStr, c_char, c_int};
+use std::ptr;
+use std::sync::atomic::AtomicBool;
+
+use super::arguments::{strings, text};
+use super::instance::{Instance, Shared, call, guarded, occupy};
+use super::logger::Logger;
+use super::panics;
+use super::types::{Boolean, CO_SIMULATION, CallbackFunctions, Component};
+use crate::categories::Category;
+use crate::library::Library;
+use crate::model::Experiment;
+use crate::slave::AnySlave;
+use crate::status::{Refusal, Status};
+
+/// `fmi2GetTypesPlatform`: the C types are those of the standard header.
+#[must_use]
+pub fn get_types_platform() -> *const c_char {
+    c"default".as_ptr()
+}
+
+/// `fmi2GetVersion`.
+#[must_use]
+pub fn get_version() -> *const c_char {
+    c"2.0".as_ptr()
+}
+
+/// `fmi2Instantiate`.
+pub unsafe fn instantiate(
+    library: &'static Library,
+    instance_name: *const c_char,
+    fmu_type: c_int,
+    guid: *const c_char,
+    functions: *const CallbackFunctions,
+    logging_on: Boolean,
+) -> Component {
+    panics::install_hook();
+    if !functions.is_aligned() {
+        return ptr::null_mut();
+    }
+    // SAFETY: the host's promise. A copy, since the struct need not outlive this call.
+    let Some(callbacks) = (unsafe { functions.as_ref() }).copied() else { return ptr::null_mut() };
+    // SAFETY: the host's promise.
+    let name = if instance_name.is_null() { c"" } else { unsafe { CStr::from_ptr(instance_name) } };
+    let mut logger = Logger::new(&callbacks, name.to_owned(), logging_on != 0);
+    let result = panics::without_instance(|| {
+        guarded(|| {
+            if name.to_bytes().trim_ascii().is_empty() {
+                return Err(Refusal::error("instanceName is a null pointer or empty"));
+            }
+            if fmu_type != CO_SIMULATION {
+                return Err(Refusal::error("this FMU is for co-simulation (fmi2CoSimulation) only"));
+            }
+            // SAFETY: the host's promise.
+            let guid = unsafe { text(guid, "fmuGUID") }?;
+            find_model(library, guid)
+        })
+    });
+    let reason = match result {
+        Ok(Ok((model, slave))) => {
+            logger.log(Status::Ok, Category::Events, format_args!("instantiated"));
+            let instance = UnsafeCell::new(Instance { library, model, logger, slave });
+            let shared = Box::into_raw(Box::new(Shared { busy: AtomicBool::new(false), instance }));
+            // SAFETY: just made; `free_instance` forgets the flag first.
+            unsafe { panics::watch(&raw const (*shared).busy) };
+            return shared.cast();
+        }
+        Ok(Err(refusal)) => refusal.message,
+        Err(message) => format!("internal error in the model: {message}"),
+    };
+    // "If a null pointer is returned, then functions->logger is called with detailed information about the reason."
+    logger.enable_all();
+    logger.log(Status::Error, Category::Error, format_args!("fmi2Instantiate failed: {reason}"));
+    ptr::null_mut()
+}
+
+fn find_model(library: &'static Library, guid: &str) -> Result<(usize, Box<dyn AnySlave>), Refusal> {
+    let mut known = Vec::new();
+    for (index, model) in library.models.iter().enumerate() {
+        let its = model.guid().map_err(|e| Refusal::error(e.to_string()))?;
+        if its == guid {
+            let slave = model.instantiate().map_err(|e| Refusal::error(e.to_string()))?;
+            return Ok((index, slave));
+        }
+        known.push(its);
+    }
+    Err(Refusal::error(format!(
+        "fmuGUID is {guid:?}, but this library serves {}: modelDescription.xml and binary are not of the same build",
+        known.join(", ")
+    )))
+}
+
+/// `fmi2FreeInstance`. An instance is not freed from within a call on it (by its logger).
+pub unsafe fn free_instance(component: Component) {
+    // SAFETY: the host's promise.
+    let Some(shared) = (unsafe { occupy(component) }) else { return };
+    panics::forget(&raw const shared.busy);
+    // SAFETY: the host's promise: it came from `instantiate` and is not used again.
+    let instance = unsafe { Box::from_raw(component.cast::<Shared>()) }.instance.into_inner();
+    let (library, model) = (instance.library, instance.model);
+    panics::without_instance(|| {
+        // A panic in the model's destructor must not reach the host either.
+        let _ = guarded(|| drop(instance));
+        for snapshot in library.states.forget_all_of(component.addr()) {
+            let _ = guarded(|| drop(snapshot));
+        }
+    });
+    library.models[model].tidy();
+}
+
+/// `fmi2SetDebugLogging`.
+pub unsafe fn set_debug_logging(
+    component: Component,
+    logging_on: Boolean,
+    count: usize,
+    categories: *const *const c_char,
+) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            let categories = strings(categories, count, "categories")?;
+            instance.logger.set(logging_on != 0, &categories).map_err(|unknown: &CStr| {
+                Refusal::error(format!("there is no log category {:?}", unknown.to_string_lossy()))
+            })?;
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2SetupExperiment`.
+pub unsafe fn setup_experiment(
+    component: Component,
+    tolerance_defined: Boolean,
+    tolerance: f64,
+    start_time: f64,
+    stop_time_defined: Boolean,
+    stop_time: f64,
+) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            instance.slave.setup_experiment(Experiment {
+                start_time,
+                stop_time: (stop_time_defined != 0).then_some(stop_time),
+                tolerance: (tolerance_defined != 0).then_some(tolerance),
+            })
+        })
+    }
+}
+
+/// `fmi2EnterInitializationMode`.
+pub unsafe fn enter_initialization_mode(component: Component) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            instance.slave.enter_initialization()?;
+            instance.event("initialization mode entered");
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2ExitInitializationMode`.
+pub unsafe fn exit_initialization_mode(component: Component) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            instance.slave.exit_initialization()?;
+            instance.event("initialized");
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2Terminate`.
+pub unsafe fn terminate(component: Component) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            instance.slave.terminate()?;
+            instance.event("terminated");
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2Reset`.
+pub unsafe fn reset(component: Component) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            instance.slave.reset()?;
+            instance.event("reset");
+            Ok(())
+        })
+    }
+}

@@ -1,0 +1,117 @@
+//! C functions that save and restore states.
+#![allow(clippy::missing_safety_doc)] // One rule for all of them: see the module `ffi`.
+
+use std::ffi::c_char;
+use std::ptr;
+
+use super::arguments::{initialized, out, slice};
+use super::instance::{Instance, call};
+use super::types::{Component, FmuState};
+use crate::status::{Refusal, Status};
+
+/// `fmi2GetFMUstate`.
+pub unsafe fn get_fmu_state(component: Component, state: *mut FmuState) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            let state = initialized(state, "FMUstate")?;
+            let snapshot = instance.slave.save();
+            let owner = component.addr();
+            if state.is_null() {
+                *state = ptr::without_provenance_mut(instance.library.states.keep(owner, snapshot));
+            } else if !instance.library.states.replace(state.addr(), owner, snapshot) {
+                return Err(unknown_state());
+            }
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2SetFMUstate`. The state may have been saved by another instance of the same FMU.
+pub unsafe fn set_fmu_state(component: Component, state: FmuState) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            let snapshot = instance.library.states.snapshot(state.addr()).ok_or_else(unknown_state)?;
+            instance.slave.restore(&snapshot)
+        })
+    }
+}
+
+/// `fmi2FreeFMUstate`.
+pub unsafe fn free_fmu_state(component: Component, state: *mut FmuState) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            let state = initialized(state, "FMUstate")?;
+            // "If a null pointer is provided, the call is ignored."
+            if !state.is_null() {
+                if !instance.library.states.forget(state.addr()) {
+                    return Err(unknown_state());
+                }
+                *state = ptr::null_mut();
+            }
+            Ok(())
+        })
+    }
+}
+
+fn unknown_state() -> Refusal {
+    Refusal::error("FMUstate is none that fmi2GetFMUstate or fmi2DeSerializeFMUstate returned, or it was freed")
+}
+
+fn encode(instance: &Instance, state: FmuState) -> Result<Vec<u8>, Refusal> {
+    let snapshot = instance.library.states.snapshot(state.addr()).ok_or_else(unknown_state)?;
+    instance.slave.encode(&snapshot)
+}
+
+/// `fmi2SerializedFMUstateSize`.
+pub unsafe fn serialized_fmu_state_size(component: Component, state: FmuState, size: *mut usize) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            let size = out(size, 1, "size")?;
+            size.write([encode(instance, state)?.len()]);
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2SerializeFMUstate`.
+pub unsafe fn serialize_fmu_state(component: Component, state: FmuState, bytes: *mut c_char, size: usize) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            let encoded = encode(instance, state)?;
+            let bytes = out(bytes.cast::<u8>(), size, "serializedState")?;
+            if bytes.len() < encoded.len() {
+                return Err(Refusal::error(format!("the state needs {} bytes, size is {size}", encoded.len())));
+            }
+            bytes.write(encoded);
+            Ok(())
+        })
+    }
+}
+
+/// `fmi2DeSerializeFMUstate`.
+pub unsafe fn deserialize_fmu_state(
+    component: Component,
+    bytes: *const c_char,
+    size: usize,
+    state: *mut FmuState,
+) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        call(component, |instance| {
+            let bytes = slice(bytes.cast::<u8>(), size, "serializedState")?;
+            let state = initialized(state, "FMUstate")?;
+            let snapshot = instance.slave.decode(bytes)?;
+            let owner = component.addr();
+            // As with `fmi2GetFMUstate`, a state that was returned before is replaced.
+            if state.is_null() || !instance.library.states.replace(state.addr(), owner, snapshot.clone()) {
+                *state = ptr::without_provenance_mut(instance.library.states.keep(owner, snapshot));
+            }
+            Ok(())
+        })
+    }
+}

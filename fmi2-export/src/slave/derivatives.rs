@@ -1,0 +1,122 @@
+//! Derivatives: of inputs and outputs by time, of outputs by inputs.
+
+use super::{Slave, out_of_range};
+use crate::model::Model;
+use crate::out::Out;
+use crate::phase::{Call, Phase};
+use crate::status::{Outcome, Refusal};
+use crate::variable::Causality;
+
+pub(crate) trait Derive {
+    fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome;
+    fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: Out<'_, f64>) -> Outcome;
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        values: Out<'_, f64>,
+    ) -> Outcome;
+}
+
+impl<M: Model> Derive for Slave<M> {
+    fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
+        self.check(Call::Set, "fmi2SetRealInputDerivatives")?;
+        for ((reference, order), value) in references.iter().zip(orders).zip(values) {
+            let real = self.real(*reference)?;
+            let name = self.name(&real.slot);
+            if real.ramp.is_none() {
+                return Err(Refusal::error(format!("{name} takes no derivatives")));
+            }
+            if *order != 1 {
+                return Err(Refusal::error(format!("derivative of order {order} of {name}: only order 1 is taken")));
+            }
+            if !value.is_finite() {
+                return Err(out_of_range(name, *value, f64::NEG_INFINITY, f64::INFINITY));
+            }
+        }
+        for (reference, value) in references.iter().zip(values) {
+            if let Some(ramp) = self.layout.reals.get(*reference as usize).and_then(|real| real.ramp.as_ref()) {
+                *ramp(&mut self.state.model) = *value;
+            }
+        }
+        self.state.ramped |= !references.is_empty();
+        // The time derivatives of outputs that depend on inputs depend on the inputs' slopes.
+        self.state.stale |= self.layout.input_dependent;
+        Ok(())
+    }
+
+    fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: Out<'_, f64>) -> Outcome {
+        self.check(Call::GetOutputDerivatives, "fmi2GetRealOutputDerivatives")?;
+        let mut wanted = 0;
+        for (reference, order) in references.iter().zip(orders) {
+            let real = self.real(*reference)?;
+            if *order < 1 {
+                let name = self.name(&real.slot);
+                return Err(Refusal::error(format!(
+                    "derivative of order {order} of {name}: the order must be 1 or more"
+                )));
+            }
+            if let Some((_, evaluation)) = &real.rate {
+                wanted |= *evaluation;
+            } else {
+                return Err(Refusal::error(format!("{} provides no derivative", self.name(&real.slot))));
+            }
+        }
+        self.evaluate(wanted)?;
+        let (reals, model) = (self.layout.reals.as_slice(), &mut self.state.model);
+        values.write(references.iter().zip(orders).map(|(reference, order)| match &reals[*reference as usize].rate {
+            // "If the actual order is lower, the retrieved value is 0."
+            Some((rate, _)) if *order == 1 => *rate(model),
+            _ => 0.0,
+        }));
+        Ok(())
+    }
+
+    fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        seed: &[f64],
+        values: Out<'_, f64>,
+    ) -> Outcome {
+        self.check(Call::Get, "fmi2GetDirectionalDerivative")?;
+        if !M::INFO.directional_derivatives {
+            return Err(Refusal::error("this model provides no directional derivatives"));
+        }
+        for reference in unknowns {
+            let slot = &self.real(*reference)?.slot;
+            if slot.causality != Causality::Output {
+                return Err(Refusal::error(format!("{} is no output: it has no derivative", self.name(slot))));
+            }
+        }
+        for (reference, value) in knowns.iter().zip(seed) {
+            let slot = &self.real(*reference)?.slot;
+            if slot.causality != Causality::Input {
+                return Err(Refusal::error(format!("{} is no input: nothing is derived by it", self.name(slot))));
+            }
+            if !value.is_finite() {
+                return Err(out_of_range(self.name(slot), *value, f64::NEG_INFINITY, f64::INFINITY));
+            }
+        }
+        self.evaluate(0)?;
+        if self.state.phase == Phase::Error {
+            values.write(unknowns.iter().map(|_| 0.0));
+            return Ok(());
+        }
+        let reals = self.layout.reals.as_slice();
+        let direction = self.direction.get_or_insert_with(Default::default);
+        for real in reals {
+            if real.slot.causality != Causality::Parameter {
+                *(real.lens)(direction) = 0.0;
+            }
+        }
+        // The same input may be named twice: the directions add up.
+        for (reference, value) in knowns.iter().zip(seed) {
+            *(reals[*reference as usize].lens)(direction) += value;
+        }
+        self.state.model.directional_derivative(direction);
+        values.write(unknowns.iter().map(|reference| *(reals[*reference as usize].lens)(direction)));
+        Ok(())
+    }
+}

@@ -1,0 +1,101 @@
+//! From instantiation to termination.
+
+use super::{Slave, State, all};
+use crate::model::{Experiment, Model};
+use crate::phase::{Call, Phase};
+use crate::status::{Outcome, Refusal};
+
+pub(crate) trait Live {
+    fn phase(&self) -> Phase;
+    /// After a panic: nothing but reset, restore and free is possible.
+    fn poison(&mut self);
+    fn setup_experiment(&mut self, experiment: Experiment) -> Outcome;
+    fn enter_initialization(&mut self) -> Outcome;
+    fn exit_initialization(&mut self) -> Outcome;
+    fn terminate(&mut self) -> Outcome;
+    fn reset(&mut self) -> Outcome;
+}
+
+impl<M: Model> Live for Slave<M> {
+    fn phase(&self) -> Phase {
+        self.state.phase
+    }
+
+    fn poison(&mut self) {
+        self.state.phase = Phase::Error;
+    }
+
+    fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
+        self.check(Call::SetupExperiment, "fmi2SetupExperiment")?;
+        check_experiment(&experiment).map_err(Refusal::error)?;
+        self.state.experiment = Some(experiment);
+        self.state.time = experiment.start_time;
+        Ok(())
+    }
+
+    fn enter_initialization(&mut self) -> Outcome {
+        self.check(Call::EnterInitializationMode, "fmi2EnterInitializationMode")?;
+        if self.state.experiment.is_none() {
+            return Err(Refusal::error("fmi2SetupExperiment must be called before fmi2EnterInitializationMode"));
+        }
+        self.initialize()?;
+        self.state.phase = Phase::Initialization;
+        Ok(())
+    }
+
+    fn exit_initialization(&mut self) -> Outcome {
+        self.check(Call::ExitInitializationMode, "fmi2ExitInitializationMode")?;
+        if self.state.uninitialized {
+            self.initialize()?;
+        }
+        self.state.phase = Phase::StepComplete;
+        Ok(())
+    }
+
+    fn terminate(&mut self) -> Outcome {
+        self.check(Call::Terminate, "fmi2Terminate")?;
+        self.state.phase = Phase::Terminated;
+        Ok(())
+    }
+
+    fn reset(&mut self) -> Outcome {
+        let old = std::mem::replace(&mut self.state, State::new());
+        // A failed model may have left anything there.
+        self.direction = None;
+        self.strings.clear();
+        drop(old);
+        Ok(())
+    }
+}
+
+impl<M: Model> Slave<M> {
+    pub(super) fn initialize(&mut self) -> Outcome {
+        let experiment = self.state.experiment.unwrap_or_default();
+        let before = self.state.model.clone();
+        if let Err(failure) = self.state.model.initialize(&experiment) {
+            self.state.model = before;
+            return Err(Refusal::error(failure.to_string()));
+        }
+        self.state.uninitialized = false;
+        self.state.stale = all();
+        Ok(())
+    }
+}
+
+pub(super) fn check_experiment(experiment: &Experiment) -> Result<(), String> {
+    let start = experiment.start_time;
+    if !start.is_finite() {
+        return Err(format!("startTime is {start:?}, it must be finite"));
+    }
+    if let Some(stop) = experiment.stop_time
+        && (stop.is_nan() || stop < start)
+    {
+        return Err(format!("stopTime {stop:?} is before startTime {start:?}"));
+    }
+    if let Some(tolerance) = experiment.tolerance
+        && !(tolerance.is_finite() && tolerance > 0.0)
+    {
+        return Err(format!("tolerance is {tolerance:?}, it must be positive and finite"));
+    }
+    Ok(())
+}

@@ -1,0 +1,118 @@
+//! The communication step.
+
+use std::fmt;
+
+use super::{Slave, all, out_of_range};
+use crate::model::{Failure, Model, Step};
+use crate::phase::{Call, Phase};
+use crate::status::{Outcome, Refusal};
+
+pub(crate) trait Advance {
+    /// Makes a step. What the model says of it meanwhile goes to `warn` and does not change how the call went: the step was
+    /// done, and hosts stop at any status but OK.
+    fn do_step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome;
+    fn last_successful_time(&self) -> f64;
+}
+
+impl<M: Model> Advance for Slave<M> {
+    fn do_step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
+        self.check(Call::DoStep, "fmi2DoStep")?;
+        self.check_step(time, size)?;
+        if self.state.ramped {
+            self.check_ramps(size)?;
+        }
+        let result = self.state.model.step(&mut Step::new(time, size, warn));
+        self.state.stale = all();
+        match result {
+            Ok(()) => {
+                self.state.time = time + size;
+                if self.state.ramped {
+                    self.finish_ramps(size);
+                }
+                Ok(())
+            }
+            // Only a step can be discarded.
+            Err(Failure::Discard(message)) => {
+                self.state.phase = Phase::StepFailed;
+                Err(Refusal::discard(message))
+            }
+            Err(Failure::Error(message)) => {
+                self.state.phase = Phase::Error;
+                Err(Refusal::error(message))
+            }
+        }
+    }
+
+    fn last_successful_time(&self) -> f64 {
+        self.state.time
+    }
+}
+
+impl<M: Model> Slave<M> {
+    /// Checks a step's start and size against the clock.
+    fn check_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
+        if !(size.is_finite() && size > 0.0) {
+            return Err(Refusal::error(format!("communicationStepSize is {size:?}, it must be positive and finite")));
+        }
+        if !time.is_finite() {
+            return Err(Refusal::error(format!("currentCommunicationPoint is {time:?}, it must be finite")));
+        }
+        let now = self.state.time;
+        // A host may compute the points as start + i·h or by adding up: they differ by some units in the last place.
+        let tolerance = 1e-6 * size + 16.0 * f64::EPSILON * now.abs();
+        if (time - now).abs() > tolerance {
+            return Err(Refusal::error(format!(
+                "currentCommunicationPoint is {time:?}, but the last step ended at {now:?}; \
+                 fmi2SetFMUstate leads back to an earlier time"
+            )));
+        }
+        let end = time + size;
+        if end <= time {
+            return Err(Refusal::error(format!(
+                "communicationStepSize {size:?} is too small to change the time {time:?}"
+            )));
+        }
+        if !end.is_finite() {
+            return Err(Refusal::error(format!(
+                "communicationStepSize {size:?} is too large: the step from {time:?} has no finite end"
+            )));
+        }
+        if let Some(stop) = self.state.experiment.and_then(|e| e.stop_time)
+            && end > stop + tolerance + 16.0 * f64::EPSILON * stop.abs()
+        {
+            return Err(Refusal::error(format!("the step ends at {end:?}, past the stop time {stop:?}")));
+        }
+        Ok(())
+    }
+
+    /// Checks that no input leaves its range on its ramp.
+    fn check_ramps(&mut self, size: f64) -> Result<(), Refusal> {
+        for reference in &self.layout.ramps {
+            let real = &self.layout.reals[*reference as usize];
+            let Some(ramp) = &real.ramp else { continue };
+            let slope = *ramp(&mut self.state.model);
+            let end = *(real.lens)(&mut self.state.model) + slope * size;
+            if !real.accepts(end) {
+                let refusal = out_of_range(self.name(&real.slot), end, real.min, real.max);
+                let end = format!("; it would be at the end of this step, rising by {slope:?} per second");
+                return Err(Refusal::error(refusal.message + &end));
+            }
+        }
+        Ok(())
+    }
+
+    /// The inputs' ramps have been used: the inputs stand at their ends.
+    fn finish_ramps(&mut self, size: f64) {
+        for reference in &self.layout.ramps {
+            let real = &self.layout.reals[*reference as usize];
+            if let Some(ramp) = &real.ramp {
+                let slope = std::mem::take(ramp(&mut self.state.model));
+                // Adding zero would turn −0 into +0.
+                if slope != 0.0 {
+                    *(real.lens)(&mut self.state.model) += slope * size;
+                }
+            }
+        }
+        self.state.ramped = false;
+    }
+}
