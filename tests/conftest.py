@@ -3,33 +3,14 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
-from lxml import etree
 
-from .browser import browser  # noqa: F401 (a fixture)
-from .harness import CoSimulation, Fmu, Result
-
-ROOT = Path(__file__).resolve().parent.parent
-DIST = ROOT / "dist"
-
-
-def fmu_path(name: str) -> Path:
-    """The packaged FMU, or a failure that says how to make it."""
-    path = DIST / f"{name}.fmu"
-    if not path.is_file():
-        pytest.fail(f"dist/{name}.fmu does not exist: run `cargo run --release -- package`", pytrace=False)
-    return path
-
-
-def description(name: str) -> etree._Element:
-    """The root of a packaged modelDescription.xml."""
-    with zipfile.ZipFile(fmu_path(name)) as archive:
-        return etree.fromstring(archive.read("modelDescription.xml"))
+from .support.browser import browser  # noqa: F401 (a fixture)
+from .support.harness import CoSimulation, Fmu, Result
+from .support.paths import ROOT, fmu_path
 
 
 class Fmus(dict[str, Fmu]):
@@ -58,7 +39,7 @@ def plant(fmus: dict[str, Fmu]) -> Fmu:
 @pytest.fixture(scope="session")
 def oracle() -> dict[str, Any]:
     """The exact values, see `tests/oracle`."""
-    return json.loads((Path(__file__).parent / "oracle" / "values.json").read_text(encoding="utf-8"))
+    return json.loads((ROOT / "tests" / "oracle" / "values.json").read_text(encoding="utf-8"))
 
 
 ClosedLoop = Callable[..., Result]

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from .conftest import description
-from .contract import COMMANDS, CONTRACT, DIRECT, FMUS, MEASURED, PLANT
-from .harness import Fmu, FmuError
+from .support.contract import COMMANDS, CONTRACT, DIRECT, FMUS, MEASURED, PLANT
+from .support.harness import Fmu, FmuError
+from .support.paths import description
 
 each_fmu = pytest.mark.parametrize("name", FMUS)
 

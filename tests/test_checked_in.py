@@ -6,8 +6,8 @@ import zipfile
 
 import pytest
 
-from .conftest import ROOT, fmu_path
-from .contract import FMUS
+from .support.contract import FMUS
+from .support.paths import ROOT, fmu_path
 
 
 @pytest.mark.parametrize("name", FMUS)

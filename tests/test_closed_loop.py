@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from .conftest import ClosedLoop
-from .contract import CONTROLLERS
-from .harness import CoSimulation, Fmu, Result
-from .measures import FORCE, force_overshoot, force_settling_times
 from .oracle.cases import TARGET_LAMBDA1, TARGET_THETA1_DEG
+from .support.contract import CONTROLLERS
+from .support.harness import CoSimulation, Fmu, Result
+from .support.measures import FORCE, force_overshoot, force_settling_times
 
 both_couplings = pytest.mark.parametrize("coupling", CoSimulation.COUPLINGS)
 

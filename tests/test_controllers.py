@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .contract import CONTROLLERS, MEASURED
-from .harness import Fmu
+from .support.contract import CONTROLLERS, MEASURED
+from .support.harness import Fmu
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)

@@ -7,8 +7,8 @@ import re
 
 import pytest
 
-from .conftest import ROOT, description
-from .test_native import dualarm
+from .support.paths import ROOT, description
+from .support.tool import dualarm
 
 GUIDE = (ROOT / "docs" / "controllers.md").read_text(encoding="utf-8")
 NETWORKS_OFF = ("a1=0", "a31=0", "a32=0")

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .harness import CoSimulation, Fmu, Result
 from .studies.cosimulation_error import LOOPS, SIGNALS, error, errors, reference
 from .studies.coupling import HOLDS, simulate
+from .support.harness import CoSimulation, Fmu, Result
 
 STEPS = (1e-4, 5e-5, 2.5e-5)
 # Contact forces show the fast beam modes, for which the linear laws' steps are long.

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .capabilities import directional_derivative, input_slopes, output_slopes, restore, saved_state
-from .contract import PLANT
-from .harness import Fmu, FmuError, Slave
+from .support.capabilities import directional_derivative, input_slopes, output_slopes, restore, saved_state
+from .support.contract import PLANT
+from .support.harness import Fmu, Slave
 from .test_alone import direct_dependencies
 
 EPS = np.finfo(float).eps

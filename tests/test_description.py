@@ -13,10 +13,10 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from .conftest import description, fmu_path
-from .contract import COMMANDS, CONTRACT, CONTROLLERS, DIRECT, EXPORTS, FMUS, MEASURED, PLANT, Variable
-from .harness import Fmu
-from .units import base_units
+from .support.contract import COMMANDS, CONTRACT, CONTROLLERS, DIRECT, EXPORTS, FMUS, MEASURED, PLANT, Variable
+from .support.harness import Fmu
+from .support.paths import description, fmu_path
+from .support.units import base_units
 
 LIBRARY = {
     "Linux": "binaries/linux64/{}.so",
@@ -26,7 +26,7 @@ LIBRARY = {
 
 # Functions of the system's mathematics library that are not exact. (sqrt, floor and the like are.)
 MATHEMATICS = set(
-    "exp exp2 expm1 log log2 log10 log1p pow sin cos sincos tan asin acos atan atan2 sinh cosh tanh cbrt hypot".split()
+    ["exp", "exp2", "expm1", "log", "log2", "log10", "log1p", "pow", "sin", "cos", "sincos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "cbrt", "hypot"]
 )
 PLANT_OUTPUTS = {row.name for row in CONTRACT[PLANT] if row.causality == "output"}
 

@@ -16,8 +16,8 @@ from pathlib import Path
 import pytest
 from lxml import etree
 
-from .conftest import ROOT, description, fmu_path
-from .contract import CONTROLLERS, FMUS, PLANT
+from .support.contract import CONTROLLERS, FMUS, PLANT
+from .support.paths import ROOT, description, fmu_path
 
 XHTML = "{http://www.w3.org/1999/xhtml}"
 INDEX = "documentation/index.html"

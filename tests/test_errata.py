@@ -51,7 +51,7 @@ def test_73_square() -> None:
 
 
 def test_73_stiffness() -> None:
-    """p' sum(EI_i q_i''') of equal arms is EI p' sum(q_i'''), not (EI_1 + EI_2) p' sum(q_i''')."""
+    """P' sum(EI_i q_i''') of equal arms is EI p' sum(q_i'''), not (EI_1 + EI_2) p' sum(q_i''')."""
     p_dot, q1, q2 = RANDOM.normal(size=3)
     assert p_dot * (EI * q1 + EI * q2) == pytest.approx(EI * p_dot * (q1 + q2))
 

@@ -16,8 +16,8 @@ import pytest
 from fmpy import simulate_fmu
 from fmpy.validation import validate_fmu
 
-from .conftest import DIST, ROOT
-from .test_native import dualarm
+from .support.paths import DIST, ROOT, helper
+from .support.tool import dualarm
 
 EXAMPLES = ROOT / "examples"
 WITHOUT_DISPLAY = {**os.environ, "MPLBACKEND": "Agg"}
@@ -145,10 +145,7 @@ def test_notebook_is_stored_without_outputs() -> None:
 @pytest.fixture(scope="module")
 def hub_friction() -> Path:
     """The FMU of the Rust example, packaged by its program before the tests."""
-    path = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "helpers" / "HubFriction.fmu"
-    if not path.is_file():
-        pytest.fail(f"{path} is not built: `cargo xtask test --python` does it", pytrace=False)
-    return path
+    return helper("HubFriction.fmu")
 
 
 def test_rust_example_is_a_valid_fmu_with_exact_steps(hub_friction: Path) -> None:

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .capabilities import output_slopes
-from .contract import CONTROLLERS, FMUS, MEASURED
-from .harness import CoSimulation, Fmu, FmuError
-from .test_native import dualarm
+from .support.capabilities import output_slopes
+from .support.contract import CONTROLLERS, FMUS, MEASURED
+from .support.harness import CoSimulation, Fmu, FmuError
+from .support.tool import dualarm
 
 SUBNORMAL = np.finfo(float).tiny
 LENGTHS = ("y_object", "tip_deflection1", "tip_deflection2")

@@ -7,9 +7,10 @@ import re
 import numpy as np
 import pytest
 
-from .conftest import ROOT, ClosedLoop
-from .contract import COMMANDS, CONTROLLERS, MEASURED, PLANT
-from .harness import Fmu
+from .conftest import ClosedLoop
+from .support.contract import COMMANDS, CONTROLLERS, MEASURED, PLANT
+from .support.harness import Fmu
+from .support.paths import ROOT
 
 GUIDE = (ROOT / "docs" / "importing.md").read_text(encoding="utf-8")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from .contract import FMUS
-from .harness import Fmu
+from .support.contract import FMUS
+from .support.harness import Fmu
 
 
 def initial_outputs(fmu: Fmu, **start: float) -> dict[str, float]:

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .conftest import ROOT
-from .contract import CONTROLLERS
-from .harness import CoSimulation, Fmu, Result
 from .judges import different, read_table
+from .support.contract import CONTROLLERS
+from .support.harness import CoSimulation, Fmu, Result
+from .support.paths import ROOT
 
 
 @pytest.fixture(scope="module", autouse=True)

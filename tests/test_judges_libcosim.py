@@ -18,10 +18,10 @@ import sys
 import numpy as np
 import pytest
 
-from .conftest import ROOT
-from .contract import CONTROLLERS, MEASURED
-from .harness import CoSimulation, Fmu
 from .judges import read_table
+from .support.contract import CONTROLLERS, MEASURED
+from .support.harness import CoSimulation, Fmu
+from .support.paths import ROOT
 
 STEP, STEPS = 1e-4, 1000
 SETTINGS = {"M": 0.4, "EI2": 0.2, "theta1_ref": 0.03, "theta2_dot_0": 0.1, "k_M2": 0.15}

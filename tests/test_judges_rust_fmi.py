@@ -1,6 +1,6 @@
 """rust-fmi's `fmi` crate as an independent importer: it reads the descriptions, loads the FMUs and steps them.
 
-The program (`judges/rust-fmi`) makes the calls that our harness makes, in the same order, so the trajectories are equal
+The program (`tests/judges/rust-fmi`) makes the calls that our harness makes, in the same order, so the trajectories are equal
 to the bit; and half way through it serialises both states, gives the bytes to two new instances and goes on with them,
 which must not show.
 
@@ -18,10 +18,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from .contract import CONTROLLERS, FMUS
-from .harness import CoSimulation, Fmu
 from .judges import different, read_table
 from .judges.rust_fmi import UnavailableError, program
+from .support.contract import CONTROLLERS, FMUS
+from .support.harness import CoSimulation, Fmu
 
 STEP, STEPS = 1e-4, 1000
 

@@ -3,30 +3,13 @@
 from __future__ import annotations
 
 import csv
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from .conftest import DIST, ROOT
-from .harness import CoSimulation, Fmu
-
-
-def tool() -> Path:
-    """The release build of `dualarm`."""
-    target = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
-    path = target / "release" / ("dualarm.exe" if sys.platform == "win32" else "dualarm")
-    if not path.is_file():
-        pytest.fail("the command line tool is not built: run `cargo build --release`", pytrace=False)
-    return path
-
-
-def dualarm(*arguments: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """Runs the tool; the caller looks at the exit code."""
-    return subprocess.run([tool(), *arguments], cwd=cwd, capture_output=True, text=True)
+from .support.harness import CoSimulation, Fmu
+from .support.paths import DIST
 
 
 @pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])

@@ -13,8 +13,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
-from .harness import CoSimulation, Fmu, Result
-from .measures import FORCE
+from .support.harness import CoSimulation, Fmu, Result
+from .support.measures import FORCE
 
 STOP, STEP = 6.0, 2e-4
 OFF = {"a1": 0.0, "a31": 0.0, "a32": 0.0}

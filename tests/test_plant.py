@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .contract import MEASURED
-from .harness import CoSimulation, Fmu
-from .identify import eigenvalues, nearest, pulse_responses
+from .support.contract import MEASURED
+from .support.harness import CoSimulation, Fmu
+from .support.identify import eigenvalues, nearest, pulse_responses
 
 IDEAL = {"actuator_model": "ideal"}
 # Outputs of the oracle that the FMU has by the same name; its y is y_object - L/2.

@@ -5,8 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from .conftest import ROOT
-from .test_native import dualarm
+from .support.paths import ROOT
+from .support.tool import dualarm
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 

@@ -16,10 +16,10 @@ from fmpy import simulate_fmu
 from fmpy.cross_check.validate_vendor_repo import read_csv, validate_repo
 from fmpy.util import read_ref_opt_file
 
-from .capabilities import input_slopes
-from .conftest import DIST, fmu_path
-from .contract import FMUS
-from .harness import Fmu
+from .support.capabilities import input_slopes
+from .support.contract import FMUS
+from .support.harness import Fmu
+from .support.paths import DIST, fmu_path
 
 RELEASE = DIST / "release"
 
@@ -89,7 +89,8 @@ def deviations(reference: np.ndarray, times: np.ndarray, signals: dict[str, np.n
 def test_fmpy_computes_the_reference_again(name: str) -> None:
     """From the input file and the options. fmpy holds the inputs over each step, and reads outputs before it hands over
     the inputs of the same instant: half a step late in one case, a whole one in the other. So it may be off by what the
-    signal moves in two steps where it is fastest."""
+    signal moves in two steps where it is fastest.
+    """
     folder = released(name)
     options = read_ref_opt_file(folder / f"{name}_ref.opt")
     reference = read_csv(folder / f"{name}_ref.csv")
@@ -110,7 +111,8 @@ def test_fmpy_computes_the_reference_again(name: str) -> None:
 @pytest.mark.parametrize("name", FMUS)
 def test_reference_is_exact_with_interpolated_inputs(name: str, fmus: dict[str, Fmu]) -> None:
     """With the slopes of the inputs, as the README says, the same solution but for the rounding of slopes and times.
-    (`simulate_fmu` takes the slope before a corner for the step after it, so this is a loop of its own.)"""
+    (`simulate_fmu` takes the slope before a corner for the step after it, so this is a loop of its own.)
+    """
     folder, fmu = released(name), fmus[name]
     options = read_ref_opt_file(folder / f"{name}_ref.opt")
     reference, table = (read_csv(folder / f"{name}_{suffix}.csv") for suffix in ("ref", "in"))
@@ -139,7 +141,8 @@ def test_reference_is_exact_with_interpolated_inputs(name: str, fmus: dict[str, 
 
 def test_references_tell_their_story(fmus: dict[str, Fmu]) -> None:
     """Static balance of the plant under hub torques of 0.1 N.m and no force: 0.5 N = 0.1 N.m / 0.2 m at both tips. The
-    controller's errors: the target moves with the reference, eq. (16), and the grasp follows."""
+    controller's errors: the target moves with the reference, eq. (16), and the grasp follows.
+    """
     assert fmus  # the FMUs are there
     plant = read_csv(released("DualArmPlant") / "DualArmPlant_ref.csv")
     before = np.searchsorted(plant["time"], 0.6)

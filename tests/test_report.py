@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .browser import HANGS, Browser, not_here, settle
-from .conftest import ROOT
-from .test_native import dualarm
+from .support.browser import HANGS, Browser, not_here, settle
+from .support.paths import ROOT
+from .support.tool import dualarm
 
 RUNS = ("nabfc", "pds", "pd")
 UPLOT = ROOT / "dualarm" / "assets" / "uplot"

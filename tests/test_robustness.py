@@ -20,11 +20,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .conftest import ROOT
-from .contract import CONTROLLERS
-from .harness import CoSimulation, Fmu, Result
-from .measures import FORCE, settling_time
-from .test_native import dualarm
+from .support.contract import CONTROLLERS
+from .support.harness import CoSimulation, Fmu, Result
+from .support.measures import FORCE, settling_time
+from .support.paths import ROOT
+from .support.tool import dualarm
 
 LIMITS_HALVED = {"k_M1": 1.1, "k_m1": -1.1, "k_M2": 0.16, "k_m2": -0.16}
 

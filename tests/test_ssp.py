@@ -20,10 +20,10 @@ import pytest
 from fmpy.ssp.simulation import simulate_ssp
 from lxml import etree
 
-from .conftest import DIST, ROOT
-from .harness import Fmu, Result
 from .judges import different, read_table
-from .test_native import dualarm
+from .support.harness import Fmu, Result
+from .support.paths import DIST, ROOT
+from .support.tool import dualarm
 
 # Step in s that bears one step of delay: README's table.
 STEPS = {"NABFC": 1e-4, "PDS": 1e-4, "PD": 5e-5}
@@ -258,7 +258,7 @@ def test_libcosim_runs_it(title: str) -> None:
 
 
 def test_fmpy_reaches_the_wanted_force() -> None:
-    """fmpy ignores parameter bindings, sets every input with a connector (at first to zero) and delays by one step."""
+    """Fmpy ignores parameter bindings, sets every input with a connector (at first to zero) and delays by one step."""
     result = simulate_ssp(str(ssp("NABFC")), stop_time=1.0, step_size=1e-3)
     for i in (1, 2):
         force = result[f"plant.contact_force{i}"]
@@ -269,7 +269,8 @@ def test_fmpy_reaches_the_wanted_force() -> None:
 @pytest.mark.parametrize("title", STEPS)
 def test_fmpy_differs_by_its_first_step_only(title: str) -> None:
     """Zeros instead of the initial signals for one step; after that the same Jacobi exchange, so the difference is what
-    that one wrong step did, and small beside the motion. An unstable exchange would blow it up."""
+    that one wrong step did, and small beside the motion. An unstable exchange would blow it up.
+    """
     theirs = simulate_ssp(str(ssp(title)), stop_time=0.1, step_size=STEPS[title])
     ours = native(title, steps=len(theirs))
     for name in ("theta1", "theta2"):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from .capabilities import (
+from .support.capabilities import (
     directional_derivative,
     from_bytes,
     input_slopes,
@@ -19,10 +19,10 @@ from .capabilities import (
     saved_state,
     to_bytes,
 )
-from .conftest import ROOT
-from .continuation import SETTINGS, STEP, advance, inputs_at
-from .contract import COMMANDS, CONTROLLERS, FMUS, PLANT
-from .harness import Fmu, FmuError, Slave
+from .support.continuation import SETTINGS, STEP, advance, inputs_at
+from .support.contract import COMMANDS, CONTROLLERS, FMUS, PLANT
+from .support.harness import Fmu, FmuError, Slave
+from .support.paths import ROOT
 
 each_fmu = pytest.mark.parametrize("name", FMUS)
 
@@ -92,7 +92,7 @@ def test_continues_in_another_process(name: str, fmus: dict[str, Fmu], tmp_path:
         after = advance(slave, 51, 40)
     arguments = [str(fmus[name].path), str(blob), "51", "40"]
     done = subprocess.run(
-        [sys.executable, "-m", "tests.continuation", *arguments],
+        [sys.executable, "-m", "tests.support.continuation", *arguments],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -7,9 +7,10 @@ import re
 import numpy as np
 import pytest
 
-from .conftest import ROOT, ClosedLoop
-from .harness import FmuError
-from .measures import force_settling_times
+from .conftest import ClosedLoop
+from .support.harness import FmuError
+from .support.measures import force_settling_times
+from .support.paths import ROOT
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 COUPLINGS = ("gauss_seidel", "jacobi")

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .conftest import ROOT
-from .harness import Fmu
+from .support.harness import Fmu
+from .support.paths import ROOT
 
 tomllib = pytest.importorskip("tomllib", reason="scenarios are TOML, which Python reads from 3.11 on")
 

@@ -16,9 +16,8 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from .conftest import ROOT
+from .support.paths import ROOT, TARGET, helper
 
-TARGET = (ROOT / os.environ.get("CARGO_TARGET_DIR", "target")).resolve()
 CARGO = os.environ.get("CARGO", "cargo")
 NAME = "WaterHeater"
 
@@ -26,10 +25,7 @@ NAME = "WaterHeater"
 @pytest.fixture(scope="module")
 def crate() -> Path:
     """A crate made from the template, compiled and packaged."""
-    folder = TARGET / "helpers" / "water-heater"
-    if not (folder / "dist" / f"{NAME}.fmu").is_file():
-        pytest.fail(f"{folder} is not built: `cargo xtask test --python` does it", pytrace=False)
-    return folder
+    return helper("water-heater")
 
 
 @pytest.fixture(scope="module")

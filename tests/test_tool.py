@@ -12,8 +12,8 @@ import pyarrow.parquet as pq
 import pytest
 from pythonfmu.builder import FmuBuilder
 
-from .conftest import ROOT
-from .test_native import dualarm
+from .support.paths import ROOT
+from .support.tool import dualarm
 
 
 class Run:

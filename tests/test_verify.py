@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .conftest import DIST, ROOT
-from .contract import CONTROLLERS, MEASURED
-from .harness import CoSimulation, Fmu
 from .oracle import laws, monolith
-from .test_native import dualarm
+from .support.contract import CONTROLLERS, MEASURED
+from .support.harness import CoSimulation, Fmu
+from .support.paths import DIST, ROOT
+from .support.tool import dualarm
 
 ESTIMATES = ("m_hat", "epsilon_hat", "J1_hat", "J2_hat", "pi1_hat", "pi2_hat", "W_norm", "U1_norm", "U2_norm")
 COMMANDS = ("tau1_cmd", "tau2_cmd", "u_cmd")

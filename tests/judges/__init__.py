@@ -3,7 +3,7 @@
 * `ecos`: the native engine of Ecos, from the wheel `ecospy`;
 * `libcosim`: the native engine of the Open Simulation Platform, from the wheel `libcosimpy`;
 * `ssp`: the two engines, reading systems from .ssp files;
-* `rust_fmi`: the crate `fmi` of rust-fmi, by way of the program in `judges/rust-fmi`.
+* `rust_fmi`: the crate `fmi` of rust-fmi, by way of the program in `tests/judges/rust-fmi`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import io
 
 import numpy as np
 
-from ..harness import Result
+from ..support.harness import Result
 
 
 def read_table(text: str) -> Result:

@@ -1,4 +1,4 @@
-"""Builds the program of `judges/rust-fmi`, which runs plant and controller with the `fmi` crate of rust-fmi.
+"""Builds the program of `tests/judges/rust-fmi`, which runs plant and controller with the `fmi` crate of rust-fmi.
 
 Its dependency fmi-sys generates bindings from the C headers of FMI, for which it needs libclang (here PyPI's, which
 brings no headers of its own: those of the C compiler serve).
@@ -13,8 +13,9 @@ import shutil
 import subprocess
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "judges"
+from ..support.paths import ROOT, TARGET
+
+BUILD = TARGET / "judges"
 
 
 class UnavailableError(Exception):
@@ -24,7 +25,7 @@ class UnavailableError(Exception):
 def program() -> Path:
     """The judge, which `cargo xtask test` has built before the tests."""
     name = "rust-fmi-judge.exe" if platform.system() == "Windows" else "rust-fmi-judge"
-    path = TARGET / "debug" / name
+    path = BUILD / "debug" / name
     libclang()
     if not path.is_file():
         raise FileNotFoundError(f"{path} is not built: `cargo xtask test --python` does it")
@@ -33,9 +34,9 @@ def program() -> Path:
 
 def build() -> None:
     """Builds the judge if need be: minutes at first, below a second when nothing has changed."""
-    crate = ROOT / "judges" / "rust-fmi"
+    crate = ROOT / "tests" / "judges" / "rust-fmi"
     command = ["cargo", "build", "--locked", "--manifest-path", str(crate / "Cargo.toml")]
-    environment = os.environ | libclang() | {"CARGO_TARGET_DIR": str(TARGET)}
+    environment = os.environ | libclang() | {"CARGO_TARGET_DIR": str(BUILD)}
     subprocess.run(command, cwd=crate, env=environment, check=True)
 
 

@@ -172,7 +172,7 @@ def right_hand_side(case: Case) -> tuple[Any, np.ndarray, Any]:
 
 def solve(case: Case, tolerance: float) -> tuple[list[dict[str, float]], bool]:
     """Outputs at equidistant times, and whether any command was beyond its limits on the way."""
-    from scipy.integrate import solve_ivp  # noqa: PLC0415  (only this script needs it)
+    from scipy.integrate import solve_ivp
 
     f, start, outputs = right_hand_side(case)
     times = np.linspace(0, case.stop, case.times + 1)

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..harness import CoSimulation, Fmu, FmuError, Result
+from ..support.harness import CoSimulation, Fmu, FmuError, Result
 from .coupling import HOLDS, simulate
 
 SIGNALS = ("theta1", "theta2", "y_object", "contact_force1", "contact_force2")

@@ -18,10 +18,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..capabilities import input_slopes, output_slopes
-from ..contract import COMMANDS, MEASURED
-from ..harness import CoSimulation, Fmu, Result
-from ..slave import Port
+from ..support.capabilities import input_slopes, output_slopes
+from ..support.contract import COMMANDS, MEASURED
+from ..support.harness import CoSimulation, Fmu, Result
+from ..support.slave import Port
 
 HOLDS = ("zoh", "foh")
 

@@ -2,7 +2,7 @@
 
     cargo run --release -- package && cargo build --release -p dualarm --example step_cost
     pip install -r tests/requirements.txt scipy
-    python benches/compare.py            # run by hand: nothing in the tests depends on wall times
+    python tests/studies/compare_cost.py            # run by hand: nothing in the tests depends on wall times
 
 Everything is measured in one run on the same FMUs (`dist/`, or the folder named as the first argument; the program
 `step_cost` is the second), in turns, so that a busy machine disturbs all of them alike. Printed are microseconds per
@@ -25,7 +25,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 from scipy.integrate import solve_ivp
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 STEP = 1e-4
 PLANT, CONTROLLER = "DualArmPlant.fmu", "NabfcController.fmu"

@@ -1,6 +1,6 @@
 """Something to continue: an FMU under changing inputs, and a process of its own that goes on from a saved state.
 
-    python -m tests.continuation NabfcController.fmu state.bin 50
+    python -m tests.support.continuation NabfcController.fmu state.bin 50
 
 prints what the FMU would have done over the next 50 steps, one line of outputs per step.
 """

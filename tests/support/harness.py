@@ -1,6 +1,6 @@
 """A small co-simulation master on top of fmpy: connects FMUs by equal names and steps them together.
 
-    from tests.harness import CoSimulation, Fmu
+    from tests.support.harness import CoSimulation, Fmu
 
     plant, controller = Fmu("dist/DualArmPlant.fmu"), Fmu("dist/NabfcController.fmu")
     with CoSimulation([plant, controller]) as grasp:

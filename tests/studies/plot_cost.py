@@ -1,7 +1,7 @@
 """Draws docs/figures/cost.svg from docs/performance/cost.csv; needs matplotlib.
 
-    cargo run --release -p dualarm --example step_cost -- sizes > docs/performance/cost.csv
-    python benches/plot_cost.py
+cargo run --release -p dualarm --example step_cost -- sizes > docs/performance/cost.csv
+python tests/studies/plot_cost.py
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
-DOCS = Path(__file__).resolve().parent.parent / "docs"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
 def slope(x: list[float], y: list[float]) -> float:
