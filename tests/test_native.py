@@ -10,6 +10,7 @@ import pytest
 
 from .support.harness import CoSimulation, Fmu
 from .support.paths import DIST
+from .support.tool import dualarm
 
 
 @pytest.mark.parametrize("coupling", ["gauss_seidel", "jacobi"])
