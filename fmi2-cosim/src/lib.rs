@@ -4,13 +4,15 @@
 //!   [`ssp`] archive describes one.
 //! * [`master`] steps the FMUs of a system together on a [`grid`], with [`wiring`] by equal names, [`settings`] by name
 //!   and [`signal`]s over time.
-//! * [`record`] keeps the results; [`files`] writes files whole or not at all.
+//! * [`names`] answers misspelt ones. [`record`] keeps the results; [`files`] writes files whole or not at all.
 
 mod drive;
 pub mod files;
 pub mod grid;
 pub mod master;
+pub mod names;
 pub mod record;
+mod recording;
 pub mod scenario;
 pub mod settings;
 pub mod signal;

@@ -28,14 +28,12 @@ use std::io;
 
 use crate::drive::Drive;
 use crate::grid::TimeGrid;
-use crate::record::{Column, Kind, Schedule, Sink};
+use crate::record::{Column, Schedule, Sink};
+use crate::recording::Recording;
 use crate::settings::{self, Place, Setting, SettingError};
 use crate::signal::Signal;
 use crate::wiring::{AmbiguousWire, Bus, Terminal, Wire, wire_by_name};
-use fmi2_import::description::BaseType;
-use fmi2_import::{
-    CallError, Causality, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status, ValueReference, Variable,
-};
+use fmi2_import::{CallError, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status};
 
 /// How components exchange their signals.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -146,22 +144,6 @@ struct Buses {
     real: Bus<f64>,
     integer: Bus<i32>,
     boolean: Bus<bool>,
-}
-
-/// The variables that are recorded; one row of `values` holds component after component, reals, integers, booleans.
-#[derive(Default)]
-struct Recording {
-    ports: Vec<RecordPort>,
-    values: Vec<f64>,
-}
-
-#[derive(Default)]
-struct RecordPort {
-    real: Vec<ValueReference>,
-    integer: Vec<ValueReference>,
-    boolean: Vec<ValueReference>,
-    integers: Vec<i32>,
-    booleans: Vec<bool>,
 }
 
 impl Master {
@@ -354,43 +336,10 @@ impl Master {
 
     /// Chooses what is recorded: the outputs whose names `wanted` accepts. Returns the columns of a row.
     pub fn record(&mut self, wanted: impl Fn(&str) -> bool) -> Vec<Column> {
-        let is_shared = |name: &str| {
-            let owners = self.components.iter().filter(|component| {
-                let variable = component.instance.description().variable(name);
-                variable.is_some_and(|variable| variable.causality == Causality::Output)
-            });
-            owners.count() > 1
-        };
-        let mut columns = Vec::new();
-        let mut ports = Vec::new();
-        for component in &self.components {
-            let outputs: Vec<&Variable> = component
-                .instance
-                .description()
-                .with_causality(Causality::Output)
-                .filter(|variable| wanted(&variable.name))
-                .collect();
-            let mut of = |types: &[BaseType], kind: Kind| -> Vec<ValueReference> {
-                let chosen = outputs.iter().filter(|variable| types.contains(&variable.base_type()));
-                chosen
-                    .map(|variable| {
-                        let name = if is_shared(&variable.name) {
-                            format!("{}.{}", component.name, variable.name)
-                        } else {
-                            variable.name.clone()
-                        };
-                        columns.push(Column { name, unit: variable.unit().map(str::to_owned), kind });
-                        variable.value_reference
-                    })
-                    .collect()
-            };
-            let real = of(&[BaseType::Real], Kind::Real);
-            let integer = of(&[BaseType::Integer, BaseType::Enumeration], Kind::Integer);
-            let boolean = of(&[BaseType::Boolean], Kind::Boolean);
-            let (integers, booleans) = (vec![0; integer.len()], vec![false; boolean.len()]);
-            ports.push(RecordPort { real, integer, boolean, integers, booleans });
-        }
-        self.recording = Recording { ports, values: vec![0.0; columns.len()] };
+        let components = self.components.iter();
+        let described = components.map(|component| (component.name.as_str(), component.instance.description()));
+        let (recording, columns) = Recording::of(&described.collect::<Vec<_>>(), wanted);
+        self.recording = recording;
         columns
     }
 
@@ -441,8 +390,11 @@ impl Master {
     }
 
     fn put_row(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
-        self.exchange().and_then(|()| self.read_row()).map_err(|source| MasterError::Step { time, source })?;
-        sink.row(time, &self.recording.values).map_err(MasterError::Record)
+        let failed = |source| MasterError::Step { time, source };
+        self.exchange().map_err(failed)?;
+        let instances = self.components.iter_mut().map(|component| &mut component.instance);
+        let values = self.recording.read(instances).map_err(failed)?;
+        sink.row(time, values).map_err(MasterError::Record)
     }
 
     /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep what they
@@ -492,27 +444,6 @@ impl Master {
             self.buses.write(index, &mut component.instance)?;
         }
         self.exchanged = true;
-        Ok(())
-    }
-
-    fn read_row(&mut self) -> Result<(), CallError> {
-        let mut rest = self.recording.values.as_mut_slice();
-        for (port, component) in self.recording.ports.iter_mut().zip(&mut self.components) {
-            let instance = &mut component.instance;
-            let (real, after) = rest.split_at_mut(port.real.len());
-            instance.get_real(&port.real, real)?;
-            let (integer, after) = after.split_at_mut(port.integer.len());
-            instance.get_integer(&port.integer, &mut port.integers)?;
-            for (value, source) in integer.iter_mut().zip(&port.integers) {
-                *value = f64::from(*source);
-            }
-            let (boolean, after) = after.split_at_mut(port.boolean.len());
-            instance.get_boolean(&port.boolean, &mut port.booleans)?;
-            for (value, source) in boolean.iter_mut().zip(&port.booleans) {
-                *value = f64::from(u8::from(*source));
-            }
-            rest = after;
-        }
         Ok(())
     }
 

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::names::{closest, suggestion};
 use crate::signal::Signal;
 use fmi2_import::description::BaseType;
 use fmi2_import::{CallError, Causality, Instance, ModelDescription, Variability, Variable};
@@ -70,15 +71,6 @@ pub enum SettingError {
         /// What the FMU says.
         source: CallError,
     },
-}
-
-/// "; did you mean …?", or nothing.
-#[must_use]
-pub fn suggestion(similar: &[String]) -> String {
-    match similar {
-        [] => String::new(),
-        names => format!("; did you mean {}?", names.join(" or ")),
-    }
 }
 
 impl Setting {
@@ -225,7 +217,7 @@ fn set<T: Target>(target: &mut T, index: usize, setting: &Setting) -> Result<(),
         },
         BaseType::String => target.instance().set_string(variable.value_reference, text),
         BaseType::Enumeration => {
-            let items = target.description().items(&variable);
+            let items = variable.items();
             let item = items
                 .iter()
                 .find(|item| item.name == text || item.value.to_string() == text)
@@ -289,22 +281,6 @@ fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -
     });
     let prefix = prefix.map(|component| format!("{component}.")).unwrap_or_default();
     closest(wanted, settable).into_iter().map(|name| format!("{prefix}{name}")).collect()
-}
-
-/// The candidates that come closest to a misspelt name, best first; none if none is close.
-#[must_use]
-pub fn closest<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    const SHOWN: usize = 3;
-    const ALIKE: f64 = 0.8;
-    let mut found: Vec<(f64, &str)> = Vec::new();
-    for candidate in candidates {
-        let score = strsim::jaro_winkler(&wanted.to_lowercase(), &candidate.to_lowercase());
-        if score >= ALIKE && !found.iter().any(|(_, known)| *known == candidate) {
-            found.push((score, candidate));
-        }
-    }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().take(SHOWN).map(|(_, name)| name).collect()
 }
 
 #[cfg(test)]

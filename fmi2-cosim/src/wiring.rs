@@ -1,6 +1,6 @@
 //! Connections between components: who offers a signal, who wants it, and the buffers it passes through.
 
-use fmi2_import::description::BaseType;
+use crate::record::Kind;
 use fmi2_import::{CallError, Causality, Instance, ModelDescription, Status, ValueReference};
 
 /// One connection, from an output to an input.
@@ -44,7 +44,7 @@ pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Vec<Wire
     let mut wires = Vec::new();
     for (to, (wanting, description)) in components.iter().enumerate() {
         for (input, variable) in description.variables.iter().enumerate() {
-            if variable.causality != Causality::Input || variable.base_type() == BaseType::String {
+            if variable.causality != Causality::Input || Kind::of(variable.base_type()).is_none() {
                 continue;
             }
             let mut offers = components.iter().enumerate().filter_map(|(from, (_, other))| {
@@ -71,7 +71,8 @@ pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Vec<Wire
 
 /// A type of value that can be wired.
 pub(crate) trait Signal: Copy + Default {
-    fn carries(base: BaseType) -> bool;
+    /// The types it carries.
+    const KIND: Kind;
     fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError>;
     fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError>;
     /// Whether an iteration may stop between these two.
@@ -79,9 +80,8 @@ pub(crate) trait Signal: Copy + Default {
 }
 
 impl Signal for f64 {
-    fn carries(base: BaseType) -> bool {
-        base == BaseType::Real
-    }
+    const KIND: Kind = Kind::Real;
+
     fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
         instance.get_real(references, values)
     }
@@ -94,9 +94,8 @@ impl Signal for f64 {
 }
 
 impl Signal for i32 {
-    fn carries(base: BaseType) -> bool {
-        matches!(base, BaseType::Integer | BaseType::Enumeration)
-    }
+    const KIND: Kind = Kind::Integer;
+
     fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
         instance.get_integer(references, values)
     }
@@ -109,9 +108,8 @@ impl Signal for i32 {
 }
 
 impl Signal for bool {
-    fn carries(base: BaseType) -> bool {
-        base == BaseType::Boolean
-    }
+    const KIND: Kind = Kind::Boolean;
+
     fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
         instance.get_boolean(references, values)
     }
@@ -147,7 +145,7 @@ impl<T: Signal> Bus<T> {
         for (component, port) in ports.iter_mut().enumerate() {
             port.first_signal = sources.len();
             for wire in wires.iter().filter(|wire| wire.from.component == component) {
-                if T::carries(variable(wire.from).base_type()) && !sources.contains(&wire.from) {
+                if Kind::of(variable(wire.from).base_type()) == Some(T::KIND) && !sources.contains(&wire.from) {
                     sources.push(wire.from);
                     port.offered.push(variable(wire.from).value_reference);
                 }

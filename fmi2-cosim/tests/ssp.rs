@@ -123,7 +123,7 @@ fn what_is_written_reads_back() {
         Binding { values: Values::File("resources/a.ssv".into()), ..Binding::default() },
         Binding {
             values: Values::Inline(ParameterSet {
-                enumerations: vec![("E".into(), vec![Item { name: "one".into(), value: 1, description: None }])],
+                enumerations: vec![("E".into(), vec![Item { name: "one".into(), value: 1, description: None }].into())],
                 units: vec![unit("mm", [0, 1, 0, 0, 0, 0, 0, 0], 1e-3, 0.0)],
                 ..set(vec![
                     ("a", Value::Real(0.1 + 0.2, Some("mm".into()))),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use super::description::DescriptionError;
 use super::library::{LibraryError, Status};
+use super::value::Mismatch;
 
 /// Why an FMU cannot be opened.
 #[derive(Debug, thiserror::Error)]
@@ -129,6 +130,16 @@ pub enum CallError {
         instance: String,
         /// The text.
         text: String,
+    },
+    /// A value that does not fit the variable's type.
+    #[error("{instance}: {variable} needs {}, not \"{}\"", .source.expected, .source.value)]
+    Value {
+        /// Name of the instance.
+        instance: String,
+        /// The variable.
+        variable: String,
+        /// What was given and what is needed.
+        source: Mismatch,
     },
     /// A saved state of another instance.
     #[error("{instance}: this saved state belongs to another instance")]

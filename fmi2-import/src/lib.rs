@@ -25,9 +25,13 @@ mod error;
 mod fmu;
 mod instance;
 pub mod library;
+mod value;
+#[doc(hidden)]
+pub mod xml;
 
 pub use description::{Causality, DescriptionError, Initial, ModelDescription, Variability, Variable, VariableType};
 pub use error::{CallError, FmuError};
 pub use fmu::{Contents, Fmu, platform};
 pub use instance::{Experiment, Instance, LogMessage, SavedState};
 pub use library::{Status, ValueReference};
+pub use value::{Mismatch, Value};

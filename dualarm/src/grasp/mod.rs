@@ -99,7 +99,7 @@ fn limits_of(plant: &mut Instance, channel: u8) -> Option<Limits> {
     let description = plant.description();
     let model = description.variable("actuator_model");
     let ideal = model.and_then(|model| {
-        let ideal = description.items(model).iter().find(|item| item.name == "ideal")?;
+        let ideal = model.items().iter().find(|item| item.name == "ideal")?;
         Some((model.value_reference, ideal.value))
     });
     let mut references = [0; 6];

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::{CONTROLLERS, Controller};
+use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
-use fmi2_cosim::settings;
 use fmi2_cosim::system::Located;
 
 /// A scenario file that is compiled in.
@@ -20,7 +20,7 @@ pub struct BuiltIn {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "there is no scenario \"{name}\"{}; `dualarm simulate --list` lists them, a file of your own ends in .toml",
-    settings::suggestion(.similar)
+    suggestion(.similar)
 )]
 pub struct UnknownScenario {
     /// What the user wrote.
@@ -71,7 +71,7 @@ impl BuiltIn {
         let names = || BUILT_IN.iter().map(|built_in| built_in.name);
         BUILT_IN.iter().find(|built_in| built_in.name == name).copied().ok_or_else(|| UnknownScenario {
             name: name.to_owned(),
-            similar: settings::closest(name, names()).into_iter().map(str::to_owned).collect(),
+            similar: closest(name, names()).into_iter().map(str::to_owned).collect(),
         })
     }
 

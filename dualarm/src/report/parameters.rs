@@ -71,7 +71,7 @@ fn parameter(instance: &mut Instance, variable: &Variable) -> Result<Parameter, 
         BaseType::Integer | BaseType::Enumeration => {
             let mut value = [0];
             instance.get_integer(&reference, &mut value)?;
-            let items = instance.description().items(variable);
+            let items = variable.items();
             let item = items.iter().find(|item| item.value == value[0]);
             Value::Text(item.map_or_else(|| value[0].to_string(), |item| item.name.clone()))
         }

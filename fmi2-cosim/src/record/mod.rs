@@ -11,6 +11,7 @@ pub use csv::CsvSink;
 pub use parquet::ParquetSink;
 
 use crate::files::{NewFile, WriteError};
+use fmi2_import::description::BaseType;
 
 /// One recorded variable.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -33,6 +34,19 @@ pub enum Kind {
     Integer,
     /// 1 for true, 0 for false.
     Boolean,
+}
+
+impl Kind {
+    /// The kind of column a variable of this type becomes; `None` for texts, which rows do not have.
+    #[must_use]
+    pub fn of(base: BaseType) -> Option<Self> {
+        match base {
+            BaseType::Real => Some(Self::Real),
+            BaseType::Integer | BaseType::Enumeration => Some(Self::Integer),
+            BaseType::Boolean => Some(Self::Boolean),
+            BaseType::String => None,
+        }
+    }
 }
 
 /// Takes the rows of a run.

@@ -11,7 +11,8 @@ use toml::Spanned;
 use super::{Scenario, ScenarioError};
 use crate::grid::GridError;
 use crate::master::Coupling;
-use crate::settings::{self, Setting};
+use crate::names::{closest, suggestion};
+use crate::settings::Setting;
 use crate::signal::{Shape, Signal};
 use crate::system::{Experiment, Located};
 
@@ -141,8 +142,8 @@ fn with_suggestion(message: &str) -> String {
     }
     let mut quoted = message.split('`').skip(1).step_by(2);
     let Some(wrong) = quoted.next() else { return message.to_owned() };
-    let similar: Vec<_> = settings::closest(wrong, quoted).into_iter().take(1).map(str::to_owned).collect();
-    format!("{message}{}", settings::suggestion(&similar))
+    let similar: Vec<_> = closest(wrong, quoted).into_iter().take(1).map(str::to_owned).collect();
+    format!("{message}{}", suggestion(&similar))
 }
 
 /// What a nested table under a name most likely was meant to be.

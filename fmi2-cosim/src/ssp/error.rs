@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use fmi2_import::FmuError;
+use fmi2_import::xml::Fault;
 
 /// Why an SSP cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -100,28 +101,9 @@ pub enum DocumentError {
     /// Another version of the standard.
     #[error("it is written for SSP {0}; this tool reads SSP 1.0")]
     Version(String),
-    /// A required attribute or child is absent.
-    #[error("line {line}: <{element}> lacks {missing}")]
-    Missing {
-        /// Element that should have it.
-        element: String,
-        /// What it lacks.
-        missing: String,
-        /// Line in the file.
-        line: u32,
-    },
-    /// An attribute's value makes no sense.
-    #[error("line {line}: {attribute}=\"{value}\" is not {expected}")]
-    Value {
-        /// The attribute.
-        attribute: String,
-        /// Its value.
-        value: String,
-        /// What it should be.
-        expected: &'static str,
-        /// Line in the file.
-        line: u32,
-    },
+    /// An attribute or child is absent, or an attribute's value makes no sense.
+    #[error(transparent)]
+    Content(#[from] Fault),
     /// The standard has it, this tool does not.
     #[error("line {line}: {what}: this tool does not support that; {instead}")]
     Unsupported {
@@ -154,12 +136,4 @@ pub enum DocumentError {
 
 fn suggestion(similar: Option<&str>) -> String {
     similar.map(|name| format!("; did you mean \"{name}\"?")).unwrap_or_default()
-}
-
-/// The name closest to `wanted`, if one is close.
-pub(super) fn closest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    const ALIKE: f64 = 0.8;
-    let score = |name: &str| strsim::jaro_winkler(&wanted.to_lowercase(), &name.to_lowercase());
-    let best = names.into_iter().map(|name| (score(name), name)).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (best.0 >= ALIKE).then(|| best.1.to_owned())
 }

@@ -9,12 +9,14 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-use super::error::{DocumentError, SspError, closest};
+use super::error::{DocumentError, SspError};
 use super::parameters::ParameterSet;
 use super::read;
 use super::resolve::{Resolved, resolve};
 use super::structure::{Binding, Experiment, Line, Mapping, MappingEntry, SystemStructure, Values};
+use crate::names::closest;
 use crate::system::{self, Connections, System};
+use fmi2_import::xml::Fault;
 use fmi2_import::{Fmu, FmuError};
 
 /// The system structure that every package has.
@@ -198,7 +200,7 @@ impl Archive {
         let mut names: Vec<_> = self.zip.file_names().flatten().collect();
         names.sort_unstable();
         if let Some((document, line)) = wanted {
-            let similar = closest(entry, names.iter().map(AsRef::as_ref));
+            let similar = closest(entry, names.iter().map(AsRef::as_ref)).first().map(ToString::to_string);
             let what = format!("file {entry} in the archive");
             return self.document_error(document, DocumentError::Unknown { what, similar, line: line.0 });
         }
@@ -254,12 +256,12 @@ impl Archive {
         }
         Err(self.document_error(
             document,
-            DocumentError::Value {
+            DocumentError::Content(Fault::Value {
                 attribute: "source".into(),
                 value: uri.to_owned(),
                 expected: "a path inside the archive, such as resources/model.fmu",
                 line: line.0,
-            },
+            }),
         ))
     }
 

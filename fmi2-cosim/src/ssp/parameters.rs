@@ -1,5 +1,7 @@
 //! A parameter set (SSV): names and values (SSP 1.0.1, section 6).
 
+use std::sync::Arc;
+
 use super::structure::Line;
 use fmi2_import::description::{Item, Unit};
 
@@ -13,7 +15,7 @@ pub struct ParameterSet {
     /// The parameters, in the order of the file.
     pub parameters: Vec<Parameter>,
     /// Enumerations that parameters refer to: name and items.
-    pub enumerations: Vec<(String, Vec<Item>)>,
+    pub enumerations: Vec<(String, Arc<[Item]>)>,
     /// Units that parameters refer to.
     pub units: Vec<Unit>,
 }

@@ -1,7 +1,5 @@
 //! SSD, SSV and SSM documents from XML. What this tool cannot run is an error that names the element and its line.
 
-use std::str::FromStr;
-
 use roxmltree::{Document, Node};
 
 use super::error::DocumentError;
@@ -11,28 +9,12 @@ use super::structure::{
     Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Mapping, MappingEntry, Point,
     System, SystemStructure, Values,
 };
-use fmi2_import::description::{BaseType, Item, Unit};
+use fmi2_import::description::{BASE_UNITS, BaseType, Item, Unit};
+use fmi2_import::xml::{child, elements, line, listed, missing, needed, number, optional, required, truth, wrong};
 
 type Result<T> = std::result::Result<T, DocumentError>;
 
-/// Attributes of `<BaseUnit>`, in the order of [`Unit::exponents`].
-pub(super) const BASE_UNITS: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
-
 const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
-
-const TYPES: [BaseType; 5] =
-    [BaseType::Real, BaseType::Integer, BaseType::Boolean, BaseType::String, BaseType::Enumeration];
-
-/// Name of the element that stands for a type.
-pub(super) fn type_name(base_type: BaseType) -> &'static str {
-    match base_type {
-        BaseType::Real => "Real",
-        BaseType::Integer => "Integer",
-        BaseType::Boolean => "Boolean",
-        BaseType::String => "String",
-        BaseType::Enumeration => "Enumeration",
-    }
-}
 
 /// Reads an `.ssd` file.
 ///
@@ -100,7 +82,7 @@ fn system(node: Node) -> Result<System> {
     if let Some(dictionary) = child(node, "SignalDictionaries") {
         return Err(unsupported(dictionary, "signal dictionaries", "connect the components directly"));
     }
-    let components = children(node, "Elements").map(component).collect::<Result<Vec<_>>>()?;
+    let components = listed(node, "Elements").map(component).collect::<Result<Vec<_>>>()?;
     let mut seen = std::collections::HashSet::new();
     if let Some(twice) = components.iter().find(|component| !seen.insert(component.name.as_str())) {
         let problem = format!("two components are called \"{}\"", twice.name);
@@ -109,10 +91,10 @@ fn system(node: Node) -> Result<System> {
     Ok(System {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
-        connectors: children(node, "Connectors").map(connector).collect::<Result<_>>()?,
-        bindings: children(node, "ParameterBindings").map(binding).collect::<Result<_>>()?,
+        connectors: listed(node, "Connectors").map(connector).collect::<Result<_>>()?,
+        bindings: listed(node, "ParameterBindings").map(binding).collect::<Result<_>>()?,
         components,
-        connections: children(node, "Connections").map(connection).collect::<Result<_>>()?,
+        connections: listed(node, "Connections").map(connection).collect::<Result<_>>()?,
         canvas: child(node, "SystemGeometry").map(extent).transpose()?,
     })
 }
@@ -145,10 +127,10 @@ fn component(node: Node) -> Result<Component> {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
         source: required(node, "source")?.to_owned(),
-        connectors: children(node, "Connectors").map(connector).collect::<Result<_>>()?,
+        connectors: listed(node, "Connectors").map(connector).collect::<Result<_>>()?,
         extent: child(node, "ElementGeometry").map(extent).transpose()?,
-        bindings: children(node, "ParameterBindings").map(binding).collect::<Result<_>>()?,
-        line: line(node),
+        bindings: listed(node, "ParameterBindings").map(binding).collect::<Result<_>>()?,
+        line: at(node),
     })
 }
 
@@ -158,7 +140,7 @@ fn extent(node: Node) -> Result<Extent> {
 }
 
 fn connector(node: Node) -> Result<Connector> {
-    let type_node = TYPES.iter().find_map(|base_type| Some((*base_type, child(node, type_name(*base_type))?)));
+    let type_node = BaseType::ALL.iter().find_map(|base_type| Some((*base_type, child(node, base_type.name())?)));
     if type_node.is_none()
         && let Some(binary) = child(node, "Binary")
     {
@@ -168,15 +150,11 @@ fn connector(node: Node) -> Result<Connector> {
     Ok(Connector {
         name: required(node, "name")?.to_owned(),
         kind: match required(node, "kind")? {
-            "input" => Kind::Input,
-            "output" => Kind::Output,
-            "parameter" => Kind::Parameter,
-            "calculatedParameter" => Kind::CalculatedParameter,
             "inout" => {
                 let what = named("the connector", node) + " of kind inout";
                 return Err(unsupported(node, &what, "make it an input or an output"));
             }
-            other => return Err(wrong(node, "kind", other, "a connector's kind")),
+            name => Kind::from_name(name).ok_or_else(|| wrong(node, "kind", name, "a connector's kind"))?,
         },
         base_type: type_node.map(|(base_type, _)| base_type),
         unit: type_node.and_then(|(_, node)| optional(node, "unit")),
@@ -184,7 +162,7 @@ fn connector(node: Node) -> Result<Connector> {
         position: child(node, "ConnectorGeometry")
             .map(|node| -> Result<Point> { Ok(Point { x: needed(node, "x")?, y: needed(node, "y")? }) })
             .transpose()?,
-        line: line(node),
+        line: at(node),
     })
 }
 
@@ -205,7 +183,7 @@ fn connection(node: Node) -> Result<Connection> {
         start: end("startElement", "startConnector")?,
         end: end("endElement", "endConnector")?,
         suppress_unit_conversion: matches!(node.attribute("suppressUnitConversion"), Some("true" | "1")),
-        line: line(node),
+        line: at(node),
     })
 }
 
@@ -231,7 +209,7 @@ fn binding(node: Node) -> Result<Binding> {
         values,
         prefix: optional(node, "prefix").unwrap_or_default(),
         mapping: mapping.transpose()?,
-        line: line(node),
+        line: at(node),
     })
 }
 
@@ -262,7 +240,7 @@ fn mapping_entries(node: Node) -> Result<Vec<MappingEntry>> {
                 source: required(node, "source")?.to_owned(),
                 target: required(node, "target")?.to_owned(),
                 linear: linear.transpose()?,
-                line: line(node),
+                line: at(node),
             })
         })
         .collect()
@@ -271,30 +249,28 @@ fn mapping_entries(node: Node) -> Result<Vec<MappingEntry>> {
 fn parameters(node: Node) -> Result<ParameterSet> {
     version(node)?;
     let enumeration = |node: Node| {
-        let items = node.children().filter(|child| child.tag_name().name() == "Item").map(|item| {
-            let value: Option<i32> = number(item, "value")?;
-            let value = value.ok_or_else(|| missing(item, "the attribute \"value\""))?;
-            Ok(Item { name: required(item, "name")?.to_owned(), value, description: None })
+        let items = elements(node, "Item").map(|item| {
+            Ok(Item { name: required(item, "name")?.to_owned(), value: needed(item, "value")?, description: None })
         });
         Ok((required(node, "name")?.to_owned(), items.collect::<Result<_>>()?))
     };
     Ok(ParameterSet {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
-        parameters: children(node, "Parameters").map(parameter).collect::<Result<_>>()?,
-        enumerations: children(node, "Enumerations").map(enumeration).collect::<Result<_>>()?,
+        parameters: listed(node, "Parameters").map(parameter).collect::<Result<_>>()?,
+        enumerations: listed(node, "Enumerations").map(enumeration).collect::<Result<_>>()?,
         units: units(node)?,
     })
 }
 
 fn parameter(node: Node) -> Result<Parameter> {
-    let typed = TYPES.iter().find_map(|base_type| Some((*base_type, child(node, type_name(*base_type))?)));
+    let typed = BaseType::ALL.iter().find_map(|base_type| Some((*base_type, child(node, base_type.name())?)));
     let Some((base_type, typed)) = typed else {
         return Err(match child(node, "Binary") {
             Some(binary) => {
                 unsupported(binary, &named("the binary parameter", node), "FMI 2.0 has no binary variables")
             }
-            None => missing(node, "a value (Real, Integer, Boolean, String or Enumeration)"),
+            None => missing(node, "a value (Real, Integer, Boolean, String or Enumeration)").into(),
         });
     };
     let text = required(typed, "value")?;
@@ -302,23 +278,17 @@ fn parameter(node: Node) -> Result<Parameter> {
         name: required(node, "name")?.to_owned(),
         value: match base_type {
             BaseType::Real => Value::Real(needed(typed, "value")?, optional(typed, "unit")),
-            BaseType::Integer => {
-                Value::Integer(text.trim().parse().map_err(|_| wrong(typed, "value", text, "an integer"))?)
-            }
-            BaseType::Boolean => Value::Boolean(match text.trim() {
-                "true" | "1" => true,
-                "false" | "0" => false,
-                _ => return Err(wrong(typed, "value", text, "true or false")),
-            }),
+            BaseType::Integer => Value::Integer(needed(typed, "value")?),
+            BaseType::Boolean => Value::Boolean(truth(typed, "value")?.unwrap_or_default()),
             BaseType::String => Value::String(text.to_owned()),
             BaseType::Enumeration => Value::Enumeration(text.to_owned(), optional(typed, "name")),
         },
-        line: line(node),
+        line: at(node),
     })
 }
 
 fn units(node: Node) -> Result<Vec<Unit>> {
-    children(node, "Units")
+    listed(node, "Units")
         .map(|node| {
             let base = child(node, "BaseUnit").ok_or_else(|| missing(node, "the child <BaseUnit>"))?;
             let mut exponents = [0; 8];
@@ -346,57 +316,18 @@ fn step(experiment: Option<Node>, system: Node) -> Result<Option<f64>> {
     };
     match inside(experiment, (namespace::OSP, "FixedStepAlgorithm"), "baseStepSize")? {
         Some(step) => Ok(Some(step)),
-        None => inside(Some(system), (namespace::OMS, "FixedStepMaster"), "stepSize"),
+        None => Ok(inside(Some(system), (namespace::OMS, "FixedStepMaster"), "stepSize")?),
     }
 }
 
-fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
-    node.children().find(|child| child.is_element() && child.tag_name().name() == name)
-}
-
-/// The elements inside a list; none if there is no list.
-fn children<'a>(node: Node<'a, 'a>, list: &str) -> impl Iterator<Item = Node<'a, 'a>> {
-    child(node, list).into_iter().flat_map(|list| list.children()).filter(Node::is_element)
-}
-
-fn optional(node: Node, attribute: &str) -> Option<String> {
-    node.attribute(attribute).map(str::to_owned)
-}
-
-fn required<'a>(node: Node<'a, 'a>, attribute: &str) -> Result<&'a str> {
-    node.attribute(attribute).ok_or_else(|| missing(node, &format!("the attribute \"{attribute}\"")))
-}
-
-/// A required number.
-fn needed(node: Node, attribute: &str) -> Result<f64> {
-    required(node, attribute)?;
-    let value: Option<f64> = number(node, attribute)?;
-    Ok(value.unwrap_or_default())
-}
-
-/// An optional number.
-fn number<T: FromStr>(node: Node, attribute: &str) -> Result<Option<T>> {
-    let Some(text) = node.attribute(attribute) else { return Ok(None) };
-    text.trim().parse().map(Some).map_err(|_| wrong(node, attribute, text, "a number"))
-}
-
-fn missing(node: Node, what: &str) -> DocumentError {
-    let element = node.tag_name().name().to_owned();
-    DocumentError::Missing { element, missing: what.to_owned(), line: line(node).0 }
-}
-
-fn wrong(node: Node, attribute: &str, value: &str, expected: &'static str) -> DocumentError {
-    DocumentError::Value { attribute: attribute.to_owned(), value: value.to_owned(), expected, line: line(node).0 }
-}
-
 fn unsupported(node: Node, what: &str, instead: &'static str) -> DocumentError {
-    DocumentError::Unsupported { what: what.to_owned(), instead, line: line(node).0 }
+    DocumentError::Unsupported { what: what.to_owned(), instead, line: line(node) }
 }
 
 fn named(what: &str, node: Node) -> String {
     format!("{what} \"{}\"", node.attribute("name").unwrap_or_default())
 }
 
-fn line(node: Node) -> Line {
-    Line(node.document().text_pos_at(node.range().start).row)
+fn at(node: Node) -> Line {
+    Line(line(node))
 }

@@ -1,9 +1,10 @@
 //! From a package to what the master needs: wires between variables, and values for parameters.
 
-use super::error::{DocumentError, SspError, closest};
+use super::error::{DocumentError, SspError};
 use super::package::{BoundSet, Package};
 use super::parameters::{Parameter, Value};
 use super::structure::{Component, Connection, Connector, End, Kind, Line};
+use crate::names::closest;
 use crate::settings::Setting;
 use crate::system::Located;
 use crate::wiring::{Terminal, Wire};
@@ -111,7 +112,7 @@ impl<'a> Resolver<'a> {
         let Some(index) = components.iter().position(|component| component.name == *element) else {
             return Err(DocumentError::Unknown {
                 what: format!("component \"{element}\""),
-                similar: closest(element, components.iter().map(|component| component.name.as_str())),
+                similar: best(element, components.iter().map(|component| component.name.as_str())),
                 line: line.0,
             });
         };
@@ -128,7 +129,7 @@ impl<'a> Resolver<'a> {
             let names = description.variables.iter().map(|variable| variable.name.as_str());
             return Err(DocumentError::Unknown {
                 what: format!("variable \"{}\" in {}", connector.name, description.model_name),
-                similar: closest(&connector.name, names),
+                similar: best(&connector.name, names),
                 line,
             });
         };
@@ -283,7 +284,7 @@ impl<'a> Resolver<'a> {
             let Some(given) = units.iter().find(|unit| unit.name == name) else {
                 let names = units.iter().map(|unit| unit.name.as_str());
                 let what = format!("unit \"{name}\" in the document");
-                return Err(DocumentError::Unknown { what, similar: closest(name, names), line });
+                return Err(DocumentError::Unknown { what, similar: best(name, names), line });
             };
             if given.exponents != wanted.exponents {
                 let target = self.name(terminal);
@@ -315,10 +316,15 @@ fn mapped(bound: &BoundSet) -> Vec<(String, &Parameter, Linear)> {
     }
 }
 
+/// The name that comes closest, if one does.
+fn best<'n>(wanted: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
+    closest(wanted, names).first().map(ToString::to_string)
+}
+
 fn find_connector<'c>(connectors: &'c [Connector], name: &str, owner: &str, line: Line) -> Result<&'c Connector> {
     connectors.iter().find(|connector| connector.name == name).ok_or_else(|| DocumentError::Unknown {
         what: format!("connector \"{name}\" of {owner}"),
-        similar: closest(name, connectors.iter().map(|connector| connector.name.as_str())),
+        similar: best(name, connectors.iter().map(|connector| connector.name.as_str())),
         line: line.0,
     })
 }

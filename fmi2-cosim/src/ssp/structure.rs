@@ -89,6 +89,27 @@ pub enum Kind {
     CalculatedParameter,
 }
 
+impl Kind {
+    const NAMES: [(Self, &str); 4] = [
+        (Self::Input, "input"),
+        (Self::Output, "output"),
+        (Self::Parameter, "parameter"),
+        (Self::CalculatedParameter, "calculatedParameter"),
+    ];
+
+    /// The name in XML.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::NAMES.iter().find(|(kind, _)| *kind == self).map_or("", |(_, name)| name)
+    }
+
+    /// The kind of this name in XML.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NAMES.iter().find(|(_, known)| *known == name).map(|(kind, _)| *kind)
+    }
+}
+
 /// A connection between two connectors.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Connection {

@@ -2,13 +2,12 @@
 
 use super::namespace;
 use super::parameters::{Parameter, ParameterSet, Value};
-use super::read::type_name;
 use super::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Mapping, MappingEntry, System,
-    SystemStructure, Values,
+    Binding, Component, Connection, Connector, End, Experiment, Extent, Mapping, MappingEntry, System, SystemStructure,
+    Values,
 };
 use super::xml::{Attributes, Xml, number};
-use fmi2_import::description::{BaseType, Item, Unit};
+use fmi2_import::description::{BASE_UNITS, BaseType, Item, Unit};
 
 const GENERATION_TOOL: &str = concat!("dualarm ", env!("CARGO_PKG_VERSION"));
 const LICENSE: &str = env!("CARGO_PKG_LICENSE");
@@ -146,13 +145,13 @@ fn connectors(xml: &mut Xml, connectors: &[Connector]) {
     }
     xml.element("ssd:Connectors", &[], |xml| {
         for connector in connectors {
-            let mut attributes = vec![("name", connector.name.clone()), ("kind", kind(connector.kind).into())];
+            let mut attributes = vec![("name", connector.name.clone()), ("kind", connector.kind.name().into())];
             describe(&mut attributes, connector.description.as_ref());
             xml.element("ssd:Connector", &attributes, |xml| {
                 // An enumeration would need its definition in the document; the FMU's variable has the type anyway.
                 if let Some(base_type) = connector.base_type.filter(|base_type| *base_type != BaseType::Enumeration) {
                     let unit = connector.unit.iter().map(|unit| ("unit", unit.clone()));
-                    xml.empty(&format!("ssc:{}", type_name(base_type)), &unit.collect::<Vec<_>>());
+                    xml.empty(&format!("ssc:{}", base_type.name()), &unit.collect::<Vec<_>>());
                 }
                 if let Some(position) = connector.position {
                     let attributes = [("x", number(position.x)), ("y", number(position.y))];
@@ -161,15 +160,6 @@ fn connectors(xml: &mut Xml, connectors: &[Connector]) {
             });
         }
     });
-}
-
-fn kind(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Input => "input",
-        Kind::Output => "output",
-        Kind::Parameter => "parameter",
-        Kind::CalculatedParameter => "calculatedParameter",
-    }
 }
 
 fn connection_attributes(connection: &Connection) -> Attributes<'static> {
@@ -296,7 +286,7 @@ fn units(xml: &mut Xml, element: &str, units: &[Unit]) {
     xml.element(element, &[], |xml| {
         for unit in units {
             xml.element("ssc:Unit", &[("name", unit.name.clone())], |xml| {
-                let exponents = super::read::BASE_UNITS.iter().zip(unit.exponents);
+                let exponents = BASE_UNITS.iter().zip(unit.exponents);
                 let mut attributes: Attributes<'_> = exponents
                     .filter(|(_, exponent)| *exponent != 0)
                     .map(|(name, exponent)| (*name, exponent.to_string()))

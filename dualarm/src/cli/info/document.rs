@@ -6,10 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::Value;
 
-use fmi2_import::description::{BaseType, CoSimulation};
-use fmi2_import::{
-    Causality, Contents, Fmu, FmuError, Initial, ModelDescription, Variability, Variable as Described, VariableType,
-};
+use fmi2_import::description::CoSimulation;
+use fmi2_import::{Contents, Fmu, FmuError, Initial, Variable as Described, VariableType};
 
 #[derive(Serialize)]
 pub struct Document {
@@ -97,7 +95,7 @@ impl Document {
         let (has_sources, has_documentation) = (contents.has("sources/"), contents.has("documentation/"));
         let obstacle = obstacle(file, &contents);
         let model = contents.description;
-        let variables = model.variables.iter().map(|variable| Variable::of(variable, &model)).collect();
+        let variables = model.variables.iter().map(Variable::of).collect();
         let interfaces = [
             model.co_simulation.is_some().then_some("co-simulation"),
             model.model_exchange.is_some().then_some("model exchange"),
@@ -172,21 +170,11 @@ impl Capabilities {
 }
 
 impl Variable {
-    fn of(variable: &Described, model: &ModelDescription) -> Self {
-        let items = model.items(variable);
-        let (start, min, max) = match &variable.kind {
-            VariableType::Real(real) => {
-                (real.start.map(Value::from), real.min.map(Value::from), real.max.map(Value::from))
-            }
-            VariableType::Integer { start, min, max } => {
-                (start.map(Value::from), min.map(Value::from), max.map(Value::from))
-            }
-            VariableType::Boolean { start } => (start.map(Value::from), None, None),
-            VariableType::String { start } => (start.clone().map(Value::from), None, None),
-            VariableType::Enumeration { start, .. } => {
-                let name = |value: &i32| items.iter().find(|item| item.value == *value).map(|item| item.name.clone());
-                (start.as_ref().map(|start| name(start).map_or_else(|| Value::from(*start), Value::from)), None, None)
-            }
+    fn of(variable: &Described) -> Self {
+        let (min, max) = match &variable.kind {
+            VariableType::Real(real) => (real.min.map(Value::from), real.max.map(Value::from)),
+            VariableType::Integer { min, max, .. } => (min.map(Value::from), max.map(Value::from)),
+            _ => (None, None),
         };
         let display_unit = match &variable.kind {
             VariableType::Real(real) => real.display_unit.clone(),
@@ -194,56 +182,26 @@ impl Variable {
         };
         Self {
             name: variable.name.clone(),
-            kind: type_name(variable.base_type()),
-            causality: causality_name(variable.causality),
-            variability: variability_name(variable.variability),
-            initial: variable.initial.map(initial_name),
+            kind: variable.base_type().name(),
+            causality: variable.causality.name(),
+            variability: variable.variability.name(),
+            initial: variable.initial.map(Initial::name),
             unit: variable.unit().map(str::to_owned),
             display_unit,
-            start,
+            start: variable.start().map(|start| json(variable.with_name(start))),
             min,
             max,
-            items: items.iter().map(|item| item.name.clone()).collect(),
+            items: variable.items().iter().map(|item| item.name.clone()).collect(),
             description: variable.description.clone(),
         }
     }
 }
 
-fn type_name(base: BaseType) -> &'static str {
-    match base {
-        BaseType::Real => "Real",
-        BaseType::Integer => "Integer",
-        BaseType::Boolean => "Boolean",
-        BaseType::String => "String",
-        BaseType::Enumeration => "Enumeration",
-    }
-}
-
-fn causality_name(causality: Causality) -> &'static str {
-    match causality {
-        Causality::Parameter => "parameter",
-        Causality::CalculatedParameter => "calculatedParameter",
-        Causality::Input => "input",
-        Causality::Output => "output",
-        Causality::Local => "local",
-        Causality::Independent => "independent",
-    }
-}
-
-fn variability_name(variability: Variability) -> &'static str {
-    match variability {
-        Variability::Constant => "constant",
-        Variability::Fixed => "fixed",
-        Variability::Tunable => "tunable",
-        Variability::Discrete => "discrete",
-        Variability::Continuous => "continuous",
-    }
-}
-
-fn initial_name(initial: Initial) -> &'static str {
-    match initial {
-        Initial::Exact => "exact",
-        Initial::Approx => "approx",
-        Initial::Calculated => "calculated",
+fn json(value: fmi2_import::Value) -> Value {
+    match value {
+        fmi2_import::Value::Real(number) => number.into(),
+        fmi2_import::Value::Integer(number) => number.into(),
+        fmi2_import::Value::Boolean(truth) => truth.into(),
+        fmi2_import::Value::Text(text) => text.into(),
     }
 }

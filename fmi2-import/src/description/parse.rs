@@ -1,0 +1,354 @@
+//! `modelDescription.xml` to values.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use roxmltree::{Document, Node};
+
+use super::{
+    BASE_UNITS, BaseType, Causality, CoSimulation, DefaultExperiment, DescriptionError, DisplayUnit, Initial, Item,
+    ModelDescription, ModelStructure, Naming, RealAttributes, TypeDefinition, Unit, Unknown, Variability, Variable,
+    VariableType,
+};
+use crate::xml::{child, children, choice, elements, line, needed, number, optional, required, truth, wrong};
+
+type Result<T> = std::result::Result<T, DescriptionError>;
+
+impl ModelDescription {
+    /// Reads the bytes of a `modelDescription.xml`.
+    ///
+    /// # Errors
+    /// When the text is not an FMI 2.0 description, with the line and what is wrong with it.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
+        let text = std::str::from_utf8(bytes).map_err(|_| DescriptionError::Encoding)?;
+        Self::parse(text.trim_start_matches('\u{feff}'))
+    }
+
+    /// Reads the text of a `modelDescription.xml`.
+    ///
+    /// # Errors
+    /// When the text is not an FMI 2.0 description, with the line and what is wrong with it.
+    pub fn parse(xml: &str) -> Result<Self> {
+        let document = Document::parse(xml).map_err(|error| DescriptionError::Xml(error.to_string()))?;
+        let root = document.root_element();
+        if root.tag_name().name() != "fmiModelDescription" {
+            return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
+        }
+        let fmi_version = required(root, "fmiVersion")?.to_owned();
+        if fmi_version != "2.0" {
+            return Err(DescriptionError::Version(fmi_version));
+        }
+
+        let types = children(root, "TypeDefinitions", "SimpleType").map(type_definition).collect::<Result<Vec<_>>>()?;
+        let variables = children(root, "ModelVariables", "ScalarVariable")
+            .map(|node| variable(node, &types))
+            .collect::<Result<Vec<_>>>()?;
+        let mut by_name = HashMap::with_capacity(variables.len());
+        for (index, variable) in variables.iter().enumerate() {
+            if by_name.insert(variable.name.clone(), index).is_some() {
+                return Err(DescriptionError::Duplicate(variable.name.clone()));
+            }
+        }
+
+        let count = variables.len();
+        Ok(Self {
+            fmi_version,
+            model_name: required(root, "modelName")?.to_owned(),
+            guid: required(root, "guid")?.to_owned(),
+            description: optional(root, "description"),
+            author: optional(root, "author"),
+            version: optional(root, "version"),
+            copyright: optional(root, "copyright"),
+            license: optional(root, "license"),
+            generation_tool: optional(root, "generationTool"),
+            generation_date_and_time: optional(root, "generationDateAndTime"),
+            naming: match root.attribute("variableNamingConvention") {
+                Some("structured") => Naming::Structured,
+                _ => Naming::Flat,
+            },
+            number_of_event_indicators: number(root, "numberOfEventIndicators")?.unwrap_or(0),
+            co_simulation: child(root, "CoSimulation").map(co_simulation).transpose()?,
+            model_exchange: child(root, "ModelExchange")
+                .map(|node| required(node, "modelIdentifier").map(str::to_owned))
+                .transpose()?,
+            units: children(root, "UnitDefinitions", "Unit").map(unit).collect::<Result<_>>()?,
+            types,
+            log_categories: children(root, "LogCategories", "Category")
+                .map(|node| Ok((required(node, "name")?.to_owned(), optional(node, "description"))))
+                .collect::<Result<_>>()?,
+            default_experiment: child(root, "DefaultExperiment")
+                .map(default_experiment)
+                .transpose()?
+                .unwrap_or_default(),
+            structure: ModelStructure {
+                outputs: unknowns(root, "Outputs", count)?,
+                derivatives: unknowns(root, "Derivatives", count)?,
+                initial_unknowns: unknowns(root, "InitialUnknowns", count)?,
+            },
+            variables,
+            by_name,
+        })
+    }
+}
+
+fn co_simulation(node: Node) -> Result<CoSimulation> {
+    Ok(CoSimulation {
+        model_identifier: required(node, "modelIdentifier")?.to_owned(),
+        needs_execution_tool: flag(node, "needsExecutionTool")?,
+        can_handle_variable_communication_step_size: flag(node, "canHandleVariableCommunicationStepSize")?,
+        can_interpolate_inputs: flag(node, "canInterpolateInputs")?,
+        max_output_derivative_order: number(node, "maxOutputDerivativeOrder")?.unwrap_or(0),
+        can_run_asynchronously: flag(node, "canRunAsynchronuously")?, // the standard's spelling
+        can_be_instantiated_only_once_per_process: flag(node, "canBeInstantiatedOnlyOncePerProcess")?,
+        can_not_use_memory_management_functions: flag(node, "canNotUseMemoryManagementFunctions")?,
+        can_get_and_set_fmu_state: flag(node, "canGetAndSetFMUstate")?,
+        can_serialize_fmu_state: flag(node, "canSerializeFMUstate")?,
+        provides_directional_derivative: flag(node, "providesDirectionalDerivative")?,
+    })
+}
+
+fn default_experiment(node: Node) -> Result<DefaultExperiment> {
+    Ok(DefaultExperiment {
+        start_time: number(node, "startTime")?,
+        stop_time: number(node, "stopTime")?,
+        tolerance: number(node, "tolerance")?,
+        step_size: number(node, "stepSize")?,
+    })
+}
+
+fn unit(node: Node) -> Result<Unit> {
+    let base = child(node, "BaseUnit");
+    let mut exponents = [0; 8];
+    if let Some(base) = base {
+        for (exponent, symbol) in exponents.iter_mut().zip(BASE_UNITS) {
+            *exponent = number(base, symbol)?.unwrap_or(0);
+        }
+    }
+    let scale = |node: Option<Node>| -> Result<(f64, f64)> {
+        let Some(node) = node else { return Ok((1.0, 0.0)) };
+        Ok((number(node, "factor")?.unwrap_or(1.0), number(node, "offset")?.unwrap_or(0.0)))
+    };
+    let (factor, offset) = scale(base)?;
+    let display_units = elements(node, "DisplayUnit")
+        .map(|node| {
+            let (factor, offset) = scale(Some(node))?;
+            Ok(DisplayUnit { name: required(node, "name")?.to_owned(), factor, offset })
+        })
+        .collect::<Result<_>>()?;
+    Ok(Unit {
+        name: required(node, "name")?.to_owned(),
+        exponents,
+        factor,
+        offset,
+        has_base_unit: base.is_some(),
+        display_units,
+    })
+}
+
+fn type_definition(node: Node) -> Result<TypeDefinition> {
+    let name = required(node, "name")?;
+    let Some(kind_node) = type_element(node) else {
+        return Err(DescriptionError::NoType { name: name.to_owned(), line: line(node) });
+    };
+    let items = elements(kind_node, "Item")
+        .map(|item| {
+            Ok(Item {
+                name: required(item, "name")?.to_owned(),
+                value: needed(item, "value")?,
+                description: optional(item, "description"),
+            })
+        })
+        .collect::<Result<_>>()?;
+    Ok(TypeDefinition {
+        name: name.to_owned(),
+        description: optional(node, "description"),
+        kind: variable_type(kind_node, &[])?,
+        items,
+    })
+}
+
+fn variable(node: Node, types: &[TypeDefinition]) -> Result<Variable> {
+    let name = required(node, "name")?;
+    let Some(kind_node) = type_element(node) else {
+        return Err(DescriptionError::NoType { name: name.to_owned(), line: line(node) });
+    };
+    let kind = variable_type(kind_node, types)?;
+    let causality = choice(node, "causality", "a causality", Causality::from_name)?.unwrap_or(Causality::Local);
+    // Only reals can be continuous; for them it is the default.
+    let usual = if kind.base_type() == BaseType::Real { Variability::Continuous } else { Variability::Discrete };
+    let variability = choice(node, "variability", "a variability", Variability::from_name)?.unwrap_or(usual);
+    let initial = choice(node, "initial", "exact, approx or calculated", Initial::from_name)?;
+    let initial = initial.or_else(|| default_initial(causality, variability));
+    Ok(Variable {
+        name: name.to_owned(),
+        value_reference: needed(node, "valueReference")?,
+        description: optional(node, "description"),
+        causality,
+        variability,
+        initial,
+        kind,
+    })
+}
+
+/// The standard's table of defaults for `initial` (section 2.2.7).
+fn default_initial(causality: Causality, variability: Variability) -> Option<Initial> {
+    match (causality, variability) {
+        (Causality::Input | Causality::Independent, _) => None,
+        (Causality::Parameter, _) | (_, Variability::Constant) => Some(Initial::Exact),
+        _ => Some(Initial::Calculated),
+    }
+}
+
+fn variable_type(node: Node, types: &[TypeDefinition]) -> Result<VariableType> {
+    let declared = node.attribute("declaredType").and_then(|name| types.iter().position(|kind| kind.name == name));
+    let base = declared.map(|index| &types[index].kind);
+    Ok(match node.tag_name().name() {
+        "Real" => {
+            let empty = RealAttributes::default();
+            let inherited = match base {
+                Some(VariableType::Real(real)) => real,
+                _ => &empty,
+            };
+            VariableType::Real(RealAttributes {
+                start: number(node, "start")?,
+                unit: optional(node, "unit").or_else(|| inherited.unit.clone()),
+                display_unit: optional(node, "displayUnit").or_else(|| inherited.display_unit.clone()),
+                quantity: optional(node, "quantity").or_else(|| inherited.quantity.clone()),
+                min: number(node, "min")?.or(inherited.min),
+                max: number(node, "max")?.or(inherited.max),
+                nominal: number(node, "nominal")?.or(inherited.nominal),
+                derivative: number::<usize>(node, "derivative")?.and_then(|index| index.checked_sub(1)),
+                relative_quantity: flag(node, "relativeQuantity")? || inherited.relative_quantity,
+            })
+        }
+        "Integer" => {
+            let (inherited_min, inherited_max) = match base {
+                Some(VariableType::Integer { min, max, .. }) => (*min, *max),
+                _ => (None, None),
+            };
+            VariableType::Integer {
+                start: number(node, "start")?,
+                min: number(node, "min")?.or(inherited_min),
+                max: number(node, "max")?.or(inherited_max),
+            }
+        }
+        "Boolean" => VariableType::Boolean { start: truth(node, "start")? },
+        "Enumeration" => VariableType::Enumeration {
+            declared_type: declared,
+            items: declared.map(|index| Arc::clone(&types[index].items)).unwrap_or_default(),
+            start: number(node, "start")?,
+        },
+        _ => VariableType::String { start: optional(node, "start") },
+    })
+}
+
+fn unknowns(root: Node, list: &str, count: usize) -> Result<Vec<Unknown>> {
+    let in_range = |node: Node, attribute: &'static str, value: &str| match value.parse::<usize>() {
+        Ok(index) if (1..=count).contains(&index) => Ok(index - 1),
+        _ => Err(wrong(node, attribute, value, "the index of a variable (they count from 1)")),
+    };
+    let Some(list) = child(root, "ModelStructure").and_then(|structure| child(structure, list)) else {
+        return Ok(Vec::new());
+    };
+    elements(list, "Unknown")
+        .map(|node| {
+            let dependencies = node
+                .attribute("dependencies")
+                .map(|indices| {
+                    indices.split_ascii_whitespace().map(|index| in_range(node, "dependencies", index)).collect()
+                })
+                .transpose()?;
+            Ok(Unknown { index: in_range(node, "index", required(node, "index")?)?, dependencies })
+        })
+        .collect()
+}
+
+/// An attribute that says what the FMU can do; a missing one means "no".
+fn flag(node: Node, attribute: &str) -> Result<bool> {
+    Ok(truth(node, attribute)?.unwrap_or(false))
+}
+
+fn type_element<'a, 'input>(node: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
+    node.children().find(|child| BaseType::from_name(child.tag_name().name()).is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SAMPLE: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="Sample" guid="{1}" variableNamingConvention="structured"
+    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">
+  <CoSimulation modelIdentifier="Sample" canHandleVariableCommunicationStepSize="true" maxOutputDerivativeOrder="1"
+      canRunAsynchronuously="0"><SourceFiles><File name="a.c"/></SourceFiles></CoSimulation>
+  <UnitDefinitions>
+    <Unit name="N.m"><BaseUnit kg="1" m="2" s="-2"/></Unit>
+    <Unit name="rad"><BaseUnit rad="1"/><DisplayUnit name="deg" factor="57.29577951308232"/></Unit>
+  </UnitDefinitions>
+  <TypeDefinitions>
+    <SimpleType name="Angle"><Real unit="rad" displayUnit="deg" min="-4"/></SimpleType>
+    <SimpleType name="Mode"><Enumeration><Item name="slow" value="1"/><Item name="fast" value="2"/></Enumeration></SimpleType>
+  </TypeDefinitions>
+  <LogCategories><Category name="logStatusError" description="Errors"/></LogCategories>
+  <DefaultExperiment stopTime="5" stepSize="1e-4"/>
+  <VendorAnnotations><Tool name="x"><Real/></Tool></VendorAnnotations>
+  <ModelVariables>
+    <ScalarVariable name="u" valueReference="0" causality="input"><Real declaredType="Angle" start="0"/></ScalarVariable>
+    <ScalarVariable name="arm.y[1]" valueReference="1" causality="output"><Annotations><Tool name="y"/></Annotations><Real derivative="1"/></ScalarVariable>
+    <ScalarVariable name="mode" valueReference="0" causality="parameter" variability="fixed"><Enumeration declaredType="Mode" start="2"/></ScalarVariable>
+    <ScalarVariable name="n" valueReference="1" variability="constant"><Integer start="-3"/></ScalarVariable>
+    <ScalarVariable name="on" valueReference="2" causality="output" variability="discrete" initial="exact"><Boolean start="true"/></ScalarVariable>
+    <ScalarVariable name="file" valueReference="3" causality="parameter" variability="tunable"><String start="a &lt; b"/></ScalarVariable>
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="2" dependencies=""/><Unknown index="5" dependencies="1 2"/><Unknown index="5"/></Outputs></ModelStructure>
+</fmiModelDescription>"#;
+
+    #[test]
+    fn reads_every_part_of_a_description() {
+        let model = ModelDescription::from_bytes(format!("\u{feff}{SAMPLE}").as_bytes()).unwrap();
+        assert_eq!((model.model_name.as_str(), model.guid.as_str()), ("Sample", "{1}"));
+        assert_eq!(model.naming, Naming::Structured);
+        let interface = model.co_simulation.as_ref().unwrap();
+        assert!(interface.can_handle_variable_communication_step_size && !interface.can_run_asynchronously);
+        assert_eq!(interface.max_output_derivative_order, 1);
+        assert_eq!(model.units[0].exponents, [1, 2, -2, 0, 0, 0, 0, 0]);
+        assert_eq!(model.units[1].display_units[0].name, "deg");
+        assert_eq!(model.default_experiment.step_size, Some(1e-4));
+        assert_eq!(model.default_experiment.start_time, None);
+
+        let VariableType::Real(real) = &model.variable("u").unwrap().kind else { panic!("u is real") };
+        assert_eq!((real.unit.as_deref(), real.min, real.start), (Some("rad"), Some(-4.0), Some(0.0)));
+        let y = model.variable("arm.y[1]").unwrap();
+        assert_eq!(y.initial, Some(Initial::Calculated));
+        assert!(!y.is_settable());
+        assert!(matches!(&y.kind, VariableType::Real(real) if real.derivative == Some(0)));
+        let mode = model.variable("mode").unwrap();
+        assert_eq!(mode.items()[1].name, "fast");
+        assert!(mode.is_settable());
+        assert!(!model.variable("n").unwrap().is_settable());
+        assert_eq!(model.variable("file").unwrap().kind, VariableType::String { start: Some("a < b".into()) });
+
+        let dependencies: Vec<_> = model.structure.outputs.iter().map(|u| u.dependencies.clone()).collect();
+        assert_eq!(dependencies, [Some(vec![]), Some(vec![0, 1]), None]);
+    }
+
+    #[test]
+    fn says_what_is_wrong_and_where() {
+        let cases = [
+            ("fmiVersion=\"2.0\"", "fmiVersion=\"3.0\"", "written for FMI 3.0"),
+            ("fmiModelDescription", "fmuDescription", "root element is <fmuDescription>"),
+            (" guid=\"{1}\"", "", "lacks the attribute \"guid\""),
+            ("valueReference=\"3\"", "valueReference=\"-3\"", "line 23: valueReference=\"-3\" is not a non-negative"),
+            ("dependencies=\"1 2\"", "dependencies=\"1 7\"", "index of a variable"),
+            ("name=\"on\"", "name=\"n\"", "two variables are called \"n\""),
+            ("start=\"true\"", "start=\"yes\"", "start=\"yes\" is not true or false"),
+            ("<Real derivative=\"1\"/>", "", "\"arm.y[1]\" has no type"),
+            ("</ModelVariables>", "", "well-formed"),
+        ];
+        for (from, to, expected) in cases {
+            let message = ModelDescription::parse(&SAMPLE.replace(from, to)).unwrap_err().to_string();
+            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+        }
+        assert!(matches!(ModelDescription::from_bytes(&[0xff, 0xfe]), Err(DescriptionError::Encoding)));
+    }
+}
