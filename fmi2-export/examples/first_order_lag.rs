@@ -2,7 +2,7 @@
 //!
 //! The input may be a ramp over a step; the step is exact either way.
 
-use fmi2_export::{DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Serialize, Deserialize)]
@@ -37,7 +37,7 @@ impl FirstOrderLag {
     }
 }
 
-impl Model for FirstOrderLag {
+impl Declare for FirstOrderLag {
     const INFO: Info = Info {
         name: "FirstOrderLag",
         description: "First-order lag T*der(y) + y = k*u",
@@ -61,7 +61,9 @@ impl Model for FirstOrderLag {
         variables.parameter("T", |m| &mut m.time_constant).unit("s").range(1e-9, 1e9).description("Time constant");
         variables.parameter("y_start", |m| &mut m.y_start).description("Output at the start");
     }
+}
 
+impl Model for FirstOrderLag {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         self.x = self.y_start;
         Ok(())

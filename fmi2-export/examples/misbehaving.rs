@@ -1,7 +1,7 @@
 //! A model that fails in whatever way it is told to, with a variable of every kind: for testing how the C interface
 //! behaves then, and nothing to learn from.
 
-use fmi2_export::{Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize, Serializer};
 
 fmi2_export::enumeration! {
@@ -104,7 +104,7 @@ impl Misbehaving {
     }
 }
 
-impl Model for Misbehaving {
+impl Declare for Misbehaving {
     const INFO: Info = Info {
         name: "Misbehaving",
         description: "Fails as it is told to",
@@ -151,7 +151,9 @@ impl Model for Misbehaving {
             .depends_on(["string.input"])
             .description("A string output");
     }
+}
 
+impl Model for Misbehaving {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         self.x = self.real.fixed;
         match self.fault {

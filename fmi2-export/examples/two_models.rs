@@ -1,6 +1,6 @@
 //! Two FMUs served by one library: an integrator, and a counter of every type of variable FMI 2.0 has.
 
-use fmi2_export::{Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -10,7 +10,7 @@ struct Integrator {
     x: f64,
 }
 
-impl Model for Integrator {
+impl Declare for Integrator {
     const INFO: Info = Info { name: "Integrator", description: "der(y) = u", ..Info::new() };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -18,7 +18,9 @@ impl Model for Integrator {
         variables.input("u", |m| &mut m.u).description("Input");
         variables.output("y", outputs, |m| &mut m.y).description("Integral of the input");
     }
+}
 
+impl Model for Integrator {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         self.x = 0.0;
         Ok(())
@@ -58,7 +60,7 @@ impl Counter {
     }
 }
 
-impl Model for Counter {
+impl Declare for Counter {
     const INFO: Info = Info { name: "Counter", description: "Counts its steps", ..Info::new() };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -74,7 +76,9 @@ impl Model for Counter {
             .output_array("history", outputs, |m| &mut m.history)
             .descriptions(|i| format!("Start time of the step {} ago", i + 1));
     }
+}
 
+impl Model for Counter {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         self.count = 0;
         self.history = [0.0; 3];

@@ -37,7 +37,7 @@ pub use layout::DeclarationError;
 #[doc(hidden)]
 pub use library::Exported;
 pub use library::{ExportedModel, Library};
-pub use model::{Experiment, Failure, Model, Step};
+pub use model::{Declare, Experiment, Failure, Model, Step};
 pub use parameter::Parameter;
 #[doc(hidden)]
 pub use serde;

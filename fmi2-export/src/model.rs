@@ -5,10 +5,19 @@ use serde::{Serialize, de::DeserializeOwned};
 use crate::info::Info;
 use crate::variables::Variables;
 
+/// What the outside sees of a model: what the FMU is, and its variables.
+pub trait Declare: Sized {
+    /// Name, version and the like.
+    const INFO: Info;
+
+    /// Declares every variable, in the order in which tools shall list them.
+    fn variables(variables: &mut Variables<Self>);
+}
+
 /// A model that can be exported as an FMI 2.0 co-simulation slave.
 ///
 /// The struct holds everything: inputs, parameters, outputs and state. Its [`Default`] value is the start value of every
-/// variable. Variables are declared once, in [`Model::variables`], by giving each a name and the field it lives in; the
+/// variable. Variables are declared once, in [`Declare::variables`], by giving each a name and the field it lives in; the
 /// C interface, `modelDescription.xml`, saved states and documentation follow from that.
 ///
 /// The life of an instance:
@@ -22,13 +31,7 @@ use crate::variables::Variables;
 ///
 /// Saving a state is `Clone`; serialising it is `Serialize`. Derived data (factorised matrices, caches) can be skipped
 /// with `#[serde(skip)]` and rebuilt in [`restored`](Model::restored).
-pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 'static {
-    /// Name, version and the like.
-    const INFO: Info;
-
-    /// Declares every variable, in the order in which tools shall list them.
-    fn variables(variables: &mut Variables<Self>);
-
+pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Computes the initial state from the parameters, and from the inputs at the start if it depends on them: outputs
     /// that then depend on those inputs say so with [`starts_from`](crate::VariableBuilder::starts_from).
     ///

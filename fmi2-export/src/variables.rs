@@ -7,7 +7,7 @@ use crate::builder::VariableBuilder;
 use crate::parameter::Parameter;
 use crate::variable::{Causality, Variability, Variable};
 
-/// The variables of a model, as [`Model::variables`](crate::Model::variables) declares them.
+/// The variables of a model, as [`Declare::variables`](crate::Declare::variables) declares them.
 ///
 /// ```
 /// # use fmi2_export::Variables;

@@ -1,6 +1,6 @@
 //! Arrays, tables of parameters and what else declares several variables at once.
 
-use fmi2_export::{Experiment, Failure, Info, Model, Parameter, Step, Variables, describe};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Parameter, Step, Variables, describe};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ impl Default for Arms {
     }
 }
 
-impl Model for Arms {
+impl Declare for Arms {
     const INFO: Info = Info { name: "Arms", description: "Two of everything", ..Info::new() };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -79,7 +79,9 @@ impl Model for Arms {
         variables.tunable_array("k", |m| &mut m.gains).range(0.0, 9.0).description("Gain {}");
         variables.parameter_array("theta{}_0", |m| &mut m.start).unit("rad").display_degrees().description("Start {}");
     }
+}
 
+impl Model for Arms {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         Ok(())
     }
@@ -125,7 +127,7 @@ fn arrays_and_tables_become_variables_with_their_numbers_in_their_texts() {
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Wrong(Arms);
 
-impl Model for Wrong {
+impl Declare for Wrong {
     const INFO: Info = Info { name: "Wrong", description: "Contradicts itself", ..Info::new() };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -140,7 +142,9 @@ impl Model for Wrong {
         variables.parameter("q", |m| &mut m.0.gains[1]).unit("N.m/rad").display_degrees().description("Stiffness");
         variables.parameter("r", |m| &mut m.0.gains[2]).unit("furlong").description("Length");
     }
+}
 
+impl Model for Wrong {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         Ok(())
     }

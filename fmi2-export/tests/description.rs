@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use fmi2_export::{Experiment, Failure, Info, Model, Step, Unit, Variables, describe};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Unit, Variables, describe};
 use proptest::prelude::*;
 use quick_xml::Reader;
 use quick_xml::events::Event;
@@ -22,7 +22,7 @@ struct Declaration {
 }
 
 thread_local! {
-    /// `Model::variables` takes no arguments: the declarations of the model come from here.
+    /// `Declare::variables` takes no arguments: the declarations of the model come from here.
     static DECLARED: RefCell<Vec<Declaration>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -42,7 +42,7 @@ impl Default for Declared {
     }
 }
 
-impl Model for Declared {
+impl Declare for Declared {
     const INFO: Info = Info {
         name: "Declared",
         description: "<&\"'> \u{a0}\u{fffd}\u{10ffff}\ttab\nline",
@@ -69,7 +69,9 @@ impl Model for Declared {
             variables.parameter(format!("texts[{i}]"), move |m| &mut m.texts[i]).description(description);
         }
     }
+}
 
+impl Model for Declared {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         Ok(())
     }
@@ -266,7 +268,7 @@ struct Settled {
     y: f64,
 }
 
-impl Model for Settled {
+impl Declare for Settled {
     const INFO: Info = Info { name: "Settled", description: "Starts in equilibrium", ..Info::new() };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -276,7 +278,9 @@ impl Model for Settled {
         variables.input("a", |m| &mut m.inputs[0]).description("Only the start depends on it");
         variables.parameter("k", |m| &mut m.gain).description("Gain");
     }
+}
 
+impl Model for Settled {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         Ok(())
     }

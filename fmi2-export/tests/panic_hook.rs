@@ -6,7 +6,7 @@ use std::ptr::{null, null_mut};
 use std::sync::Mutex;
 
 use fmi2_export::ffi::types::{CallbackFunctions, Status};
-use fmi2_export::{Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize};
 
 /// Panics in the call that the input names.
@@ -16,7 +16,7 @@ struct Fragile {
     y: f64,
 }
 
-impl Model for Fragile {
+impl Declare for Fragile {
     const INFO: Info = Info { name: "Fragile", description: "Panics", ..Info::new() };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -24,7 +24,9 @@ impl Model for Fragile {
         variables.input("u", |m| &mut m.u).description("A step panics if it is positive");
         variables.output("y", outputs, |m| &mut m.y).description("The input");
     }
+}
 
+impl Model for Fragile {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         Ok(())
     }

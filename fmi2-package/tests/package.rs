@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-use fmi2_export::{Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
 use fmi2_package::{Document, File, PackageError, Panel, Response, write};
 use quick_xml::Reader;
 use quick_xml::events::Event;
@@ -43,7 +43,7 @@ impl Default for Hostile {
     }
 }
 
-impl Model for Hostile {
+impl Declare for Hostile {
     const INFO: Info = Info { name: "Hostile", description: HOSTILE, version: "<1>", license: "A & B", ..Info::new() };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -60,7 +60,9 @@ impl Model for Hostile {
         variables.tunable("text", |m| &mut m.text).description("Words");
         variables.parameter("mode", |m| &mut m.mode).description("What to do");
     }
+}
 
+impl Model for Hostile {
     fn initialize(&mut self, _: &Experiment) -> Result<(), Failure> {
         self.x = 0.0;
         Ok(())

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use fmi2_export::{
-    DefaultExperiment, Enumeration, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder, Variables,
+    Declare, DefaultExperiment, Enumeration, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder,
+    Variables,
 };
 use grasp_plant::{
     ActuatorModel, Arm, Channel, DEFLECTION_POINTS, Direct, Inputs, LARGEST, Measured, ORDER_RANGE, Parameters, Plant,
@@ -113,7 +114,7 @@ impl DualArmPlant {
     }
 }
 
-impl Model for DualArmPlant {
+impl Declare for DualArmPlant {
     const INFO: Info = Info {
         name: "DualArmPlant",
         description: "Two flexible one-link arms (Euler-Bernoulli beams on motor hubs) grasping an object",
@@ -138,7 +139,9 @@ impl Model for DualArmPlant {
         channel_parameters(variables, "object force", 2, "N", |p| &mut p.force_channel);
         start_parameters(variables);
     }
+}
 
+impl Model for DualArmPlant {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         self.is_closed = true;
         let parameters = self.parameters();

@@ -2,7 +2,9 @@
 
 use std::f64::consts::PI;
 
-use fmi2_export::{DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder, Variables};
+use fmi2_export::{
+    Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder, Variables,
+};
 use grasp_control::parameter::{Parameter, ParameterError};
 use grasp_control::{Arms, Commands, Errors, Inputs, Law, Targets, inner};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -158,7 +160,7 @@ fn target_change(arms: &Arms, change: &Inputs) -> (Targets, Errors) {
     )
 }
 
-impl<L: FmuLaw> Model for Controller<L> {
+impl<L: FmuLaw> Declare for Controller<L> {
     const INFO: Info = Info {
         name: L::NAME,
         description: L::DESCRIPTION,
@@ -178,7 +180,9 @@ impl<L: FmuLaw> Model for Controller<L> {
         declare(variables, &Arms::PARAMETERS, false, |m| &mut m.arms);
         L::declare_settings(variables);
     }
+}
 
+impl<L: FmuLaw> Model for Controller<L> {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         let mut law = L::create(self.arms, &self.settings).map_err(Failure::error)?;
         law.initialize(&self.inputs);

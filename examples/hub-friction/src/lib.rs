@@ -11,7 +11,7 @@
 //! The friction torque F follows the hub's speed v by Ḟ = σ (v − |v| F/C): a spring of stiffness σ for small motions, the
 //! Coulomb torque ±C in sliding (P. Dahl, *A solid friction model*, The Aerospace Corporation, TOR-0158(3107-18)-1, 1968).
 
-use fmi2_export::{DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize};
 
 /// `HubFriction.fmu`.
@@ -36,7 +36,7 @@ impl Default for HubFriction {
     }
 }
 
-impl Model for HubFriction {
+impl Declare for HubFriction {
     const INFO: Info = Info {
         name: "HubFriction",
         description: "Dry friction in both hubs of the dual-arm plant (Dahl's model)",
@@ -70,7 +70,9 @@ impl Model for HubFriction {
             .range(1e-6, 1e6)
             .description("Stiffness before sliding");
     }
+}
 
+impl Model for HubFriction {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         self.friction = [0.0; 2];
         Ok(())

@@ -2,7 +2,7 @@
 //!
 //! C·dT/dt = P − G·(T − T_ambient)
 
-use fmi2_export::{DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize};
 
 /// Everything the model has: inputs, outputs, parameters and state. Plain fields; what the outside sees of them is said
@@ -66,7 +66,7 @@ impl MyModel {
     }
 }
 
-impl Model for MyModel {
+impl Declare for MyModel {
     const INFO: Info = Info {
         name: "MyModel",
         description: "A heated body that loses heat to its surroundings",
@@ -112,7 +112,9 @@ impl Model for MyModel {
             .range(0.0, 1e4)
             .description("Temperature of the body at the start");
     }
+}
 
+impl Model for MyModel {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         self.body = self.temperature_0;
         Ok(())
