@@ -9,8 +9,8 @@
 //! ```
 
 use crate::basis::{gauss, legendre, moment_shape, moment_shape_curvature};
-use crate::dense::Matrix;
 use crate::parameters::Arm;
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// Number of equally spaced points, x = 0 … l, at which the deflection is reported.
 pub const DEFLECTION_POINTS: usize = 11;
@@ -19,19 +19,19 @@ pub const DEFLECTION_POINTS: usize = 11;
 #[derive(Clone, Debug)]
 pub(crate) struct Beam {
     /// G_{rj} = ∫ L_r η_j'', shape (k−1) × k, strictly upper triangular.
-    pub stiffness: Matrix,
+    pub stiffness: DMatrix<f64>,
     /// η_j(0): the row that gives EI w''(0) from a.
-    pub root: Vec<f64>,
+    pub root: RowDVector<f64>,
     /// η_j'(l): the row that gives EI w'''(l) from a.
-    pub tip: Vec<f64>,
+    pub tip: RowDVector<f64>,
     /// Rows that give w(x) at [`DEFLECTION_POINTS`] points, one row per point.
-    pub deflection: Matrix,
+    pub deflection: DMatrix<f64>,
     /// √(l³/3EI): the tip deflection per unit of `a_0`. All other a_j leave the tip where it is.
     pub tip_compliance: f64,
     /// Coefficients b of the field v = x (unit rotation about the hub).
-    pub rotation: Vec<f64>,
+    pub rotation: DVector<f64>,
     /// Coefficients b of the field v = (3ξ² − ξ³)/2, the static cubic of unit tip deflection, projected to degree k−2.
-    pub static_shape: Vec<f64>,
+    pub static_shape: DVector<f64>,
 }
 
 impl Beam {
@@ -45,18 +45,18 @@ impl Beam {
         let rule = gauss(order);
         let integral = |f: &dyn Fn(f64) -> f64| rule.iter().map(|(xi, weight)| weight * f(*xi)).sum::<f64>();
 
-        let stiffness = Matrix::from_fn(velocities, moments, |r, j| {
+        let stiffness = DMatrix::from_fn(velocities, moments, |r, j| {
             // η_j'' has degree j−1: the rest vanishes by orthogonality.
             if r >= j {
                 return 0.0;
             }
             moment_scale(j) / length * integral(&|xi| velocity_shape(r, xi) * moment_shape_curvature(j, xi))
         });
-        let root = (0..moments).map(|j| if j % 2 == 0 { moment_scale(j) } else { -moment_scale(j) }).collect();
-        let tip = (0..moments).map(|j| -moment_scale(j) / length * ((j + 1) * (j + 2)) as f64 / 2.0).collect();
+        let root = RowDVector::from_fn(moments, |_, j| if j % 2 == 0 { moment_scale(j) } else { -moment_scale(j) });
+        let tip = RowDVector::from_fn(moments, |_, j| -moment_scale(j) / length * ((j + 1) * (j + 2)) as f64 / 2.0);
 
         let tip_compliance = (length.powi(3) / (3.0 * arm.ei)).sqrt();
-        let deflection = Matrix::from_fn(DEFLECTION_POINTS, moments, |point, j| {
+        let deflection = DMatrix::from_fn(DEFLECTION_POINTS, moments, |point, j| {
             if point == DEFLECTION_POINTS - 1 {
                 // ∫(l−x)M/EI: l−x is a multiple of η_0.
                 return if j == 0 { tip_compliance } else { 0.0 };
@@ -67,11 +67,11 @@ impl Beam {
             scale * integral(&|sigma| (1.0 - sigma) * moment_shape(j, x * sigma))
         });
 
-        let project = |f: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            (0..velocities).map(|r| arm.rho * length * integral(&|xi| velocity_shape(r, xi) * f(xi))).collect()
+        let project = |f: &dyn Fn(f64) -> f64| {
+            DVector::from_fn(velocities, |r, _| arm.rho * length * integral(&|xi| velocity_shape(r, xi) * f(xi)))
         };
         let mut rotation = project(&|xi| length * xi);
-        rotation[2..].fill(0.0);
+        rotation.rows_range_mut(2..).fill(0.0);
         let static_shape = project(&|xi| (3.0 - xi) * xi * xi / 2.0);
         Self { stiffness, root, tip, deflection, tip_compliance, rotation, static_shape }
     }

@@ -40,20 +40,27 @@
 mod actuator;
 mod basis;
 mod beam;
-mod dense;
 mod dynamics;
+mod exponential;
+mod extended;
 mod initial;
+mod kernel;
 mod parameters;
 mod plant;
 mod propagator;
 mod signals;
+mod state;
+mod state_space;
 
 pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
-pub use dense::Matrix;
+pub use extended::LONGEST_STEP;
+/// The matrices of a [`StateSpace`] are its.
+pub use nalgebra;
 pub use parameters::{
     ActuatorModel, Admissible, Arm, Channel, InvalidParameter, LARGEST, ORDER_RANGE, Parameters, SMALLEST, Start,
 };
-pub use plant::{Plant, State, StateError, StateSpace, StepError};
-pub use propagator::LONGEST_STEP;
+pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};
+pub use state::{State, StateError, StepError};
+pub use state_space::StateSpace;

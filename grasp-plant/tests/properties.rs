@@ -2,7 +2,8 @@
 
 #![allow(clippy::doc_markdown)]
 
-use grasp_plant::{ActuatorModel, Arm, Direct, Inputs, Matrix, Measured, Parameters, Plant, Start, State};
+use grasp_plant::nalgebra::DMatrix;
+use grasp_plant::{ActuatorModel, Arm, Direct, Inputs, Measured, Parameters, Plant, Start, State};
 use proptest::prelude::*;
 
 fn logarithmic(low: f64, high: f64) -> impl Strategy<Value = f64> {
@@ -172,8 +173,8 @@ proptest! {
         let mut plant = Plant::new(parameters).unwrap();
         plant.step(0.02, &push, &Inputs::ZERO).unwrap();
         let space = plant.state_space();
-        let size = |matrix: &Matrix, i: usize| (0..matrix.columns()).map(|j| matrix[(i, j)].abs()).sum::<f64>();
-        let norm_a = (0..space.a.rows()).map(|i| size(&space.a, i)).fold(0.0, f64::max);
+        let size = |matrix: &DMatrix<f64>, i: usize| matrix.row(i).iter().map(|entry| entry.abs()).sum::<f64>();
+        let norm_a = (0..space.a.nrows()).map(|i| size(&space.a, i)).fold(0.0, f64::max);
         let delta = 1e-2 / norm_a;
         // Outputs at times −2δ … 2δ around the middle.
         let mut samples = Vec::new();

@@ -5,12 +5,8 @@
 
 #![allow(clippy::doc_markdown)]
 
-use grasp_plant::{Matrix, Parameters, Plant};
-use nalgebra::{Complex, DMatrix, linalg::balancing::balance_parlett_reinsch};
-
-fn dense(matrix: &Matrix) -> DMatrix<f64> {
-    DMatrix::from_column_slice(matrix.rows(), matrix.columns(), matrix.as_slice())
-}
+use grasp_plant::nalgebra::{Complex, ComplexField, DMatrix, linalg::balancing::balance_parlett_reinsch};
+use grasp_plant::{Parameters, Plant, StateSpace};
 
 fn conservative(order: usize) -> Parameters {
     Parameters { order, root_uncertainty: 0.0, tip_uncertainty: 0.0, ..Parameters::default() }
@@ -20,8 +16,7 @@ fn conservative(order: usize) -> Parameters {
 /// velocity of the free plant, and the two relations (12) between positions and tip deflections.
 fn eigenvalues(parameters: Parameters, feedback: Option<&DMatrix<f64>>) -> (Vec<Complex<f64>>, f64) {
     let length = parameters.length;
-    let space = Plant::new(parameters).unwrap().state_space();
-    let (a, b, c, tip) = (dense(&space.a), dense(&space.b), dense(&space.c), dense(&space.tip_deflection));
+    let StateSpace { a, b, c, tip_deflection: tip } = Plant::new(parameters).unwrap().state_space();
     let n = a.nrows() - 3;
     let mut reduced = match feedback {
         // The last energy coordinate is the rigid motion; nothing depends on it and it spans the kernel.
@@ -49,7 +44,7 @@ fn eigenvalues(parameters: Parameters, feedback: Option<&DMatrix<f64>>) -> (Vec<
 
 /// Relative distance of `exact` to the nearest computed eigenvalue.
 fn mismatch(computed: &[Complex<f64>], exact: Complex<f64>) -> f64 {
-    computed.iter().map(|value| (value - exact).norm()).fold(f64::INFINITY, f64::min) / exact.norm()
+    computed.iter().map(|value| (value - exact).modulus()).fold(f64::INFINITY, f64::min) / exact.modulus()
 }
 
 /// Columns of `measured` in [`grasp_plant::StateSpace`].

@@ -15,9 +15,15 @@
 //! coordinate. Its column of K is set to the zero that it is: so the free motion of the grasp neither gains nor loses
 //! energy however many steps are taken, instead of drifting by an accumulated rounding error.
 
+mod assembly;
+mod reflection;
+
 use crate::beam::{Beam, DEFLECTION_POINTS};
-use crate::dense::{LANES, Matrix, Panels, multiply_columns};
+use crate::kernel::{LANES, Panels, multiply_columns};
 use crate::parameters::Parameters;
+use assembly::Assembly;
+use nalgebra::{DMatrix, DVector};
+use reflection::Reflection;
 
 /// Number of effective force inputs: the torques on hubs 1 and 2, the force on the object.
 pub(crate) const FORCES: usize = 3;
@@ -46,9 +52,9 @@ pub(crate) struct Dynamics {
     /// Order k of the discretisation; x has 4k + 1 entries.
     order: usize,
     /// A.
-    pub system: Matrix,
+    pub system: DMatrix<f64>,
     /// Rows of the signals.
-    pub signal_rows: Matrix,
+    pub signal_rows: DMatrix<f64>,
     /// A in the kernel's form.
     pub system_panels: Panels,
     /// The columns of [`signal_rows`](Self::signal_rows) where they are not zero: of the moments and of the velocities.
@@ -59,9 +65,9 @@ pub(crate) struct Dynamics {
     /// √(l³/3EI) by arm: `w(l)` per unit of the arm's first coordinate.
     pub tip_compliance: [f64; 2],
     /// Fields of unit rotation, by arm.
-    pub rotation: [Vec<f64>; 2],
+    pub rotation: [DVector<f64>; 2],
     /// Fields of unit static tip deflection, by arm.
-    pub static_shape: [Vec<f64>; 2],
+    pub static_shape: [DVector<f64>; 2],
     /// Whether A is skew: no uncertainties, no Kelvin–Voigt damping.
     pub conservative: bool,
     reflection: Reflection,
@@ -71,94 +77,20 @@ impl Dynamics {
     /// Assembles the plant of valid parameters.
     pub fn new(parameters: &Parameters) -> Self {
         let p = parameters;
-        let k = p.order;
-        let beams: [Beam; 2] = std::array::from_fn(|i| Beam::new(&p.arms[i], p.length, k));
-        let mass = p.moving_mass();
-        let (moments, velocities) = (2 * k, 2 * k + 1);
-        let hub = |i: usize| 2 * (k - 1) + i;
-        let object = 2 * k;
-
-        let mut rigid = vec![0.0; velocities];
-        for (i, beam) in beams.iter().enumerate() {
-            rigid[i * (k - 1)..(i + 1) * (k - 1)].copy_from_slice(&beam.rotation);
-            rigid[hub(i)] = p.arms[i].hub_inertia.sqrt();
-        }
-        rigid[object] = mass.sqrt() * p.length;
-        let reflection = Reflection::onto_last(rigid);
-
-        // K, row by row: ȧ = η(0) θ̇ + η'(l) ẏ − Gᵀ b.
-        let mut rate = Matrix::zeros(moments, velocities);
-        let mut row = vec![0.0; velocities];
-        for (i, beam) in beams.iter().enumerate() {
-            for j in 0..k {
-                row.fill(0.0);
-                for r in 0..k - 1 {
-                    row[i * (k - 1) + r] = -beam.stiffness[(r, j)];
-                }
-                row[hub(i)] = beam.root[j] / p.arms[i].hub_inertia.sqrt();
-                row[object] = beam.tip[j] / mass.sqrt();
-                reflection.apply(&mut row);
-                row[object] = 0.0; // The rigid motion bends nothing.
-                for (column, entry) in row.iter().enumerate() {
-                    rate[(i * k + j, column)] = *entry;
-                }
-            }
-        }
-
-        let n = moments + velocities;
-        let mut signal_rows = Matrix::zeros(SIGNALS, n);
-        let masses = [p.arms[0].hub_inertia, p.arms[1].hub_inertia, mass];
-        for (signal, (coordinate, inertia)) in [hub(0), hub(1), object].into_iter().zip(masses).enumerate() {
-            row.fill(0.0);
-            row[coordinate] = 1.0 / inertia.sqrt();
-            reflection.apply(&mut row);
-            for (column, entry) in row.iter().enumerate() {
-                signal_rows[(VELOCITY[signal], moments + column)] = *entry;
-            }
-        }
-        for (i, beam) in beams.iter().enumerate() {
-            for j in 0..k {
-                signal_rows[(ROOT_MOMENT[i], i * k + j)] = beam.root[j];
-                signal_rows[(TIP_SHEAR[i], i * k + j)] = beam.tip[j];
-            }
-            for column in 0..velocities {
-                let rates = &rate.column(column)[i * k..(i + 1) * k];
-                signal_rows[(ROOT_MOMENT_RATE[i], moments + column)] = dot(&beam.root, rates);
-                signal_rows[(TIP_SHEAR_RATE[i], moments + column)] = dot(&beam.tip, rates);
-            }
-        }
-
-        // The three built-in forces per unit of each velocity coordinate, and the Kelvin–Voigt block.
-        let uncertainty = Matrix::from_fn(FORCES, velocities, |force, column| {
-            let mut signals = [0.0; SIGNALS];
-            for (signal, value) in signals.iter_mut().enumerate().take(SIGNALS) {
-                *value = signal_rows[(signal, moments + column)];
-            }
-            builtin_forces(p, &signals)[force]
-        });
-        let system = Matrix::from_fn(n, n, |row, column| match (row < moments, column < moments) {
-            (true, true) => 0.0,
-            (true, false) => rate[(row, column - moments)],
-            (false, true) => -rate[(column, row - moments)],
-            (false, false) => {
-                let (r, c) = (row - moments, column - moments);
-                let collocated: f64 =
-                    (0..FORCES).map(|force| signal_rows[(VELOCITY[force], row)] * uncertainty[(force, c)]).sum();
-                collocated - p.kelvin_voigt * dot(rate.column(r), rate.column(c))
-            }
-        });
-
+        let beams = p.arms.each_ref().map(|arm| Beam::new(arm, p.length, p.order));
+        let assembly = Assembly::new(p, &beams);
+        let rates = assembly.moment_rates();
+        let signal_rows = assembly.signal_rows(&rates);
+        let system = assembly.system(&rates, &signal_rows);
+        let reflection = assembly.reflection;
+        let (moments, n) = (rates.nrows(), system.nrows());
         let [first, second] = beams;
         Self {
-            order: k,
+            order: p.order,
             system_panels: Panels::new(&system),
             system,
-            signals_of_moments: (0..moments)
-                .map(|column| std::array::from_fn(|row| signal_rows[(OF_VELOCITIES + row, column)]))
-                .collect(),
-            signals_of_velocities: (moments..n)
-                .map(|column| std::array::from_fn(|row| signal_rows[(row, column)]))
-                .collect(),
+            signals_of_moments: columns(&signal_rows, OF_VELOCITIES, 0..moments),
+            signals_of_velocities: columns(&signal_rows, 0, moments..n),
             signal_rows,
             deflection: [Panels::new(&first.deflection), Panels::new(&second.deflection)],
             tip_compliance: [first.tip_compliance, second.tip_compliance],
@@ -194,6 +126,11 @@ impl Dynamics {
         self.signal_rows[(VELOCITY[force], row)]
     }
 
+    /// B, shape n × 3.
+    pub fn inputs(&self) -> DMatrix<f64> {
+        DMatrix::from_fn(self.size(), FORCES, |row, force| self.input(row, force))
+    }
+
     /// All signals of x.
     pub fn signals(&self, x: &[f64]) -> Signals {
         let (moments, velocities) = x.split_at(self.signals_of_moments.len());
@@ -212,6 +149,15 @@ impl Dynamics {
     }
 }
 
+/// Some columns of a matrix, from row `first` on.
+fn columns<const ROWS: usize>(
+    matrix: &DMatrix<f64>,
+    first: usize,
+    columns: std::ops::Range<usize>,
+) -> Vec<[f64; ROWS]> {
+    columns.map(|column| std::array::from_fn(|row| matrix[(first + row, column)])).collect()
+}
+
 /// The built-in uncertainties (Δf_1, Δf_2, ΔF) of Section IV, from the discrete signal rates.
 pub(crate) fn builtin_forces(parameters: &Parameters, signals: &Signals) -> [f64; FORCES] {
     let p = parameters;
@@ -224,39 +170,10 @@ pub(crate) fn builtin_forces(parameters: &Parameters, signals: &Signals) -> [f64
     ]
 }
 
-/// A Householder reflection v ↦ v − 2 u (u·v)/(u·u): symmetric, orthogonal, its own inverse.
-#[derive(Clone, Debug)]
-struct Reflection {
-    axis: Vec<f64>,
-    factor: f64,
-}
-
-impl Reflection {
-    /// The reflection that takes `direction` (its last entry positive) to the negative last axis.
-    fn onto_last(mut direction: Vec<f64>) -> Self {
-        let norm = dot(&direction, &direction).sqrt();
-        if let Some(last) = direction.last_mut() {
-            *last += norm;
-        }
-        let factor = 2.0 / dot(&direction, &direction);
-        Self { axis: direction, factor }
-    }
-
-    fn apply(&self, vector: &mut [f64]) {
-        let amount = self.factor * dot(&self.axis, vector);
-        for (entry, axis) in vector.iter_mut().zip(&self.axis) {
-            *entry -= amount * axis;
-        }
-    }
-}
-
-pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
-    left.iter().zip(right).map(|(l, r)| l * r).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exponential::one_norm;
 
     #[test]
     fn without_damping_the_system_is_bitwise_skew() {
@@ -284,7 +201,7 @@ mod tests {
         let d = Dynamics::new(&parameters);
         for column in 0..d.size() {
             let signals: Signals = std::array::from_fn(|s| if s < SIGNALS { d.signal_rows[(s, column)] } else { 0.0 });
-            let accelerations = d.signals(d.system.column(column));
+            let accelerations = d.signals(d.system.column(column).as_slice());
             let forces = builtin_forces(&parameters, &signals);
             let kappa = parameters.kelvin_voigt;
             let moment = |i: usize| signals[ROOT_MOMENT[i]] + kappa * signals[ROOT_MOMENT_RATE[i]];
@@ -295,7 +212,7 @@ mod tests {
                 (forces[2] - shear(0) - shear(1)) / parameters.moving_mass(),
             ];
             // Rounding of sums over all coordinates, relative to the largest entries.
-            let tolerance = 1e-13 * d.system.one_norm();
+            let tolerance = 1e-13 * one_norm(&d.system);
             for axis in 0..3 {
                 assert!((accelerations[VELOCITY[axis]] - expected[axis]).abs() < tolerance, "{column} {axis}");
             }

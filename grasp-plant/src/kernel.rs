@@ -1,116 +1,14 @@
-//! Small dense matrices and the one kernel everything fast is built on.
+//! The one kernel everything fast is built on: matrix times vector.
 //!
 //! The kernel multiplies in a fixed order with plain multiplications and additions, never fused ones, so that results do
 //! not depend on the vector units of the processor at hand: the widest it has are used, and the bits are the same.
+//! Matrices are nalgebra's; products of large ones go through the kernel too ([`product`]), because nalgebra's own choose
+//! their order by the features it is built with.
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
-use std::ops::{Index, IndexMut};
-
-/// A dense matrix, stored by columns.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Matrix {
-    rows: usize,
-    columns: usize,
-    data: Vec<f64>,
-}
-
-impl Matrix {
-    /// A matrix of zeros.
-    #[must_use]
-    pub fn zeros(rows: usize, columns: usize) -> Self {
-        Self { rows, columns, data: vec![0.0; rows * columns] }
-    }
-
-    /// A matrix with entries f(row, column).
-    pub fn from_fn(rows: usize, columns: usize, f: impl Fn(usize, usize) -> f64) -> Self {
-        let data = (0..columns).flat_map(|j| (0..rows).map(move |i| (i, j))).map(|(i, j)| f(i, j)).collect();
-        Self { rows, columns, data }
-    }
-
-    /// Number of rows.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Number of columns.
-    #[must_use]
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
-    /// Column j as a slice.
-    ///
-    /// # Panics
-    /// If j is not below [`columns`](Self::columns).
-    #[must_use]
-    pub fn column(&self, j: usize) -> &[f64] {
-        &self.data[j * self.rows..(j + 1) * self.rows]
-    }
-
-    /// All entries, column after column.
-    #[must_use]
-    pub fn as_slice(&self) -> &[f64] {
-        &self.data
-    }
-
-    /// The matrix product `self` · `right`.
-    ///
-    /// # Panics
-    /// If the shapes do not match.
-    #[must_use]
-    pub fn multiply(&self, right: &Self) -> Self {
-        assert_eq!(self.columns, right.rows, "shapes do not match");
-        let panels = Panels::new(self);
-        let mut product = vec![[0.0; LANES]; panels.panel_count()];
-        let mut result = Self::zeros(self.rows, right.columns);
-        for j in 0..right.columns {
-            panels.multiply(right.column(j), &mut product);
-            result.data[j * self.rows..(j + 1) * self.rows].copy_from_slice(&product.as_flattened()[..self.rows]);
-        }
-        result
-    }
-
-    /// `self` + `factor` · `other`, in place; both of one shape.
-    pub(crate) fn add_scaled(&mut self, factor: f64, other: &Self) {
-        for (entry, other) in self.data.iter_mut().zip(&other.data) {
-            *entry += factor * other;
-        }
-    }
-
-    pub(crate) fn scale(&mut self, factor: f64) {
-        for entry in &mut self.data {
-            *entry *= factor;
-        }
-    }
-
-    pub(crate) fn transpose(&self) -> Self {
-        Self::from_fn(self.columns, self.rows, |i, j| self[(j, i)])
-    }
-
-    /// The largest sum of magnitudes in a column.
-    pub(crate) fn one_norm(&self) -> f64 {
-        (0..self.columns).map(|j| self.column(j).iter().map(|entry| entry.abs()).sum()).fold(0.0, f64::max)
-    }
-}
-
-impl Index<(usize, usize)> for Matrix {
-    type Output = f64;
-
-    fn index(&self, (i, j): (usize, usize)) -> &f64 {
-        debug_assert!(i < self.rows);
-        &self.data[j * self.rows + i]
-    }
-}
-
-impl IndexMut<(usize, usize)> for Matrix {
-    fn index_mut(&mut self, (i, j): (usize, usize)) -> &mut f64 {
-        debug_assert!(i < self.rows);
-        &mut self.data[j * self.rows + i]
-    }
-}
+use nalgebra::DMatrix;
 
 /// Rows handled together by the kernel: 12 sums fill six two-lane registers and hide the latency of an addition.
 pub(crate) const LANES: usize = 12;
@@ -123,14 +21,15 @@ pub(crate) struct Panels {
 }
 
 impl Panels {
-    pub fn new(matrix: &Matrix) -> Self {
-        let data = (0..matrix.rows.div_ceil(LANES))
-            .flat_map(|panel| (0..matrix.columns).map(move |j| (panel * LANES, j)))
+    pub fn new(matrix: &DMatrix<f64>) -> Self {
+        let (rows, columns) = matrix.shape();
+        let data = (0..rows.div_ceil(LANES))
+            .flat_map(|panel| (0..columns).map(move |j| (panel * LANES, j)))
             .map(|(first, j)| {
-                std::array::from_fn(|lane| if first + lane < matrix.rows { matrix[(first + lane, j)] } else { 0.0 })
+                std::array::from_fn(|lane| if first + lane < rows { matrix[(first + lane, j)] } else { 0.0 })
             })
             .collect();
-        Self { columns: matrix.columns, data }
+        Self { columns, data }
     }
 
     pub fn panel_count(&self) -> usize {
@@ -201,6 +100,24 @@ pub(crate) fn multiply_columns<const ROWS: usize>(columns: &[[f64; ROWS]], x: &[
     sums
 }
 
+/// The matrix product `left` · `right`, with the kernel's order of operations.
+pub(crate) fn product(left: &DMatrix<f64>, right: &DMatrix<f64>) -> DMatrix<f64> {
+    assert_eq!(left.ncols(), right.nrows(), "shapes do not match");
+    let panels = Panels::new(left);
+    let mut column = vec![[0.0; LANES]; panels.panel_count()];
+    let mut product = DMatrix::zeros(left.nrows(), right.ncols());
+    for (mut target, source) in product.column_iter_mut().zip(right.column_iter()) {
+        panels.multiply(source.as_slice(), &mut column);
+        target.copy_from_slice(&column.as_flattened()[..left.nrows()]);
+    }
+    product
+}
+
+/// The inner product, first entry first.
+pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
+    left.iter().zip(right).map(|(l, r)| l * r).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -209,7 +126,7 @@ mod tests {
     #[test]
     fn every_kernel_gives_the_same_bits() {
         for (rows, columns) in [(7, 5), (12, 12), (24, 9), (36, 39), (40, 3), (60, 48), (100, 103)] {
-            let panels = Panels::new(&Matrix::from_fn(rows, columns, |i, j| ((i * 31 + j * 17) as f64).sin()));
+            let panels = Panels::new(&DMatrix::from_fn(rows, columns, |i, j| ((i * 31 + j * 17) as f64).sin()));
             let x: Vec<f64> = (0..columns).map(|j| (j as f64).cos()).collect();
             for length in [columns, columns - 1] {
                 let [mut chosen, mut one, mut three] = [(); 3].map(|()| vec![[f64::NAN; LANES]; panels.panel_count()]);
@@ -224,9 +141,9 @@ mod tests {
     #[test]
     fn the_kernel_multiplies_matrices_of_any_shape() {
         for (rows, inner, columns) in [(1, 1, 1), (12, 5, 3), (13, 12, 11), (36, 39, 2), (25, 1, 7)] {
-            let left = Matrix::from_fn(rows, inner, |i, j| (i * 7 + j * 3) as f64 - 11.0);
-            let right = Matrix::from_fn(inner, columns, |i, j| (i + 5 * j) as f64 - 4.0);
-            let product = left.multiply(&right);
+            let left = DMatrix::from_fn(rows, inner, |i, j| (i * 7 + j * 3) as f64 - 11.0);
+            let right = DMatrix::from_fn(inner, columns, |i, j| (i + 5 * j) as f64 - 4.0);
+            let product = product(&left, &right);
             for i in 0..rows {
                 for j in 0..columns {
                     let expected: f64 = (0..inner).map(|m| left[(i, m)] * right[(m, j)]).sum();

@@ -1,0 +1,97 @@
+//! What the parameters decide: matrices, actuators, and the maps from inputs and signals to forces and outputs.
+
+use crate::actuator::Actuator;
+use crate::dynamics::{Dynamics, FORCES, Signals, TIP_SHEAR, TIP_SHEAR_RATE, builtin_forces};
+use crate::extended::Extended;
+use crate::parameters::Parameters;
+use crate::signals::{Direct, Inputs};
+
+/// What follows from the parameters alone.
+#[derive(Debug)]
+pub(super) struct Model {
+    pub parameters: Parameters,
+    pub dynamics: Dynamics,
+    pub extended: Extended,
+    pub actuators: [Actuator; FORCES],
+}
+
+/// Most kinks that three ramps can meet.
+pub(super) const MAX_KINK_TIMES: usize = FORCES * Actuator::MAX_KINKS;
+
+impl Model {
+    /// Assembles the plant of valid parameters.
+    pub fn new(parameters: Parameters) -> Self {
+        let dynamics = Dynamics::new(&parameters);
+        let extended = Extended::new(&dynamics, parameters.length);
+        let channels = [&parameters.torque_channel, &parameters.torque_channel, &parameters.force_channel];
+        let actuators = channels.map(|channel| Actuator::new(parameters.actuator_model, channel));
+        Self { parameters, dynamics, extended, actuators }
+    }
+
+    /// Forces that actuators and external disturbances exert together.
+    pub fn forces(&self, inputs: &Inputs) -> [f64; FORCES] {
+        let (commands, disturbances) = (inputs.commands(), inputs.disturbances());
+        std::array::from_fn(|i| self.actuators[i].output(commands[i]) + disturbances[i])
+    }
+
+    /// Change of the actuator outputs for a change of the commands.
+    pub fn command_response(&self, inputs: &Inputs, direction: &Inputs) -> [f64; FORCES] {
+        let (commands, direction) = (inputs.commands(), direction.commands());
+        std::array::from_fn(|i| self.actuators[i].slope(commands[i]) * direction[i])
+    }
+
+    /// Change of [`Self::forces`].
+    pub fn force_rates(&self, inputs: &Inputs, rates: &Inputs) -> [f64; FORCES] {
+        let (response, disturbances) = (self.command_response(inputs, rates), rates.disturbances());
+        std::array::from_fn(|i| response[i] + disturbances[i])
+    }
+
+    /// Ascending times strictly inside (0, h) at which a ramped command meets a kink of its actuator.
+    pub fn kink_times<'a>(
+        &self,
+        h: f64,
+        inputs: &Inputs,
+        rates: &Inputs,
+        times: &'a mut [f64; MAX_KINK_TIMES],
+    ) -> &'a [f64] {
+        let mut count = 0;
+        for (actuator, (command, rate)) in
+            self.actuators.iter().zip(inputs.commands().into_iter().zip(rates.commands()))
+        {
+            for kink in actuator.kinks() {
+                // A rate of zero gives an infinity or a NaN, which are not inside.
+                let time = (kink - command) / rate;
+                if time > 0.0 && time < h {
+                    times[count] = time;
+                    count += 1;
+                }
+            }
+        }
+        let times = &mut times[..count];
+        times.sort_unstable_by(f64::total_cmp);
+        times
+    }
+
+    /// Outputs with direct feedthrough. Linear in all arguments, so it also maps rates to rates.
+    ///
+    /// λ_i = EI_i w_i'''(l) + m_i ÿ_M with ÿ_M from (11), which is (13) and (14); with Kelvin–Voigt damping the shear is
+    /// the transmitted one, EI_i(w_i'''(l) + κ ẇ_i'''(l)).
+    pub fn direct(&self, signals: &Signals, applied: &[f64; FORCES], disturbances: &[f64; FORCES]) -> Direct {
+        let p = &self.parameters;
+        let shear = [0, 1].map(|i| signals[TIP_SHEAR[i]] + p.kelvin_voigt * signals[TIP_SHEAR_RATE[i]]);
+        let force = applied[2] + disturbances[2] + builtin_forces(p, signals)[2];
+        let acceleration = (force - shear[0] - shear[1]) / p.moving_mass();
+        let lambda = [0, 1].map(|i| shear[i] + p.arms[i].tip_mass * acceleration);
+        Direct { torque: [applied[0], applied[1]], force: applied[2], lambda, contact_force: [-lambda[0], lambda[1]] }
+    }
+
+    pub fn tip_deflection(&self, x: &[f64]) -> [f64; 2] {
+        [0, 1].map(|arm| self.dynamics.tip_compliance[arm] * x[self.dynamics.tip_coordinate(arm)])
+    }
+
+    /// The homogeneous part of (12), l θ_i − w_i(l) − `y_M`.
+    pub fn constraint(&self, x: &[f64], position: &[f64; 3]) -> [f64; 2] {
+        let tip = self.tip_deflection(x);
+        [0, 1].map(|arm| self.parameters.length * position[arm] - tip[arm] - position[2])
+    }
+}

@@ -1,0 +1,131 @@
+//! Outputs and their derivatives.
+
+use super::Plant;
+use super::model::Model;
+use crate::beam::DEFLECTION_POINTS;
+use crate::dynamics::{
+    FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, Signals, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY, builtin_forces,
+};
+use crate::extended::MAX_PANELS;
+use crate::kernel::{LANES, dot};
+use crate::parameters::Parameters;
+use crate::signals::{Direct, Inputs, Measured, Rates, Uncertainty};
+
+impl Plant {
+    /// The measured outputs.
+    #[must_use]
+    pub fn measured(&self) -> Measured {
+        measured(&self.state.position, &self.signals)
+    }
+
+    /// The outputs that depend on the inputs directly.
+    #[must_use]
+    pub fn direct(&self, inputs: &Inputs) -> Direct {
+        let commands = inputs.commands();
+        let applied = std::array::from_fn(|i| self.model.actuators[i].output(commands[i]));
+        self.model.direct(&self.signals, &applied, &inputs.disturbances())
+    }
+
+    /// The exact directional derivative ∂direct/∂inputs · `direction` at `inputs`, with the actuators' slopes there.
+    /// No other output depends on the inputs directly.
+    #[must_use]
+    pub fn direct_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Direct {
+        let applied = self.model.command_response(inputs, direction);
+        self.model.direct(&Signals::default(), &applied, &direction.disturbances())
+    }
+
+    /// The built-in uncertainties at this moment.
+    #[must_use]
+    pub fn uncertainty(&self) -> Uncertainty {
+        uncertainty(&self.model.parameters, &self.signals)
+    }
+
+    /// Deflections w_i at eleven equally spaced points x = 0 … l \[m\], by arm.
+    #[must_use]
+    pub fn deflection(&self) -> [[f64; DEFLECTION_POINTS]; 2] {
+        [0, 1].map(|arm| self.model.dynamics.deflection(arm, &self.state.coordinates))
+    }
+
+    /// Tip deflections w_i(l) \[m\].
+    #[must_use]
+    pub fn tip_deflection(&self) -> [f64; 2] {
+        self.model.tip_deflection(&self.state.coordinates)
+    }
+
+    /// The constraints φ_i = l θ_i − w_i(l) − `y_M` + L/2 \[m\], eq. (12). They are invariants of the discrete motion, not
+    /// enforced: zero up to rounding.
+    #[must_use]
+    pub fn constraint(&self) -> [f64; 2] {
+        let p = &self.model.parameters;
+        let constraint = self.model.constraint(&self.state.coordinates, &self.state.position);
+        constraint.map(|value| value + p.object_width / 2.0)
+    }
+
+    /// Kinetic and strain energy \[J\].
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        0.5 * dot(&self.state.coordinates, &self.state.coordinates)
+    }
+
+    /// Work done since the start by actuators and external disturbances \[J\], exact for every step. Without built-in
+    /// uncertainties and Kelvin–Voigt damping, energy − supplied energy is constant. Kelvin–Voigt damping only ever takes
+    /// energy; the built-in uncertainties mostly do, but ΔF answers to the rates of both arms and can do work on one of
+    /// them, most so if one is much stiffer than the other.
+    #[must_use]
+    pub fn supplied_energy(&self) -> f64 {
+        self.state.supplied_energy
+    }
+
+    /// Time derivatives of all outputs for inputs that change with the given rates: analytic, from ẋ = A x + B g.
+    #[must_use]
+    pub fn rates(&self, inputs: &Inputs, input_rates: &Inputs) -> Rates {
+        let Model { dynamics, parameters, .. } = &*self.model;
+        let n = self.state.coordinates.len();
+        let x = &self.state.coordinates[..];
+        let forces = self.model.forces(inputs);
+        let mut buffer = [[0.0; LANES]; MAX_PANELS];
+        dynamics.system_panels.multiply(x, &mut buffer);
+        let rate = &mut buffer.as_flattened_mut()[..n];
+        for (row, rate) in rate.iter_mut().enumerate() {
+            *rate += (0..FORCES).map(|force| dynamics.input(row, force) * forces[force]).sum::<f64>();
+        }
+        let signals = dynamics.signals(rate);
+        let velocity = VELOCITY.map(|index| self.signals[index]);
+        Rates {
+            measured: measured(&velocity, &signals),
+            direct: self.model.direct(
+                &signals,
+                &self.model.command_response(inputs, input_rates),
+                &input_rates.disturbances(),
+            ),
+            uncertainty: uncertainty(parameters, &signals),
+            deflection: [0, 1].map(|arm| dynamics.deflection(arm, rate)),
+            tip_deflection: self.model.tip_deflection(rate),
+            constraint: self.model.constraint(rate, &velocity),
+            energy: dot(x, rate),
+            supplied_energy: dot(&forces, &velocity),
+        }
+    }
+}
+
+fn measured(position: &[f64; 3], signals: &Signals) -> Measured {
+    let both = |indices: [usize; 2]| indices.map(|index| signals[index]);
+    Measured {
+        theta: [position[0], position[1]],
+        theta_dot: [signals[VELOCITY[0]], signals[VELOCITY[1]]],
+        y_object: position[2],
+        y_object_dot: signals[VELOCITY[2]],
+        root_moment: both(ROOT_MOMENT),
+        tip_shear: both(TIP_SHEAR),
+        tip_shear_dot: both(TIP_SHEAR_RATE),
+    }
+}
+
+fn uncertainty(parameters: &Parameters, signals: &Signals) -> Uncertainty {
+    let [delta_f1, delta_f2, delta_force] = builtin_forces(parameters, signals);
+    Uncertainty {
+        delta_f: [delta_f1, delta_f2],
+        delta_force,
+        root_moment_dot: ROOT_MOMENT_RATE.map(|index| signals[index]),
+    }
+}

@@ -1,0 +1,86 @@
+//! What moves, and why a step or a state is refused.
+
+use crate::dynamics::{Dynamics, FORCES};
+use crate::initial;
+use crate::parameters::Parameters;
+use serde::{Deserialize, Serialize};
+
+/// Everything that changes while the plant moves. Together with [`Parameters`] it determines all that follows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Energy coordinates x \[√J\], 4k + 1 of them: ½|x|² is the total energy.
+    pub coordinates: Vec<f64>,
+    /// θ_1 \[rad\], θ_2 \[rad\], `y_M` \[m\].
+    pub position: [f64; 3],
+    /// What rounding has kept from being added to the positions so far (compensated summation): at rest, increments are
+    /// below half a unit in the last place of the positions, but not of the beams' coordinates, and (12) ties the two.
+    pub carry: [f64; 3],
+    /// Work done on the plant by actuators and external disturbances since the start \[J\].
+    pub supplied_energy: f64,
+}
+
+impl State {
+    /// The state at the start.
+    pub(crate) fn start(parameters: &Parameters, dynamics: &Dynamics) -> Self {
+        let start = &parameters.start;
+        Self {
+            coordinates: initial::coordinates(parameters, dynamics),
+            position: [start.theta[0], start.theta[1], start.y_object],
+            carry: [0.0; 3],
+            supplied_energy: 0.0,
+        }
+    }
+
+    /// Adds to the positions, keeping what rounding takes away for the next time.
+    pub(crate) fn travel(&mut self, from: &Self, travel: &[f64; FORCES]) {
+        for (i, travel) in travel.iter().enumerate() {
+            let increment = from.carry[i] + travel;
+            let position = from.position[i] + increment;
+            self.carry[i] = increment - (position - from.position[i]);
+            self.position[i] = position;
+        }
+    }
+}
+
+/// Why a step was refused. The plant is as it was before.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The step size is not a positive finite number.
+    #[error("step size {h} s is not positive and finite")]
+    NotPositive {
+        /// The step size \[s\].
+        h: f64,
+    },
+    /// The step is longer than [`Plant::longest_step`].
+    #[error("step size {h:e} s is longer than {longest:e} s, the longest for these parameters")]
+    TooLong {
+        /// The step size \[s\].
+        h: f64,
+        /// The longest admissible one \[s\].
+        longest: f64,
+    },
+    /// An input or an input's derivative is infinite or not a number.
+    #[error("an input or its derivative is not finite")]
+    InputNotFinite,
+    /// The state would leave the range of floating-point numbers.
+    #[error("the state would overflow")]
+    Overflow,
+}
+
+/// Why a [`State`] was refused. The plant is as it was before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StateError {
+    /// The state is one of another order.
+    #[error("a state of {found} coordinates does not fit a plant of {expected}")]
+    Length {
+        /// Number of coordinates of the refused state.
+        found: usize,
+        /// Number of coordinates of this plant.
+        expected: usize,
+    },
+    /// A number in the state is infinite or not a number.
+    #[error("the state has an entry that is not finite")]
+    NotFinite,
+}
