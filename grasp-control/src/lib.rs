@@ -6,14 +6,13 @@
 // Floats are compared literally where equality is meant literally: the same inputs, the same step size, an exact zero.
 #![allow(clippy::float_cmp)]
 
-#[macro_use]
-pub mod parameter;
 pub mod blocks;
 mod law;
 pub mod laws;
 mod signals;
 mod target;
 
+pub use grasp_parameter::{InvalidParameter, Parameter, Range};
 pub use law::{CommandJacobian, Law, StepError, inner};
 pub use signals::{Commands, Errors, INPUT_NAMES, INPUTS, Inputs, Measurements, References};
 pub use target::{Arms, ErrorJacobian, TargetJacobian, Targets};

@@ -1,17 +1,17 @@
 //! The static target (16): what the grasp looks like at rest.
 
-use crate::parameter::{Parameter, ParameterError, Range, check};
 use crate::signals::{Errors, INPUTS, Inputs, References, column};
+use grasp_parameter::{InvalidParameter, Parameter, Range, check, parameter};
 use serde::{Deserialize, Serialize};
 
 /// What a controller knows about the arms; index 0 of an array is arm 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Arms {
-    /// Flexural rigidities `EIᵢ` \[N·m²\], > 0.
+    /// Flexural rigidities `EIᵢ` \[N·m²\].
     pub ei: [f64; 2],
-    /// Length l of both arms \[m\], > 0.
+    /// Length l of both arms \[m\].
     pub length: f64,
-    /// Distance L between the two hubs, so that the undeformed tips meet at L/2 \[m\], > 0.
+    /// Distance L between the two hubs, so that the undeformed tips meet at L/2 \[m\].
     pub hub_distance: f64,
 }
 
@@ -23,27 +23,28 @@ impl Default for Arms {
 }
 
 /// Admissible range of a length or a stiffness: positive, and so far from the limits of `f64` that nothing overflows.
-const PHYSICAL: Range = Range::from(1e-6, 1e6);
+const PHYSICAL: Range = Range::new(1e-6, 1e6);
 
 impl Arms {
     /// The parameters by their names in the interface.
     pub const PARAMETERS: [Parameter<Self>; 4] = [
-        parameter!("EI1", "N.m2", PHYSICAL, "flexural rigidity of arm 1", ei[0]),
-        parameter!("EI2", "N.m2", PHYSICAL, "flexural rigidity of arm 2", ei[1]),
-        parameter!("l", "m", PHYSICAL, "length of each arm", length),
-        parameter!("L", "m", PHYSICAL, "width of the object and distance of the hubs", hub_distance),
+        parameter!("EI1", "N.m2", PHYSICAL, "Flexural rigidity of arm 1", ei[0]),
+        parameter!("EI2", "N.m2", PHYSICAL, "Flexural rigidity of arm 2", ei[1]),
+        parameter!("l", "m", PHYSICAL, "Length of each arm", length),
+        parameter!("L", "m", PHYSICAL, "Width of the object and distance of the hubs", hub_distance),
     ];
 
     /// Checks every parameter against its range.
     ///
     /// # Errors
     /// The first parameter that is not finite or not in its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
         check(&Self::PARAMETERS, self)
     }
 
     /// The static target (16) of the references, with the L/2 that (16) leaves out and constraint (12) needs.
     #[must_use]
+    #[inline]
     pub fn targets(&self, reference: &References) -> Targets {
         let References { lambda1_ref, theta1_ref } = *reference;
         let l = self.length;
@@ -56,17 +57,20 @@ impl Arms {
 
     /// Errors with respect to the targets of the same inputs.
     #[must_use]
+    #[inline]
     pub fn errors(&self, inputs: &Inputs) -> Errors {
         self.targets(&inputs.reference).errors(inputs)
     }
 
     /// ∂θ₂ᵈ/∂λ₁ᵈ, eq. (16).
+    #[inline]
     fn theta2_per_lambda1(&self) -> f64 {
         let [ei1, ei2] = self.ei;
         self.length.powi(2) / 3.0 * (ei1 + ei2) / (ei1 * ei2)
     }
 
     /// ∂`y_M`ᵈ/∂λ₁ᵈ, eq. (16).
+    #[inline]
     fn y_per_lambda1(&self) -> f64 {
         self.length.powi(3) / (3.0 * self.ei[0])
     }
@@ -115,6 +119,7 @@ pub struct Targets {
 impl Targets {
     /// Errors of the measurements with respect to these targets.
     #[must_use]
+    #[inline]
     pub fn errors(&self, inputs: &Inputs) -> Errors {
         let measured = &inputs.measured;
         Errors {

@@ -6,8 +6,8 @@ mod common;
 
 use common::{grasp_inputs, lively, unequal_arms};
 use grasp_control::Arms;
-use grasp_control::laws::nabfc::Gains;
-use grasp_control::laws::nabfc::Nabfc;
+use grasp_control::Parameter;
+use grasp_control::laws::nabfc::{Gains, Nabfc, ObjectGains, PostureGains, RbfLayout};
 use grasp_control::{INPUTS, Inputs};
 use grasp_control::{Law, StepError};
 use proptest::prelude::*;
@@ -105,25 +105,40 @@ fn initialising_again_forgets_everything() {
     assert_eq!(state(&law), fresh);
 }
 
+/// Sets each parameter of a table out of its range, in turn: the gains are refused, and the error names it. Returns the
+/// names; `number` is the owner's in a family.
+fn refused_names<T>(table: &[Parameter<T>], number: &str, owner: fn(&mut Gains, usize) -> &mut T) -> Vec<String> {
+    let index = usize::from(number == "2");
+    let names = table.iter().map(|parameter| {
+        let name = parameter.name.replace("{}", number);
+        for bad in [f64::NAN, f64::NEG_INFINITY, -1.0, 1e10] {
+            let mut gains = Gains::default();
+            *(parameter.field)(owner(&mut gains, index)) = bad;
+            let error = gains.validate().unwrap_err();
+            assert_eq!(error.name, name);
+            assert!(error.to_string().contains(&name));
+        }
+        name
+    });
+    names.collect()
+}
+
 /// Every parameter is in its table under its own name: setting it out of range names it.
 #[test]
 fn bad_gains_are_named() {
-    let mut names = Vec::new();
-    for parameter in Gains::parameters() {
-        for bad in [f64::NAN, f64::NEG_INFINITY, -1.0, 1e10] {
-            let mut gains = Gains::default();
-            *(parameter.field)(&mut gains) = bad;
-            let error = gains.validate().unwrap_err();
-            assert_eq!(error.name, parameter.name);
-            assert!(error.to_string().contains(parameter.name));
-        }
-        names.push(parameter.name);
+    let mut names = refused_names(&ObjectGains::PARAMETERS, "", |gains, _| &mut gains.object);
+    names.extend(refused_names(&ObjectGains::FIXED, "", |gains, _| &mut gains.object));
+    for number in ["1", "2"] {
+        names.extend(refused_names(&PostureGains::PARAMETERS, number, |gains, arm| &mut gains.posture[arm]));
+        names.extend(refused_names(&PostureGains::FIXED, number, |gains, arm| &mut gains.posture[arm]));
     }
+    names.extend(refused_names(&Gains::PARAMETERS, "", |gains, _| gains));
+    names.extend(refused_names(&RbfLayout::PARAMETERS, "", |gains, _| &mut gains.rbf));
     let expected = "eta k mu_bar c1 epsilon1 a1 a2 gamma1 gamma2 b1 b2 m_hat_0 \
         xi1 k1 mu1 c31 epsilon21 a31 a41 zeta11 zeta21 g11 g21 J1_hat_0 \
         xi2 k2 mu2 c32 epsilon22 a32 a42 zeta12 zeta22 g12 g22 J2_hat_0 sat_limit shear_rate_bandwidth";
     for name in expected.split_whitespace() {
-        assert_eq!(names.iter().filter(|n| **n == name).count(), 1, "{name}");
+        assert_eq!(names.iter().filter(|n| *n == name).count(), 1, "{name}");
     }
     let mut gains = Gains::default();
     gains.rbf.nodes_posture = 0;

@@ -55,11 +55,10 @@ mod state_space;
 pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
 pub use extended::LONGEST_STEP;
+pub use grasp_parameter::{Admissible, InvalidParameter, Parameter, Range};
 /// The matrices of a [`StateSpace`] are its.
 pub use nalgebra;
-pub use parameters::{
-    ActuatorModel, Admissible, Arm, Channel, InvalidParameter, LARGEST, ORDER_RANGE, Parameters, SMALLEST, Start,
-};
+pub use parameters::{ActuatorModel, Arm, Channel, ORDER_RANGE, Parameters, Start};
 pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};
 pub use state::{State, StateError, StepError};

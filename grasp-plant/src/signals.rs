@@ -21,15 +21,18 @@ impl Inputs {
         Self { torque_command: [0.0; 2], force_command: 0.0, hub_disturbance: [0.0; 2], object_disturbance: 0.0 };
 
     /// Commands in the order of the forces: torque 1, torque 2, force.
+    #[inline]
     pub(crate) fn commands(&self) -> [f64; 3] {
         [self.torque_command[0], self.torque_command[1], self.force_command]
     }
 
     /// External disturbances in the order of the forces.
+    #[inline]
     pub(crate) fn disturbances(&self) -> [f64; 3] {
         [self.hub_disturbance[0], self.hub_disturbance[1], self.object_disturbance]
     }
 
+    #[inline]
     pub(crate) fn is_finite(&self) -> bool {
         self.commands().iter().chain(&self.disturbances()).all(|value| value.is_finite())
     }
@@ -71,6 +74,7 @@ impl Direct {
     /// Whether both arms press on the object: both contact forces strictly positive. Arms that just touch it (the start
     /// at rest, force zero) do not press.
     #[must_use]
+    #[inline]
     pub fn in_contact(&self) -> bool {
         self.contact_force.iter().all(|force| *force > 0.0)
     }

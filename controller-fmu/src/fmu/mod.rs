@@ -1,17 +1,13 @@
 //! The controllers as FMUs: one interface, three laws.
 
-use std::f64::consts::PI;
-
-use fmi2_export::{
-    Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder, Variables,
-};
-use grasp_control::parameter::{Parameter, ParameterError};
-use grasp_control::{Arms, Commands, Errors, Inputs, Law, Targets, inner};
+use fmi2_export::{Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, Variables};
+use grasp_control::{Arms, Commands, Errors, Inputs, InvalidParameter, Law, Targets, inner};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 mod nabfc_controller;
 mod pd_controller;
 mod pds_controller;
+mod variables;
 
 pub use nabfc_controller::NabfcController;
 pub use pd_controller::PdController;
@@ -39,13 +35,13 @@ pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'st
     ///
     /// # Errors
     /// The first parameter that is not in its range.
-    fn create(arms: Arms, settings: &Self::Settings) -> Result<Self, ParameterError>;
+    fn create(arms: Arms, settings: &Self::Settings) -> Result<Self, InvalidParameter>;
 
     /// Changes the settings while the law runs; its state stays.
     ///
     /// # Errors
     /// The first parameter that is not in its range; the law is then as before.
-    fn retune(&mut self, settings: &Self::Settings) -> Result<(), ParameterError>;
+    fn retune(&mut self, settings: &Self::Settings) -> Result<(), InvalidParameter>;
 
     /// Whether this law has the arms and the settings of another one, whatever its state.
     fn is_like(&self, other: &Self) -> bool;
@@ -172,12 +168,12 @@ impl<L: FmuLaw> Declare for Controller<L> {
     };
 
     fn variables(variables: &mut Variables<Self>) {
-        inputs(variables);
+        variables::inputs(variables);
         let rates = variables.evaluation(Self::rates);
-        command_outputs(variables, rates);
-        target_outputs(variables, rates);
+        variables::commands(variables, rates);
+        variables::targets(variables, rates);
         L::declare_extra(variables, rates);
-        declare(variables, &Arms::PARAMETERS, false, |m| &mut m.arms);
+        variables.parameters(Arms::PARAMETERS.map(Into::into), |m| &mut m.arms);
         L::declare_settings(variables);
     }
 }
@@ -231,157 +227,6 @@ impl<L: FmuLaw> Model for Controller<L> {
             direction.outputs.commands = law.jacobian(&self.inputs).apply(&direction.inputs);
             direction.outputs.extra = law.extra_derivative(&direction.inputs);
         }
-    }
-}
-
-type Builder<'a, L> = VariableBuilder<'a, Controller<L>>;
-
-/// An angle or a rate of one, shown in degrees.
-fn angle<'a, L: FmuLaw>(builder: Builder<'a, L>, unit: &str, shown: &str) -> Builder<'a, L> {
-    builder.unit(unit).display_unit(shown, 180.0 / PI)
-}
-
-fn inputs<L: FmuLaw>(variables: &mut Variables<Controller<L>>) {
-    for i in 0..2 {
-        angle(variables.input(format!("theta{}", i + 1), move |m| &mut m.inputs.measured.theta[i]), "rad", "deg")
-            .ramp(move |m| &mut m.input_rates.measured.theta[i])
-            .nominal(0.1)
-            .description(&format!("Measured angle of hub {}", i + 1));
-    }
-    for i in 0..2 {
-        let name = format!("theta{}_dot", i + 1);
-        angle(variables.input(name, move |m| &mut m.inputs.measured.theta_dot[i]), "rad/s", "deg/s")
-            .ramp(move |m| &mut m.input_rates.measured.theta_dot[i])
-            .description(&format!("Measured angular velocity of hub {}", i + 1));
-    }
-    variables
-        .input("y_object", |m| &mut m.inputs.measured.y_object)
-        .ramp(|m| &mut m.input_rates.measured.y_object)
-        .unit("m")
-        .nominal(0.05)
-        .description("Measured position y_M of the object's centre above hub 1");
-    variables
-        .input("y_object_dot", |m| &mut m.inputs.measured.y_object_dot)
-        .ramp(|m| &mut m.input_rates.measured.y_object_dot)
-        .unit("m/s")
-        .nominal(0.1)
-        .description("Measured velocity of the object");
-    for i in 0..2 {
-        variables
-            .input(format!("root_moment{}", i + 1), move |m| &mut m.inputs.measured.root_moment[i])
-            .ramp(move |m| &mut m.input_rates.measured.root_moment[i])
-            .unit("N.m")
-            .nominal(0.1)
-            .description(&format!("Measured bending moment EI w''(0) at the root of arm {}", i + 1));
-    }
-    for i in 0..2 {
-        variables
-            .input(format!("tip_shear{}", i + 1), move |m| &mut m.inputs.measured.tip_shear[i])
-            .ramp(move |m| &mut m.input_rates.measured.tip_shear[i])
-            .unit("N")
-            .description(&format!("Measured shear force EI w'''(l) at the tip of arm {}", i + 1));
-    }
-    for i in 0..2 {
-        variables
-            .input(format!("tip_shear{}_dot", i + 1), move |m| &mut m.inputs.measured.tip_shear_dot[i])
-            .ramp(move |m| &mut m.input_rates.measured.tip_shear_dot[i])
-            .unit("N/s")
-            .nominal(10.0)
-            .description(&format!("Measured rate of the shear force at the tip of arm {}", i + 1));
-    }
-    variables
-        .input("lambda1_ref", |m| &mut m.inputs.reference.lambda1_ref)
-        .ramp(|m| &mut m.input_rates.reference.lambda1_ref)
-        .unit("N")
-        .description("Wanted multiplier lambda1; the wanted contact force at both tips is -lambda1_ref, so a squeeze is negative");
-    angle(variables.input("theta1_ref", |m| &mut m.inputs.reference.theta1_ref), "rad", "deg")
-        .ramp(|m| &mut m.input_rates.reference.theta1_ref)
-        .nominal(0.1)
-        .description("Wanted angle of hub 1; all other targets follow from the two references, eq. (16)");
-}
-
-fn command_outputs<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates: Evaluation) {
-    let commands = variables.evaluation(Controller::<L>::commands);
-    for i in 0..2 {
-        let n = i + 1;
-        variables
-            .output(format!("tau{n}_cmd"), commands, move |m| &mut m.outputs.commands.tau[i])
-            .rate(rates, move |m| &mut m.rates.commands.tau[i])
-            .unit("N.m")
-            .depends_on([format!("theta{n}"), format!("theta{n}_dot"), format!("root_moment{n}")])
-            .depends_on(["lambda1_ref", "theta1_ref"])
-            .description(&format!("Commanded torque on hub {n}"));
-    }
-    variables
-        .output("u_cmd", commands, |m| &mut m.outputs.commands.u)
-        .rate(rates, |m| &mut m.rates.commands.u)
-        .unit("N")
-        .nominal(0.1)
-        .depends_on(["y_object", "y_object_dot", "tip_shear1", "tip_shear2", "lambda1_ref", "theta1_ref"])
-        .depends_on(L::FORCE_ALSO_DEPENDS_ON.iter().copied())
-        .description("Commanded force on the object");
-}
-
-fn target_outputs<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates: Evaluation) {
-    let targets = variables.evaluation(Controller::<L>::targets);
-    angle(variables.output("theta1_d", targets, |m| &mut m.outputs.targets.theta[0]), "rad", "deg")
-        .rate(rates, |m| &mut m.rates.targets.theta[0])
-        .nominal(0.1)
-        .depends_linearly_on(["theta1_ref"])
-        .description("Target of theta1");
-    angle(variables.output("theta2_d", targets, |m| &mut m.outputs.targets.theta[1]), "rad", "deg")
-        .rate(rates, |m| &mut m.rates.targets.theta[1])
-        .nominal(0.1)
-        .depends_linearly_on(["theta1_ref", "lambda1_ref"])
-        .description("Target of theta2, eq. (16)");
-    variables
-        .output("y_object_d", targets, |m| &mut m.outputs.targets.y_object)
-        .rate(rates, |m| &mut m.rates.targets.y_object)
-        .unit("m")
-        .nominal(0.05)
-        .depends_linearly_on(["theta1_ref", "lambda1_ref"])
-        .description("Target of y_object, eq. (16) with the L/2 it leaves out");
-    variables
-        .output("lambda2_d", targets, |m| &mut m.outputs.targets.lambda[1])
-        .rate(rates, |m| &mut m.rates.targets.lambda[1])
-        .unit("N")
-        .depends_linearly_on(["lambda1_ref"])
-        .description("Target of lambda2, eq. (16)");
-    angle(variables.output("e1", targets, |m| &mut m.outputs.errors.e[0]), "rad", "deg")
-        .rate(rates, |m| &mut m.rates.errors.e[0])
-        .nominal(0.1)
-        .depends_linearly_on(["theta1", "theta1_ref"])
-        .description("Angle error theta1 - theta1_d");
-    angle(variables.output("e2", targets, |m| &mut m.outputs.errors.e[1]), "rad", "deg")
-        .rate(rates, |m| &mut m.rates.errors.e[1])
-        .nominal(0.1)
-        .depends_linearly_on(["theta2", "theta1_ref", "lambda1_ref"])
-        .description("Angle error theta2 - theta2_d");
-    variables
-        .output("p", targets, |m| &mut m.outputs.errors.p)
-        .rate(rates, |m| &mut m.rates.errors.p)
-        .unit("m")
-        .nominal(0.01)
-        .depends_linearly_on(["y_object", "theta1_ref", "lambda1_ref"])
-        .description("Position error y_object - y_object_d");
-}
-
-/// Declares parameters from their table.
-fn declare<L: FmuLaw, T: 'static>(
-    variables: &mut Variables<Controller<L>>,
-    table: &'static [Parameter<T>],
-    tunable: bool,
-    of: fn(&mut Controller<L>) -> &mut T,
-) {
-    for parameter in table {
-        let builder = if tunable {
-            variables.tunable(parameter.name, move |m| (parameter.field)(of(m)))
-        } else {
-            variables.parameter(parameter.name, move |m| (parameter.field)(of(m)))
-        };
-        let description = parameter.description;
-        let capitalised = description[..1].to_uppercase() + &description[1..];
-        builder.unit(parameter.unit).range(parameter.range.min, parameter.range.max).description(&capitalised);
     }
 }
 

@@ -1,12 +1,11 @@
 //! `NabfcController.fmu`.
 
 use fmi2_export::{Evaluation, Variables};
-use grasp_control::laws::nabfc::{Estimates, Gains, Nabfc, RbfLayout, Surfaces};
-use grasp_control::parameter::ParameterError;
-use grasp_control::{Arms, Inputs, inner};
+use grasp_control::laws::nabfc::{Estimates, Gains, Nabfc, ObjectGains, PostureGains, RbfLayout, Surfaces};
+use grasp_control::{Arms, Inputs, InvalidParameter, inner};
 use serde::{Deserialize, Serialize};
 
-use super::{Controller, FmuLaw, angle, declare};
+use super::{Controller, FmuLaw};
 
 /// `NabfcController.fmu`.
 pub type NabfcController = Controller<Nabfc>;
@@ -52,11 +51,11 @@ impl FmuLaw for Nabfc {
         "Neuro-adaptive boundary force control (NABFC) of the dual-arm grasp, eqs. (31)-(39) and (49)-(57)";
     const FORCE_ALSO_DEPENDS_ON: &'static [&'static str] = &["tip_shear1_dot", "tip_shear2_dot"];
 
-    fn create(arms: Arms, settings: &Settings) -> Result<Self, ParameterError> {
+    fn create(arms: Arms, settings: &Settings) -> Result<Self, InvalidParameter> {
         Self::new(arms, settings.gains())
     }
 
-    fn retune(&mut self, settings: &Settings) -> Result<(), ParameterError> {
+    fn retune(&mut self, settings: &Settings) -> Result<(), InvalidParameter> {
         self.set_gains(settings.gains())
     }
 
@@ -66,11 +65,12 @@ impl FmuLaw for Nabfc {
 
     fn declare_settings(variables: &mut Variables<NabfcController>) {
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        declare(variables, &Gains::OBJECT, true, |m| &mut m.settings.gains);
-        declare(variables, &Gains::POSTURE1, true, |m| &mut m.settings.gains);
-        declare(variables, &Gains::POSTURE2, true, |m| &mut m.settings.gains);
-        declare(variables, &Gains::COMMON, true, |m| &mut m.settings.gains);
-        declare(variables, &Gains::FIXED, false, |m| &mut m.settings.gains);
+        variables.tunables(ObjectGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.object);
+        variables.tunable_family(PostureGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.posture);
+        variables.tunables(Gains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains);
+        variables.parameter_family(PostureGains::FIXED.map(Into::into), |m| &mut m.settings.gains.posture);
+        variables.parameters(ObjectGains::FIXED.map(Into::into), |m| &mut m.settings.gains.object);
+        variables.parameters(RbfLayout::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.rbf);
         let (posture, object) = (RbfLayout::NODES_POSTURE, RbfLayout::RINGS_OBJECT);
         variables
             .parameter("rbf_nodes_posture", |m| &mut m.settings.gains.rbf.nodes_posture)
@@ -118,7 +118,9 @@ fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation
     for i in 0..2 {
         let n = i + 1;
         let output = variables.output(format!("s{n}"), extra, move |m| &mut m.outputs.extra.surfaces.posture[i]);
-        angle(output, "rad/s", "deg/s")
+        output
+            .unit("rad/s")
+            .display_degrees()
             .rate(rates, move |m| &mut m.rates.extra.surfaces.posture[i])
             .depends_on([format!("theta{n}"), format!("theta{n}_dot")])
             .depends_on(["theta1_ref", "lambda1_ref"].into_iter().take(n))

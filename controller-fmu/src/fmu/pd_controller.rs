@@ -2,10 +2,9 @@
 
 use fmi2_export::Variables;
 use grasp_control::laws::pd::{Pd, PdGains};
-use grasp_control::parameter::ParameterError;
-use grasp_control::{Arms, Law};
+use grasp_control::{Arms, InvalidParameter, Law};
 
-use super::{Controller, FmuLaw, declare};
+use super::{Controller, FmuLaw};
 
 /// `PdController.fmu`.
 pub type PdController = Controller<Pd>;
@@ -17,11 +16,11 @@ impl FmuLaw for Pd {
     const NAME: &'static str = "PdController";
     const DESCRIPTION: &'static str = "PD control of the dual-arm grasp, eqs. (97) and (98)";
 
-    fn create(arms: Arms, gains: &PdGains) -> Result<Self, ParameterError> {
+    fn create(arms: Arms, gains: &PdGains) -> Result<Self, InvalidParameter> {
         Self::new(arms, *gains)
     }
 
-    fn retune(&mut self, gains: &PdGains) -> Result<(), ParameterError> {
+    fn retune(&mut self, gains: &PdGains) -> Result<(), InvalidParameter> {
         // The law has no state to keep.
         *self = Self::new(*self.arms(), *gains)?;
         Ok(())
@@ -32,6 +31,6 @@ impl FmuLaw for Pd {
     }
 
     fn declare_settings(variables: &mut Variables<PdController>) {
-        declare(variables, &PdGains::PARAMETERS, true, |m| &mut m.settings);
+        variables.tunables(PdGains::PARAMETERS.map(Into::into), |m| &mut m.settings);
     }
 }

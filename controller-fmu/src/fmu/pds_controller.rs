@@ -2,10 +2,9 @@
 
 use fmi2_export::Variables;
 use grasp_control::laws::pds::{Pds, PdsGains};
-use grasp_control::parameter::ParameterError;
-use grasp_control::{Arms, Law};
+use grasp_control::{Arms, InvalidParameter, Law};
 
-use super::{Controller, FmuLaw, declare};
+use super::{Controller, FmuLaw};
 
 /// `PdsController.fmu`.
 pub type PdsController = Controller<Pds>;
@@ -17,11 +16,11 @@ impl FmuLaw for Pds {
     const NAME: &'static str = "PdsController";
     const DESCRIPTION: &'static str = "PD control with strain feedback (PDS) of the dual-arm grasp, eqs. (95) and (96)";
 
-    fn create(arms: Arms, gains: &PdsGains) -> Result<Self, ParameterError> {
+    fn create(arms: Arms, gains: &PdsGains) -> Result<Self, InvalidParameter> {
         Self::new(arms, *gains)
     }
 
-    fn retune(&mut self, gains: &PdsGains) -> Result<(), ParameterError> {
+    fn retune(&mut self, gains: &PdsGains) -> Result<(), InvalidParameter> {
         // The law has no state to keep.
         *self = Self::new(*self.arms(), *gains)?;
         Ok(())
@@ -32,6 +31,6 @@ impl FmuLaw for Pds {
     }
 
     fn declare_settings(variables: &mut Variables<PdsController>) {
-        declare(variables, &PdsGains::PARAMETERS, true, |m| &mut m.settings);
+        variables.tunables(PdsGains::PARAMETERS.map(Into::into), |m| &mut m.settings);
     }
 }

@@ -3,3 +3,10 @@
 pub mod nabfc;
 pub mod pd;
 pub mod pds;
+
+use grasp_parameter::Range;
+
+/// A gain: zero or positive.
+pub(crate) const GAIN: Range = Range::new(0.0, 1e6);
+/// Something that divides: positive.
+pub(crate) const DIVISOR: Range = Range::new(1e-9, 1e9);

@@ -1,22 +1,23 @@
 //! PD, eqs. (97) and (98).
 
+use super::GAIN;
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::pds::{Pds, PdsGains};
-use crate::parameter::{Parameter, ParameterError, Range, check};
 use crate::signals::{Commands, Inputs};
 use crate::target::Arms;
+use grasp_parameter::{InvalidParameter, Parameter, check, parameter};
 use serde::{Deserialize, Serialize};
 
 /// Gains of the PD law; index 0 of an array is arm 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PdGains {
-    /// Object position gain kₚ \[N/m\], ≥ 0.
+    /// Object position gain kₚ \[N/m\].
     pub kp: f64,
-    /// Object velocity gain kᵥ \[N·s/m\], ≥ 0.
+    /// Object velocity gain kᵥ \[N·s/m\].
     pub kv: f64,
-    /// Hub angle gains kₚᵢ \[N·m/rad\], ≥ 0.
+    /// Hub angle gains kₚᵢ \[N·m/rad\].
     pub kp_arm: [f64; 2],
-    /// Hub velocity gains kᵥᵢ \[N·m·s/rad\], ≥ 0. A sampled loop is stable only for steps below 2J/kᵥᵢ.
+    /// Hub velocity gains kᵥᵢ \[N·m·s/rad\]. A sampled loop is stable only for steps below 2J/kᵥᵢ.
     pub kv_arm: [f64; 2],
 }
 
@@ -30,19 +31,19 @@ impl Default for PdGains {
 impl PdGains {
     /// The parameters by their names in the interface.
     pub const PARAMETERS: [Parameter<Self>; 6] = [
-        parameter!("kp", "N/m", Range::GAIN, "object position gain", kp),
-        parameter!("kv", "N.s/m", Range::GAIN, "object velocity gain", kv),
-        parameter!("kp1", "N.m/rad", Range::GAIN, "hub angle gain of arm 1", kp_arm[0]),
-        parameter!("kv1", "N.m.s/rad", Range::GAIN, "hub velocity gain of arm 1", kv_arm[0]),
-        parameter!("kp2", "N.m/rad", Range::GAIN, "hub angle gain of arm 2", kp_arm[1]),
-        parameter!("kv2", "N.m.s/rad", Range::GAIN, "hub velocity gain of arm 2", kv_arm[1]),
+        parameter!("kp", "N/m", GAIN, "Object position gain", kp),
+        parameter!("kv", "N.s/m", GAIN, "Object velocity gain", kv),
+        parameter!("kp1", "N.m/rad", GAIN, "Hub angle gain of arm 1", kp_arm[0]),
+        parameter!("kv1", "N.m.s/rad", GAIN, "Hub velocity gain of arm 1", kv_arm[0]),
+        parameter!("kp2", "N.m/rad", GAIN, "Hub angle gain of arm 2", kp_arm[1]),
+        parameter!("kv2", "N.m.s/rad", GAIN, "Hub velocity gain of arm 2", kv_arm[1]),
     ];
 
     /// Checks every parameter against its range.
     ///
     /// # Errors
     /// The first parameter that is not finite or not in its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
         check(&Self::PARAMETERS, self)
     }
 }
@@ -59,7 +60,7 @@ impl Pd {
     ///
     /// # Errors
     /// The first parameter that is not in its range.
-    pub fn new(arms: Arms, gains: PdGains) -> Result<Self, ParameterError> {
+    pub fn new(arms: Arms, gains: PdGains) -> Result<Self, InvalidParameter> {
         gains.validate()?;
         let PdGains { kp, kv, kp_arm, kv_arm } = gains;
         let law = Pds::new(arms, PdsGains { kp, kv, kp_arm, kv_arm, ks_arm: [0.0; 2] })?;
@@ -82,10 +83,12 @@ impl Law for Pd {
         self.law.initialize(inputs);
     }
 
+    #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
         self.law.commands(inputs)
     }
 
+    #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         self.law.step(h, inputs, rates)
     }

@@ -1,23 +1,24 @@
 //! PD plus strain feedback, eqs. (95) and (96).
 
+use super::GAIN;
 use crate::law::{CommandJacobian, Law, StepError};
-use crate::parameter::{Parameter, ParameterError, Range, check};
 use crate::signals::{Commands, INPUTS, Inputs, column};
 use crate::target::Arms;
+use grasp_parameter::{InvalidParameter, Parameter, check, parameter};
 use serde::{Deserialize, Serialize};
 
 /// Gains of the PDS law; index 0 of an array is arm 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PdsGains {
-    /// Object position gain `k̄ₚ` \[N/m\], ≥ 0.
+    /// Object position gain `k̄ₚ` \[N/m\].
     pub kp: f64,
-    /// Object velocity gain `k̄ᵥ` \[N·s/m\], ≥ 0.
+    /// Object velocity gain `k̄ᵥ` \[N·s/m\].
     pub kv: f64,
-    /// Hub angle gains `k̄ₚᵢ` \[N·m/rad\], ≥ 0.
+    /// Hub angle gains `k̄ₚᵢ` \[N·m/rad\].
     pub kp_arm: [f64; 2],
-    /// Hub velocity gains `k̄ᵥᵢ` \[N·m·s/rad\], ≥ 0.
+    /// Hub velocity gains `k̄ᵥᵢ` \[N·m·s/rad\].
     pub kv_arm: [f64; 2],
-    /// Strain gains `k̄ₛᵢ` \[1\], ≥ 0.
+    /// Strain gains `k̄ₛᵢ` \[1\].
     pub ks_arm: [f64; 2],
 }
 
@@ -31,21 +32,21 @@ impl Default for PdsGains {
 impl PdsGains {
     /// The parameters by their names in the interface.
     pub const PARAMETERS: [Parameter<Self>; 8] = [
-        parameter!("kp", "N/m", Range::GAIN, "object position gain", kp),
-        parameter!("kv", "N.s/m", Range::GAIN, "object velocity gain", kv),
-        parameter!("kp1", "N.m/rad", Range::GAIN, "hub angle gain of arm 1", kp_arm[0]),
-        parameter!("kv1", "N.m.s/rad", Range::GAIN, "hub velocity gain of arm 1", kv_arm[0]),
-        parameter!("ks1", "1", Range::GAIN, "strain gain of arm 1", ks_arm[0]),
-        parameter!("kp2", "N.m/rad", Range::GAIN, "hub angle gain of arm 2", kp_arm[1]),
-        parameter!("kv2", "N.m.s/rad", Range::GAIN, "hub velocity gain of arm 2", kv_arm[1]),
-        parameter!("ks2", "1", Range::GAIN, "strain gain of arm 2", ks_arm[1]),
+        parameter!("kp", "N/m", GAIN, "Object position gain", kp),
+        parameter!("kv", "N.s/m", GAIN, "Object velocity gain", kv),
+        parameter!("kp1", "N.m/rad", GAIN, "Hub angle gain of arm 1", kp_arm[0]),
+        parameter!("kv1", "N.m.s/rad", GAIN, "Hub velocity gain of arm 1", kv_arm[0]),
+        parameter!("ks1", "1", GAIN, "Strain gain of arm 1", ks_arm[0]),
+        parameter!("kp2", "N.m/rad", GAIN, "Hub angle gain of arm 2", kp_arm[1]),
+        parameter!("kv2", "N.m.s/rad", GAIN, "Hub velocity gain of arm 2", kv_arm[1]),
+        parameter!("ks2", "1", GAIN, "Strain gain of arm 2", ks_arm[1]),
     ];
 
     /// Checks every parameter against its range.
     ///
     /// # Errors
     /// The first parameter that is not finite or not in its range.
-    pub fn validate(&self) -> Result<(), ParameterError> {
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
         check(&Self::PARAMETERS, self)
     }
 }
@@ -62,7 +63,7 @@ impl Pds {
     ///
     /// # Errors
     /// The first parameter that is not in its range.
-    pub fn new(arms: Arms, gains: PdsGains) -> Result<Self, ParameterError> {
+    pub fn new(arms: Arms, gains: PdsGains) -> Result<Self, InvalidParameter> {
         arms.validate()?;
         gains.validate()?;
         Ok(Self { arms, gains })
@@ -83,6 +84,7 @@ impl Law for Pds {
     fn initialize(&mut self, _inputs: &Inputs) {}
 
     /// Eqs. (95) and (96), with `EIᵢ` qᵢ''(0) = Mᵢ(0) + λᵢᵈ l.
+    #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
         let PdsGains { kp, kv, kp_arm, kv_arm, ks_arm } = self.gains;
         let measured = &inputs.measured;
@@ -98,6 +100,7 @@ impl Law for Pds {
         }
     }
 
+    #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         StepError::check(h, inputs, rates)
     }

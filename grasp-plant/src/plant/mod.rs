@@ -6,10 +6,11 @@ mod step;
 
 use crate::dynamics::Signals;
 use crate::kernel::LANES;
-use crate::parameters::{InvalidParameter, Parameters};
+use crate::parameters::Parameters;
 use crate::propagator::Cache;
 use crate::state::{State, StateError};
 use crate::state_space::StateSpace;
+use grasp_parameter::InvalidParameter;
 use model::Model;
 use std::sync::Arc;
 

@@ -29,6 +29,7 @@ impl Model {
     }
 
     /// Forces that actuators and external disturbances exert together.
+    #[inline]
     pub fn forces(&self, inputs: &Inputs) -> [f64; FORCES] {
         let (commands, disturbances) = (inputs.commands(), inputs.disturbances());
         std::array::from_fn(|i| self.actuators[i].output(commands[i]) + disturbances[i])
@@ -76,6 +77,7 @@ impl Model {
     ///
     /// λ_i = EI_i w_i'''(l) + m_i ÿ_M with ÿ_M from (11), which is (13) and (14); with Kelvin–Voigt damping the shear is
     /// the transmitted one, EI_i(w_i'''(l) + κ ẇ_i'''(l)).
+    #[inline]
     pub fn direct(&self, signals: &Signals, applied: &[f64; FORCES], disturbances: &[f64; FORCES]) -> Direct {
         let p = &self.parameters;
         let shear = [0, 1].map(|i| signals[TIP_SHEAR[i]] + p.kelvin_voigt * signals[TIP_SHEAR_RATE[i]]);

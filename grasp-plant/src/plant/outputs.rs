@@ -14,12 +14,14 @@ use crate::signals::{Direct, Inputs, Measured, Rates, Uncertainty};
 impl Plant {
     /// The measured outputs.
     #[must_use]
+    #[inline]
     pub fn measured(&self) -> Measured {
         measured(&self.state.position, &self.signals)
     }
 
     /// The outputs that depend on the inputs directly.
     #[must_use]
+    #[inline]
     pub fn direct(&self, inputs: &Inputs) -> Direct {
         let commands = inputs.commands();
         let applied = std::array::from_fn(|i| self.model.actuators[i].output(commands[i]));
@@ -108,6 +110,7 @@ impl Plant {
     }
 }
 
+#[inline]
 fn measured(position: &[f64; 3], signals: &Signals) -> Measured {
     let both = |indices: [usize; 2]| indices.map(|index| signals[index]);
     Measured {

@@ -20,6 +20,7 @@ impl Plant {
     ///
     /// # Errors
     /// See [`StepError`]; the plant is then as it was before.
+    #[inline]
     pub fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         if !(h > 0.0 && h.is_finite()) {
             return Err(StepError::NotPositive { h });

@@ -10,9 +10,9 @@ pub use gains::{Gains, ObjectGains, PostureGains, RbfLayout};
 use crate::blocks::adaptation::NODES;
 use crate::blocks::lowpass::LowPass;
 use crate::law::{CommandJacobian, Law, StepError};
-use crate::parameter::ParameterError;
 use crate::signals::{Commands, INPUTS, Inputs, column};
 use crate::target::{Arms, ErrorJacobian};
+use grasp_parameter::InvalidParameter;
 use object_loop::{ObjectInputs, ObjectLoop, ObjectPartials};
 use posture_loop::PostureLoop;
 use serde::{Deserialize, Serialize};
@@ -83,7 +83,7 @@ impl Nabfc {
     ///
     /// # Errors
     /// The first parameter that is not in its range.
-    pub fn new(arms: Arms, gains: Gains) -> Result<Self, ParameterError> {
+    pub fn new(arms: Arms, gains: Gains) -> Result<Self, InvalidParameter> {
         arms.validate()?;
         gains.validate()?;
         Ok(Self {
@@ -103,12 +103,12 @@ impl Nabfc {
 
     /// Changes the gains while the law runs: estimates, weights and filters stay.
     ///
-    /// Initial estimates and the layout of the networks ([`Gains::FIXED`]) are not gains in this sense; they stay what
+    /// Initial estimates and the layout of the networks ([`RbfLayout`]) are not gains in this sense; they stay what
     /// they were.
     ///
     /// # Errors
     /// The first parameter that is not in its range; the law is then as before.
-    pub fn set_gains(&mut self, gains: Gains) -> Result<(), ParameterError> {
+    pub fn set_gains(&mut self, gains: Gains) -> Result<(), InvalidParameter> {
         let mut gains = Gains { rbf: self.gains.rbf, ..gains };
         gains.object.m_hat_0 = self.gains.object.m_hat_0;
         for (new, old) in gains.posture.iter_mut().zip(&self.gains.posture) {
@@ -253,6 +253,7 @@ impl Law for Nabfc {
     }
 
     /// Eqs. (36) and (54).
+    #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
         let at = self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot));
         let tau = std::array::from_fn(|i| {
@@ -263,6 +264,7 @@ impl Law for Nabfc {
     }
 
     /// Update laws (37)–(39) and (55)–(57), and the low-pass.
+    #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         StepError::check(h, inputs, rates)?;
         let shear_dot = inputs.measured.tip_shear_dot;

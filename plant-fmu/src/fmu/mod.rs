@@ -1,0 +1,197 @@
+//! The plant as an FMU: when it is made, stepped and read, and what is warned of. Its variables: [`variables`].
+
+mod variables;
+
+use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
+use grasp_plant::{DEFLECTION_POINTS, Direct, Inputs, Measured, Parameters, Plant, Rates, Uncertainty};
+use serde::{Deserialize, Serialize};
+
+use variables::ActuatorChoice;
+
+/// `DualArmPlant.fmu`.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct DualArmPlant {
+    parameters: Parameters,
+    actuator_model: ActuatorChoice,
+    inputs: Inputs,
+    /// Slopes of the inputs over the next step.
+    input_rates: Inputs,
+    /// The plant, once there is a start.
+    #[serde(with = "plant_state")]
+    plant: Option<Plant>,
+    /// Whether the grasp counts as closed, so that its next loss is worth a warning.
+    is_closed: bool,
+    /// What the host may look at.
+    #[serde(skip)]
+    outputs: Outputs,
+}
+
+/// Values of the output variables, each part filled in by the evaluation of its name.
+#[derive(Clone, Default)]
+struct Outputs {
+    measured: Measured,
+    direct: Direct,
+    in_contact: bool,
+    shape: Shape,
+    deflection: [[f64; DEFLECTION_POINTS]; 2],
+    rates: Rates,
+}
+
+/// Outputs that are for looking at rather than for feeding back.
+#[derive(Clone, Default)]
+struct Shape {
+    tip_deflection: [f64; 2],
+    constraint: [f64; 2],
+    energy: f64,
+    supplied_energy: f64,
+    uncertainty: Uncertainty,
+}
+
+impl Default for DualArmPlant {
+    fn default() -> Self {
+        Self {
+            parameters: Parameters::default(),
+            actuator_model: ActuatorChoice::default(),
+            inputs: Inputs::ZERO,
+            input_rates: Inputs::ZERO,
+            plant: None,
+            is_closed: true,
+            outputs: Outputs::default(),
+        }
+    }
+}
+
+impl DualArmPlant {
+    /// Tension that is more than rounding \[N\].
+    const TENSION: f64 = 1e-9;
+    /// Compression from which on a grasp counts as closed again \[N\]: forces that tremble about zero warn once.
+    const FIRM: f64 = 0.01;
+
+    /// The parameters as the host has set them.
+    fn parameters(&self) -> Parameters {
+        Parameters { actuator_model: self.actuator_model.0, ..self.parameters.clone() }
+    }
+
+    fn measured(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.measured = plant.measured();
+        }
+    }
+
+    fn direct(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.direct = plant.direct(&self.inputs);
+            self.outputs.in_contact = self.outputs.direct.in_contact();
+        }
+    }
+
+    fn shape(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.shape = Shape {
+                tip_deflection: plant.tip_deflection(),
+                constraint: plant.constraint(),
+                energy: plant.energy(),
+                supplied_energy: plant.supplied_energy(),
+                uncertainty: plant.uncertainty(),
+            };
+        }
+    }
+
+    fn deflection(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.deflection = plant.deflection();
+        }
+    }
+
+    fn rates(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.rates = plant.rates(&self.inputs, &self.input_rates);
+        }
+    }
+}
+
+impl Declare for DualArmPlant {
+    const INFO: Info = Info {
+        name: "DualArmPlant",
+        description: "Two flexible one-link arms (Euler-Bernoulli beams on motor hubs) grasping an object",
+        version: env!("CARGO_PKG_VERSION"),
+        license: env!("CARGO_PKG_LICENSE"),
+        default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 2.0, step_size: 1e-4, tolerance: None },
+        directional_derivatives: true,
+        ..Info::new()
+    };
+
+    fn variables(variables: &mut Variables<Self>) {
+        variables::declare(variables);
+    }
+}
+
+impl Model for DualArmPlant {
+    fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
+        self.is_closed = true;
+        let parameters = self.parameters();
+        match &mut self.plant {
+            Some(plant) if *plant.parameters() == parameters => plant.reset(),
+            plant => *plant = Some(Plant::new(parameters).map_err(Failure::error)?),
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
+        let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
+        plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)?;
+        let forces = plant.direct(&self.inputs).contact_force;
+        let (arm, weakest) = if forces[0] <= forces[1] { (1, forces[0]) } else { (2, forces[1]) };
+        if self.is_closed && weakest < -Self::TENSION {
+            self.is_closed = false;
+            let time = step.time + step.size;
+            step.warn(format_args!(
+                "contact lost at t = {time} s: the force at tip {arm} is {weakest:.3e} N. The model goes on holding the \
+                 arms to the object, which no real grasp does; start with a preload or see in_contact"
+            ));
+        } else if weakest > Self::FIRM {
+            self.is_closed = true;
+        }
+        Ok(())
+    }
+
+    fn restored(&mut self) -> Result<(), Failure> {
+        // In initialization mode the parameters may have changed since the plant was made; it will be made anew then.
+        let parameters = self.parameters();
+        self.plant.take_if(|plant| *plant.parameters() != parameters);
+        let Some(plant) = &self.plant else { return Ok(()) };
+        let lambda = plant.direct(&self.inputs).lambda;
+        if !(plant.energy().is_finite() && lambda.iter().all(|value| value.is_finite())) {
+            return Err(Failure::error("the plant in the state has energy or forces that are not finite"));
+        }
+        Ok(())
+    }
+
+    fn directional_derivative(&mut self, direction: &mut Self) {
+        if let Some(plant) = &self.plant {
+            direction.outputs.direct = plant.direct_derivative(&self.inputs, &direction.inputs);
+        }
+    }
+}
+
+/// A plant in a saved state is its parameters and what moves; the matrices are computed again.
+mod plant_state {
+    use grasp_plant::{Parameters, Plant, State};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+    #[allow(clippy::ref_option)] // The signature serde asks for.
+    pub fn serialize<S: Serializer>(plant: &Option<Plant>, serializer: S) -> Result<S::Ok, S::Error> {
+        plant.as_ref().map(|plant| (plant.parameters(), plant.state())).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Plant>, D::Error> {
+        let Some((parameters, state)) = Option::<(Parameters, State)>::deserialize(deserializer)? else {
+            return Ok(None);
+        };
+        let mut plant = Plant::new(parameters).map_err(D::Error::custom)?;
+        plant.set_state(&state).map_err(D::Error::custom)?;
+        Ok(Some(plant))
+    }
+}
+
+fmi2_export::export!(DualArmPlant);

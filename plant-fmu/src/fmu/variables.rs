@@ -1,0 +1,216 @@
+//! Names, units and dependencies of the variables.
+
+use fmi2_export::{Enumeration, Evaluation, Variables};
+use grasp_plant::{ActuatorModel, Arm, Channel, DEFLECTION_POINTS, ORDER_RANGE, Parameters, Start};
+use serde::{Deserialize, Serialize};
+
+use super::DualArmPlant;
+
+pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
+    inputs(variables);
+    let rates = variables.evaluation(DualArmPlant::rates);
+    measured_outputs(variables, rates);
+    direct_outputs(variables, rates);
+    shape_outputs(variables, rates);
+    parameters(variables);
+}
+
+fn inputs(variables: &mut Variables<DualArmPlant>) {
+    variables
+        .input_array("tau{}_cmd", |m| &mut m.inputs.torque_command)
+        .ramp_array(|m| &mut m.input_rates.torque_command)
+        .unit("N.m")
+        .nominal(1.0)
+        .description("Commanded torque on hub {}, before the actuator's limits");
+    variables
+        .input("u_cmd", |m| &mut m.inputs.force_command)
+        .ramp(|m| &mut m.input_rates.force_command)
+        .unit("N")
+        .nominal(0.1)
+        .description("Commanded force on the object, before the actuator's limits");
+    variables
+        .input_array("delta_f{}", |m| &mut m.inputs.hub_disturbance)
+        .ramp_array(|m| &mut m.input_rates.hub_disturbance)
+        .unit("N.m")
+        .nominal(0.1)
+        .description("External disturbance torque on hub {}, added to the built-in one");
+    variables
+        .input("delta_F", |m| &mut m.inputs.object_disturbance)
+        .ramp(|m| &mut m.input_rates.object_disturbance)
+        .unit("N")
+        .nominal(0.1)
+        .description("External disturbance force on the object, added to the built-in one");
+}
+
+fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
+    let measured = variables.evaluation(DualArmPlant::measured);
+    variables
+        .output_array("theta{}", measured, |m| &mut m.outputs.measured.theta)
+        .rate_array(rates, |m| &mut m.outputs.rates.measured.theta)
+        .unit("rad")
+        .display_degrees()
+        .nominal(0.1)
+        .description("Angle of hub {}, counter-clockwise");
+    variables
+        .output_array("theta{}_dot", measured, |m| &mut m.outputs.measured.theta_dot)
+        .rate_array(rates, |m| &mut m.outputs.rates.measured.theta_dot)
+        .unit("rad/s")
+        .display_degrees()
+        .description("Angular velocity of hub {}");
+    variables
+        .output("y_object", measured, |m| &mut m.outputs.measured.y_object)
+        .rate(rates, |m| &mut m.outputs.rates.measured.y_object)
+        .unit("m")
+        .nominal(0.05)
+        .description("Position y_M of the object's centre above hub 1; L/2 when straight arms just touch it");
+    variables
+        .output("y_object_dot", measured, |m| &mut m.outputs.measured.y_object_dot)
+        .rate(rates, |m| &mut m.outputs.rates.measured.y_object_dot)
+        .unit("m/s")
+        .nominal(0.1)
+        .description("Velocity of the object");
+    variables
+        .output_array("root_moment{}", measured, |m| &mut m.outputs.measured.root_moment)
+        .rate_array(rates, |m| &mut m.outputs.rates.measured.root_moment)
+        .unit("N.m")
+        .nominal(0.1)
+        .description("Elastic bending moment EI w''(0) at the root of arm {}");
+    variables
+        .output_array("tip_shear{}", measured, |m| &mut m.outputs.measured.tip_shear)
+        .rate_array(rates, |m| &mut m.outputs.rates.measured.tip_shear)
+        .unit("N")
+        .description("Elastic shear force EI w'''(l) at the tip of arm {}");
+    variables
+        .output_array("tip_shear{}_dot", measured, |m| &mut m.outputs.measured.tip_shear_dot)
+        .rate_array(rates, |m| &mut m.outputs.rates.measured.tip_shear_dot)
+        .unit("N/s")
+        .nominal(10.0)
+        .description("Rate of the elastic shear force at the tip of arm {}");
+}
+
+fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
+    let direct = variables.evaluation(DualArmPlant::direct);
+    variables
+        .output_array("lambda{}", direct, |m| &mut m.outputs.direct.lambda)
+        .rate_array(rates, |m| &mut m.outputs.rates.direct.lambda)
+        .unit("N")
+        .depends_on(["u_cmd"])
+        .depends_linearly_on(["delta_F"])
+        .description(
+            "Lagrange multiplier of constraint {}, eqs. (13) and (14): contact_force1 = -lambda1, contact_force2 = lambda2",
+        );
+    variables
+        .output_array("contact_force{}", direct, |m| &mut m.outputs.direct.contact_force)
+        .rate_array(rates, |m| &mut m.outputs.rates.direct.contact_force)
+        .unit("N")
+        .depends_on(["u_cmd"])
+        .depends_linearly_on(["delta_F"])
+        .description("Force between tip {} and the object, positive in compression");
+    variables
+        .output_array("tau{}", direct, |m| &mut m.outputs.direct.torque)
+        .rate_array(rates, |m| &mut m.outputs.rates.direct.torque)
+        .unit("N.m")
+        .depends_on(["tau{}_cmd"])
+        .description("Torque that actuator {} delivers, within its limits");
+    variables
+        .output("u", direct, |m| &mut m.outputs.direct.force)
+        .rate(rates, |m| &mut m.outputs.rates.direct.force)
+        .unit("N")
+        .nominal(0.1)
+        .depends_on(["u_cmd"])
+        .description("Force that the object's actuator delivers, within its limits");
+    variables
+        .output("in_contact", direct, |m| &mut m.outputs.in_contact)
+        .depends_on(["u_cmd", "delta_F"])
+        .description("Whether both contact forces are compressive; the model itself holds the arms to the object");
+}
+
+fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
+    let shape = variables.evaluation(DualArmPlant::shape);
+    let deflection = variables.evaluation(DualArmPlant::deflection);
+    variables
+        .output_array("tip_deflection{}", shape, |m| &mut m.outputs.shape.tip_deflection)
+        .rate_array(rates, |m| &mut m.outputs.rates.tip_deflection)
+        .unit("m")
+        .nominal(0.01)
+        .description("Deflection w(l) of the tip of arm {}, back from the line that turns with the hub");
+    variables
+        .output_array("constraint{}", shape, |m| &mut m.outputs.shape.constraint)
+        .rate_array(rates, |m| &mut m.outputs.rates.constraint)
+        .unit("m")
+        .nominal(1e-12)
+        .description("Residual of the geometric constraint (12) of arm {}, zero up to rounding");
+    variables
+        .output_array("root_moment{}_dot", shape, |m| &mut m.outputs.shape.uncertainty.root_moment_dot)
+        .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.root_moment_dot)
+        .unit("N.m/s")
+        .description("Rate of the elastic bending moment at the root of arm {}");
+    variables
+        .output_array("hub_uncertainty{}", shape, |m| &mut m.outputs.shape.uncertainty.delta_f)
+        .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.delta_f)
+        .unit("N.m")
+        .nominal(0.1)
+        .description("Built-in disturbance torque on hub {}: -root_uncertainty times the rate of its root moment");
+    variables
+        .output("object_uncertainty", shape, |m| &mut m.outputs.shape.uncertainty.delta_force)
+        .rate(rates, |m| &mut m.outputs.rates.uncertainty.delta_force)
+        .unit("N")
+        .nominal(0.1)
+        .description("Built-in disturbance force on the object, from the rates of the tip shears");
+    variables
+        .output("energy", shape, |m| &mut m.outputs.shape.energy)
+        .rate(rates, |m| &mut m.outputs.rates.energy)
+        .unit("J")
+        .nominal(0.01)
+        .description("Kinetic and strain energy");
+    variables
+        .output("supplied_energy", shape, |m| &mut m.outputs.shape.supplied_energy)
+        .rate(rates, |m| &mut m.outputs.rates.supplied_energy)
+        .unit("J")
+        .nominal(0.01)
+        .description("Work done by the actuators and the external disturbances since the start");
+    for arm in 0..2 {
+        variables
+            .output_array(&format!("deflection{}", arm + 1), deflection, move |m| &mut m.outputs.deflection[arm])
+            .rate_array(rates, move |m| &mut m.outputs.rates.deflection[arm])
+            .unit("m")
+            .nominal(0.01)
+            .descriptions(|point| {
+                let place = point as f64 / (DEFLECTION_POINTS - 1) as f64;
+                format!("Deflection w(x) of arm {} at x = {place} l", arm + 1)
+            });
+    }
+}
+
+/// Names, units and ranges are those of the plant's own tables.
+fn parameters(variables: &mut Variables<DualArmPlant>) {
+    variables.parameter_family(Arm::PARAMETERS.map(Into::into), |m| &mut m.parameters.arms);
+    variables.parameters(Parameters::COMMON.map(Into::into), |m| &mut m.parameters);
+    variables
+        .parameter("order", |m| &mut m.parameters.order)
+        .range(*ORDER_RANGE.start() as f64, *ORDER_RANGE.end() as f64)
+        .description("Polynomial degree of the bending moment over each arm; the velocity has two less");
+    variables
+        .parameter("actuator_model", |m| &mut m.actuator_model)
+        .description("How the actuators turn commands into torques and the force; by default without dead zone");
+    variables.parameters(Channel::TORQUE_PARAMETERS.map(Into::into), |m| &mut m.parameters.torque_channel);
+    variables.parameters(Channel::FORCE_PARAMETERS.map(Into::into), |m| &mut m.parameters.force_channel);
+    variables.parameters(Start::ANGLES.map(Into::into), |m| &mut m.parameters.start).display_degrees();
+    variables.parameters(Start::OBJECT.map(Into::into), |m| &mut m.parameters.start);
+}
+
+/// The actuator model as a variable of the FMU: what FMI needs to know of it can't be said of another crate's type.
+#[derive(Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct ActuatorChoice(pub ActuatorModel);
+
+impl Enumeration for ActuatorChoice {
+    const NAME: &'static str = "ActuatorModel";
+    const DESCRIPTION: &'static str = "How a command becomes an actuator output";
+    const ITEMS: &'static [(&'static str, &'static str)] = &[
+        ("ideal", "The output equals the command"),
+        ("compensated", "Eq. (18): the dead zone is compensated, only saturation remains"),
+        ("raw", "Saturation, then the dead zone"),
+    ];
+    const VALUES: &'static [Self] =
+        &[Self(ActuatorModel::Ideal), Self(ActuatorModel::Compensated), Self(ActuatorModel::Raw)];
+}
