@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::steps::{Outcome, run};
-use crate::{Tree, python, template};
+use crate::tree::Tree;
+use crate::{python, template};
 
 /// The crate that the tests make from the template; its name gives the model's, `WaterHeater`.
 const FROM_TEMPLATE: &str = "water-heater";

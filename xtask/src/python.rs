@@ -5,8 +5,8 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::Tree;
 use crate::steps::{Outcome, run};
+use crate::tree::{Tree, works};
 
 /// Oldest Python that the pinned packages and the tests support.
 const OLDEST: (u32, u32) = (3, 9);
@@ -22,7 +22,10 @@ pub fn prepare(tree: &Tree) -> Outcome {
 /// The command that runs the Python tests with `args` added.
 pub fn pytest(tree: &Tree, args: &[String]) -> Command {
     // All processors; each file by one process, so that what its tests share is made once.
-    let mut command = command(tree, &["-m", "pytest", "tests", "--numprocesses=auto", "--dist=loadfile"]);
+    let mut command = command(tree, &["-m", "pytest", "--numprocesses=auto", "--dist=loadfile"]);
+    if !args.iter().any(|arg| arg.starts_with("tests/")) {
+        command.arg("tests");
+    }
     command.args(args);
     command
 }
@@ -32,6 +35,32 @@ pub fn command(tree: &Tree, args: &[&str]) -> Command {
     let mut command = Command::new(interpreter(tree));
     command.args(args).current_dir(&tree.root);
     command
+}
+
+/// A program from a PyPI package that is not among the tests' requirements because it may be unobtainable; or why it is.
+pub fn tool(tree: &Tree, package: &str, program: &str) -> Result<Command, String> {
+    let installed = || {
+        let folder = interpreter(tree).with_file_name(program);
+        let mut command = Command::new(if cfg!(windows) { folder.with_extension("exe") } else { folder });
+        command.current_dir(&tree.root);
+        command
+    };
+    let version = || {
+        let mut command = installed();
+        command.arg("--version");
+        command
+    };
+    if !works(version()) {
+        let arguments = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", package];
+        let output = command(tree, &arguments).output().map_err(|error| error.to_string())?;
+        if !output.status.success() {
+            return Err(format!("`pip install {package}` failed"));
+        }
+        if !works(version()) {
+            return Err(format!("{package} brought no program {program}"));
+        }
+    }
+    Ok(installed())
 }
 
 fn try_prepare(tree: &Tree) -> Result<Outcome, String> {
@@ -44,7 +73,7 @@ fn try_prepare(tree: &Tree) -> Result<Outcome, String> {
     let stamp_file = tree.venv().join("made-from.txt");
 
     let up_to_date = fs::read_to_string(&stamp_file).is_ok_and(|old| old == stamp);
-    if up_to_date && works(&interpreter(tree)) {
+    if up_to_date && works(command(tree, &["-c", "import pytest, fmpy"])) {
         println!("Python {version}: the environment is up to date");
         return Ok(Outcome::Passed);
     }
@@ -94,10 +123,6 @@ fn version(python: &OsString) -> Result<String, String> {
         }
         _ => Err(format!("`{name}` did not tell its version; set PYTHON to a Python 3 interpreter")),
     }
-}
-
-fn works(python: &PathBuf) -> bool {
-    Command::new(python).args(["-c", "import pytest, fmpy"]).output().is_ok_and(|output| output.status.success())
 }
 
 fn interpreter(tree: &Tree) -> PathBuf {

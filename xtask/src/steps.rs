@@ -1,6 +1,9 @@
 //! Steps with a heading, a result and a duration each; the first failure skips the rest.
 
-use std::process::{Command, ExitCode};
+use std::num::NonZero;
+use std::process::{Command, ExitCode, Stdio};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
 
 /// How a step ended.
@@ -87,6 +90,40 @@ pub fn run(mut command: Command) -> Outcome {
     }
 }
 
+/// Runs commands side by side, as many as there are processors, with the output of each printed when it ends. All of them
+/// run; the first failure in their order is the outcome.
+pub fn run_together(commands: impl IntoIterator<Item = Command>) -> Outcome {
+    let waiting: Mutex<Vec<(usize, Command)>> = Mutex::new(commands.into_iter().enumerate().collect());
+    let failures = Mutex::new(Vec::new());
+    let next = || {
+        let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        (!waiting.is_empty()).then(|| waiting.remove(0))
+    };
+    thread::scope(|scope| {
+        for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
+            scope.spawn(|| {
+                while let Some((index, mut command)) = next() {
+                    let output = command.stdin(Stdio::null()).output();
+                    let mut failures = failures.lock().unwrap_or_else(PoisonError::into_inner);
+                    println!("$ {}", line(&command));
+                    match output {
+                        Ok(output) => {
+                            print!("{}", String::from_utf8_lossy(&output.stdout));
+                            eprint!("{}", String::from_utf8_lossy(&output.stderr));
+                            if !output.status.success() {
+                                failures.push((index, format!("`{}` ended with {}", line(&command), output.status)));
+                            }
+                        }
+                        Err(error) => failures.push((index, format!("`{}` did not start: {error}", line(&command)))),
+                    }
+                }
+            });
+        }
+    });
+    let failures = failures.into_inner().unwrap_or_else(PoisonError::into_inner);
+    failures.into_iter().min().map_or(Outcome::Passed, |(_, reason)| Outcome::Failed(reason))
+}
+
 /// The command as one would type it: the program by its bare name.
 fn line(command: &Command) -> String {
     let program = std::path::Path::new(command.get_program());
@@ -116,6 +153,19 @@ mod tests {
         let summary = steps.summary();
         assert!(summary.contains("not checked") && summary.contains("no rustfmt"), "{summary}");
         assert!(!summary.contains("FAILED"), "{summary}");
+    }
+
+    #[test]
+    fn of_commands_side_by_side_all_run_and_the_first_failure_counts() {
+        let cargo = |argument: &str| {
+            let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+            command.arg(argument);
+            command
+        };
+        assert_eq!(run_together([cargo("--version"), cargo("--version"), cargo("--help")]), Outcome::Passed);
+        let outcome =
+            run_together([cargo("--version"), cargo("no-such-command"), Command::new("no-such-program-here")]);
+        assert!(matches!(&outcome, Outcome::Failed(reason) if reason.contains("no-such-command")), "{outcome:?}");
     }
 
     #[test]

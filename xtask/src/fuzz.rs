@@ -1,0 +1,48 @@
+//! The fuzz targets in `fuzz/`: as plain Rust with their seeds, and for a minute by libFuzzer where it is installed.
+
+use std::process::Command;
+
+use crate::steps::{Outcome, run};
+use crate::tree::{Tree, works};
+
+/// The targets, and how long each is run, in s.
+const TARGETS: [&str; 3] = ["description", "ssp", "state"];
+const SECONDS: u32 = 20;
+
+/// Feeds the seeds to every target with stable Rust: targets that are never run would rot.
+pub fn seeds(tree: &Tree) -> Outcome {
+    let mut command = tree.cargo(&["test", "--release", "--locked", "--manifest-path", "fuzz/Cargo.toml"]);
+    command.env("CARGO_TARGET_DIR", &tree.target);
+    run(command)
+}
+
+/// Runs each target with libFuzzer.
+pub fn run_targets(tree: &Tree) -> Outcome {
+    for (what, arguments) in [("a nightly toolchain", ["+nightly", "--version"]), ("cargo-fuzz", ["fuzz", "--version"])]
+    {
+        if !works(rustup_cargo(tree, &arguments)) {
+            return Outcome::Skipped(format!("{what} is not installed (see fuzz/README.md)"));
+        }
+    }
+    for target in TARGETS {
+        let time = format!("-max_total_time={SECONDS}");
+        let arguments = ["+nightly", "fuzz", "run", "--fuzz-dir", "fuzz", "--features", "fuzzing", target, "--", &time];
+        let mut command = rustup_cargo(tree, &arguments);
+        command.env("CARGO_TARGET_DIR", tree.target.join("fuzz"));
+        let outcome = run(command);
+        if outcome != Outcome::Passed {
+            return outcome;
+        }
+    }
+    Outcome::Passed
+}
+
+/// The cargo of the PATH, which knows `+nightly`, without what our own cargo says to its children.
+fn rustup_cargo(tree: &Tree, arguments: &[&str]) -> Command {
+    let mut command = Command::new("cargo");
+    command.args(arguments).current_dir(&tree.root);
+    for name in ["CARGO", "RUSTC", "RUSTDOC", "RUSTUP_TOOLCHAIN"] {
+        command.env_remove(name);
+    }
+    command
+}
