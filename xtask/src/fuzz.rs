@@ -11,7 +11,7 @@ const SECONDS: u32 = 20;
 
 /// Feeds the seeds to every target with stable Rust: targets that are never run would rot.
 pub fn seeds(tree: &Tree) -> Outcome {
-    let mut command = tree.cargo(&["test", "--release", "--locked", "--manifest-path", "fuzz/Cargo.toml"]);
+    let mut command = tree.cargo(&["test", "--release", "--manifest-path", "fuzz/Cargo.toml"]);
     command.env("CARGO_TARGET_DIR", &tree.target);
     run(command)
 }

@@ -37,7 +37,7 @@ pub fn command(tree: &Tree, args: &[&str]) -> Command {
     command
 }
 
-/// A program from a PyPI package that is not among the tests' requirements because it may be unobtainable; or why it is.
+/// A program from a `PyPI` package that is not among the tests' requirements because it may be unobtainable; or why it is.
 pub fn tool(tree: &Tree, package: &str, program: &str) -> Result<Command, String> {
     let installed = || {
         let folder = interpreter(tree).with_file_name(program);
