@@ -7,7 +7,8 @@ use crate::PackageError;
 pub const HELP: &str = "\
 Builds the FMU library of this crate and packages it.
 
-Usage: cargo run --release --features package -- [OPTIONS]
+Usage: cargo fmi2 package [OPTIONS]
+       cargo run --release --features package -- [OPTIONS]
 
 Options:
   -o, --out DIR       folder for the .fmu files [default: dist]
@@ -16,8 +17,8 @@ Options:
   -h, --help          print this help
 
 Examples:
-  cargo run --release --features package                            dist/NAME.fmu for each model of the crate
-  cargo run --release --features package -- --describe descriptions   the XML, to look at or to check in
+  cargo fmi2 package                           dist/NAME.fmu for each model of the crate
+  cargo fmi2 package --describe descriptions   the XML, to look at or to check in
 ";
 
 #[derive(Debug)]

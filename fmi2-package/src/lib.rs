@@ -32,7 +32,7 @@ pub struct Document<'a> {
     pub license: &'a str,
     /// A run whose results the page shows.
     pub response: Option<Response<'a>>,
-    /// How the archive was made, as one would type it; `cargo run --release --features package` if empty.
+    /// How the archive was made, as one would type it; `cargo fmi2 package` if empty.
     pub command: &'a str,
     /// Further files.
     pub files: &'a [File<'a>],

@@ -1,11 +1,12 @@
 //! What the Python tests need and cargo builds: made before they run, so that no test waits for a compiler.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::process::Command;
 
+use crate::python;
 use crate::steps::{Outcome, run};
 use crate::tree::Tree;
-use crate::{python, template};
 
 /// The crate that the tests make from the template; its name gives the model's, `WaterHeater`.
 const FROM_TEMPLATE: &str = "water-heater";
@@ -36,32 +37,41 @@ fn example(tree: &Tree, folder: &Path) -> Outcome {
 /// A stranger's crate: made from the template, its FMU packaged, its tests compiled.
 fn from_template(tree: &Tree, folder: &Path) -> Outcome {
     let path = folder.join(FROM_TEMPLATE);
-    if let Err(reason) = fresh_crate(tree, &path) {
+    if path.exists()
+        && let Err(error) = fs::remove_dir_all(&path)
+    {
+        return Outcome::Failed(format!("cannot remove {}: {error}", path.display()));
+    }
+    if let Err(reason) = cargo_fmi2::new::create(&path, None) {
         return Outcome::Failed(reason);
     }
-    let package: &[&str] = &["run", "--offline", "--release", "--features", "package"];
-    for arguments in [package, &["test", "--offline", "--release", "--no-run"]] {
-        let mut command = tree.cargo(arguments);
-        command.current_dir(&path).env("CARGO_TARGET_DIR", tree.target.join("template"));
+    // The versions that the workspace has: they have been fetched, so that nothing is asked of the network.
+    if let Err(error) = fs::copy(tree.root.join("Cargo.lock"), path.join("Cargo.lock")) {
+        return Outcome::Failed(format!("cannot copy Cargo.lock: {error}"));
+    }
+    let built = run(tree.cargo(&["build", "--release", "--package", "cargo-fmi2"]));
+    if built != Outcome::Passed {
+        return built;
+    }
+    let name = format!("cargo-fmi2{}", std::env::consts::EXE_SUFFIX);
+    let mut package = Command::new(tree.target.join("release").join(name));
+    package.args(["fmi2", "package"]);
+    for mut command in [package, tree.cargo(&["test", "--release", "--no-run"])] {
+        command
+            .current_dir(&path)
+            .env("CARGO_TARGET_DIR", tree.target.join("template"))
+            .env("CARGO_NET_OFFLINE", "true");
         // How well the compiler optimises is not what is tested: compile fast.
-        command.envs([("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1"), ("CARGO_PROFILE_RELEASE_LTO", "off")]);
+        for profile in ["RELEASE", "FMU"] {
+            command.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "1");
+            command.env(format!("CARGO_PROFILE_{profile}_LTO"), "off");
+        }
         let outcome = run(command);
         if outcome != Outcome::Passed {
             return outcome;
         }
     }
     Outcome::Passed
-}
-
-fn fresh_crate(tree: &Tree, path: &PathBuf) -> Result<(), String> {
-    if path.exists() {
-        fs::remove_dir_all(path).map_err(|error| format!("cannot remove {}: {error}", path.display()))?;
-    }
-    template::create(&tree.root, path)?;
-    // The versions that the workspace has: they have been fetched, so that nothing is asked of the network.
-    fs::copy(tree.root.join("Cargo.lock"), path.join("Cargo.lock"))
-        .map(|_| ())
-        .map_err(|error| format!("cannot copy Cargo.lock: {error}"))
 }
 
 /// The importer of rust-fmi; says so if it cannot be built here, and the tests that need it are skipped.

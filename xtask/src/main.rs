@@ -4,7 +4,7 @@
 //! cargo xtask test     every test there is: Rust, the packaged FMUs, Python, the code checks
 //! cargo xtask check    formatting, lints, documentation and workflow files only
 //! cargo xtask describe renews modelDescription/
-//! cargo xtask new-fmu  a new model crate from the template of fmi2-export
+//! cargo xtask new-fmu  a new model crate, by cargo-fmi2
 //! cargo xtask counts   instructions per communication step, against their history
 //! ```
 //!
@@ -19,7 +19,6 @@ mod helpers;
 mod long;
 mod python;
 mod steps;
-mod template;
 mod tree;
 
 use std::path::Path;
@@ -37,7 +36,7 @@ fn main() -> ExitCode {
         Command::Test(what) => test(&tree, &what),
         Command::Check => check(&tree),
         Command::Describe => describe(&tree),
-        Command::NewFmu { path } => new_fmu(&tree, &path),
+        Command::NewFmu { path } => new_fmu(&path),
         Command::Counts { record } => counts(&tree, record.as_deref()),
     }
 }
@@ -92,8 +91,8 @@ fn describe(tree: &Tree) -> ExitCode {
 }
 
 /// `cargo xtask new-fmu`: for those who come with a model of their own.
-fn new_fmu(tree: &Tree, path: &Path) -> ExitCode {
-    match template::create(&tree.root, path) {
+fn new_fmu(path: &Path) -> ExitCode {
+    match cargo_fmi2::new::create(path, None) {
         Ok(next) => {
             print!("{next}");
             ExitCode::SUCCESS

@@ -236,11 +236,7 @@ impl Page<'_> {
         rows.extend(tables::capabilities(self.interface));
         rows.push(("Binary for", platform_folder().unwrap_or_default().to_owned()));
         rows.push(("Generation tool", GENERATION_TOOL.to_owned()));
-        let command = if self.document.command.is_empty() {
-            "cargo run --release --features package"
-        } else {
-            self.document.command
-        };
+        let command = if self.document.command.is_empty() { "cargo fmi2 package" } else { self.document.command };
         rows.push(("Made by", command.to_owned()));
         rows.push(("GUID", self.description.guid.clone()));
         html.push_str("<table class=\"facts\">\n<tbody>\n");

@@ -1,4 +1,4 @@
-//! Packages the FMU: `cargo run --release --features package`.
+//! Packages the FMU: `cargo fmi2 package`.
 
 use fmi2_package::{Document, Panel, Response};
 
