@@ -49,12 +49,11 @@ impl Arguments {
 pub fn run(arguments: &Arguments) -> Result<ExitCode, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let start = |error| format!("cannot run {}: {error}", cargo.display());
-    let mut manifest: Vec<OsString> = Vec::new();
-    if let Some(path) = &arguments.manifest_path {
-        manifest.extend(["--manifest-path".into(), path.into()]);
-    }
     let mut metadata = Command::new(&cargo);
-    metadata.args(["metadata", "--no-deps", "--format-version", "1"]).args(&manifest);
+    metadata.args(["metadata", "--no-deps", "--format-version", "1"]);
+    if let Some(path) = &arguments.manifest_path {
+        metadata.arg("--manifest-path").arg(path);
+    }
     let output = metadata.stderr(Stdio::inherit()).output().map_err(start)?;
     if !output.status.success() {
         return Err("cargo has said why there is no crate to package; `cargo fmi2 new` makes one".into());
@@ -68,9 +67,10 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, String> {
     let from = from.canonicalize().map_err(|error| format!("cannot find {}: {error}", from.display()))?;
     let program = find(&metadata, &from, arguments.package.as_deref())?;
     let status = Command::new(&cargo)
-        .args(["run", "--release", "--package", &program.package, "--bin", &program.name])
+        // By its manifest: a name may be that of a dependency, too.
+        .args(["run", "--release", "--bin", &program.name, "--manifest-path"])
+        .arg(&program.manifest)
         .args(["--features", &program.features.join(",")])
-        .args(&manifest)
         .arg("--")
         .args(arguments.forwarded())
         .status()
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<ExitCode, String> {
 /// A packaging program.
 #[derive(Debug, PartialEq, Eq)]
 struct Program {
-    package: String,
+    manifest: PathBuf,
     name: String,
     features: Vec<String>,
 }
@@ -109,9 +109,10 @@ fn find(metadata: &Value, folder: &Path, wanted: Option<&str>) -> Result<Program
         list(&target["required-features"]).iter().filter_map(|feature| feature.as_str().map(str::to_owned)).collect()
     };
     let package = name(chosen);
+    let manifest = PathBuf::from(chosen["manifest_path"].as_str().unwrap_or_default());
     list(&chosen["targets"])
         .iter()
-        .map(|target| Program { package: package.clone(), name: name(target), features: features(target) })
+        .map(|target| Program { manifest: manifest.clone(), name: name(target), features: features(target) })
         .find(|program| program.features.iter().any(|feature| feature == FEATURE))
         .ok_or_else(|| {
             format!(
@@ -141,8 +142,11 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let root = root.path().canonicalize().unwrap();
         let metadata = workspace(&root);
-        let program =
-            Program { package: "plant".into(), name: "pack".into(), features: vec!["package".into(), "extra".into()] };
+        let program = Program {
+            manifest: root.join("plant/Cargo.toml"),
+            name: "pack".into(),
+            features: vec!["package".into(), "extra".into()],
+        };
         assert_eq!(find(&metadata, &root, Some("plant")), Ok(program));
         assert_eq!(find(&metadata, &root.join("plant/src"), None).unwrap().name, "pack");
         let problem = |folder: &Path, wanted| find(&metadata, folder, wanted).unwrap_err();

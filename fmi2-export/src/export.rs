@@ -47,13 +47,17 @@ macro_rules! export_c_functions {
                 instance_name: *const c_char,
                 fmu_type: c_int,
                 guid: *const c_char,
-                _resource_location: *const c_char,
+                resource_location: *const c_char,
                 functions: *const CallbackFunctions,
                 _visible: Boolean,
                 logging_on: Boolean,
             ) -> Component {
                 // SAFETY: the host's promise.
-                unsafe { calls::instantiate(&super::$library, instance_name, fmu_type, guid, functions, logging_on) }
+                unsafe {
+                    calls::instantiate(
+                        &super::$library, instance_name, fmu_type, guid, resource_location, functions, logging_on,
+                    )
+                }
             }
 
             $crate::export_c_functions! { @unsafe

@@ -21,6 +21,7 @@ pub mod packaging;
 mod parameter;
 mod phase;
 mod problems;
+mod resources;
 mod slave;
 mod snapshot;
 mod status;
@@ -39,6 +40,7 @@ pub use library::Exported;
 pub use library::{ExportedModel, Library};
 pub use model::{Declare, Experiment, Failure, Model, Step};
 pub use parameter::Parameter;
+pub use resources::Resources;
 #[doc(hidden)]
 pub use serde;
 pub use snapshot::SnapshotError;

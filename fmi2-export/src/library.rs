@@ -10,8 +10,10 @@ use crate::handles::Handles;
 use crate::interface::Interface;
 use crate::layout::{DeclarationError, Layout};
 use crate::model::Model;
+use crate::resources::Resources;
 use crate::slave::{AnySlave, Slave};
 use crate::snapshot::GUID_LENGTH;
+use crate::status::Refusal;
 use crate::xml::{Description, describe, describe_interface};
 
 /// A model that a library serves, whatever its type.
@@ -24,14 +26,14 @@ pub trait ExportedModel: Sync + sealed::Internal {
 }
 
 pub(crate) mod sealed {
-    use super::{AnySlave, DeclarationError, Interface};
+    use super::{AnySlave, DeclarationError, Interface, Refusal, Resources};
 
     pub trait Internal {
         fn guid(&'static self) -> Result<&'static str, DeclarationError>;
         #[allow(private_interfaces)]
         fn interface(&self) -> Result<Interface, DeclarationError>;
         #[allow(private_interfaces)]
-        fn instantiate(&'static self) -> Result<Box<dyn AnySlave>, DeclarationError>;
+        fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
         /// Frees what only instances need, if there are none.
         fn tidy(&self);
     }
@@ -90,8 +92,10 @@ impl<M: Model> sealed::Internal for Exported<M> {
     }
 
     #[allow(private_interfaces)]
-    fn instantiate(&'static self) -> Result<Box<dyn AnySlave>, DeclarationError> {
-        Ok(Box::new(Slave::<M>::new(self.layout()?, self.guid()?)))
+    fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
+        let refused = |error: DeclarationError| Refusal::error(error.to_string());
+        let (layout, guid) = (self.layout().map_err(refused)?, self.guid().map_err(refused)?);
+        Ok(Box::new(Slave::<M>::new(layout, guid, resources.clone())?))
     }
 
     fn tidy(&self) {

@@ -3,6 +3,7 @@
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::info::Info;
+use crate::resources::Resources;
 use crate::variables::Variables;
 
 /// What the outside sees of a model: what the FMU is, and its variables.
@@ -23,6 +24,7 @@ pub trait Declare: Sized {
 /// The life of an instance:
 ///
 /// 1. `Default::default()`; the host sets parameters and start values.
+///    A model that reads files of its archive does so in [`resources`](Model::resources).
 /// 2. [`initialize`](Model::initialize): the state is computed from parameters and inputs. Called again whenever the
 ///    host changes one of them in initialization mode, so the result must not depend on an earlier call.
 /// 3. [`step`](Model::step) for each communication step. Inputs are fields of the struct and constant over the step,
@@ -49,6 +51,17 @@ pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send
     /// # Errors
     /// [`Failure::Discard`] if a smaller step could succeed, [`Failure::Error`] otherwise.
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure>;
+
+    /// Hears where the files are that the archive carries below `resources/`, before anything else: when an instance is made or
+    /// reset, and, for a state read from bytes, before [`restored`](Model::restored). Read them here, or keep `resources` in a
+    /// field with `#[serde(skip)]` for [`initialize`](Model::initialize), if it depends on a parameter which file is read.
+    ///
+    /// # Errors
+    /// If a file is missing or wrong: then there is no instance, or it stays as it was.
+    fn resources(&mut self, resources: &Resources) -> Result<(), Failure> {
+        let _ = resources;
+        Ok(())
+    }
 
     /// Called after the host has changed a tunable parameter while stepping. If it fails, the old value is put back and
     /// `retuned` is called once more.

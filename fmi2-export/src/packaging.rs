@@ -11,6 +11,7 @@ use crate::categories::CATEGORIES;
 use crate::layout::{BaseType, DeclarationError};
 use crate::library::ExportedModel;
 use crate::model::Experiment;
+use crate::resources::Resources;
 use crate::slave::AnySlave;
 use crate::status::Refusal;
 use crate::unit::Unit;
@@ -44,9 +45,9 @@ impl Instance {
     /// A new one.
     ///
     /// # Errors
-    /// If the model's declarations contradict themselves.
-    pub fn new(model: &'static dyn ExportedModel) -> Result<Self, DeclarationError> {
-        Ok(Self { slave: model.instantiate()? })
+    /// What the model has against it.
+    pub fn new(model: &'static dyn ExportedModel, resources: &Resources) -> Result<Self, String> {
+        Ok(Self { slave: model.instantiate(resources).map_err(message)? })
     }
 
     /// Into initialization mode of an experiment from 0 s on without an end.

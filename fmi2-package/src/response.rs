@@ -2,9 +2,8 @@
 
 use std::fmt::Write as _;
 
-use fmi2_export::Causality;
-use fmi2_export::ExportedModel;
 use fmi2_export::packaging::{Instance, Interface, Kind, VariableFacts};
+use fmi2_export::{Causality, ExportedModel, Resources};
 
 /// A value as a function of the time (s).
 pub type OfTime = fn(f64) -> f64;
@@ -109,6 +108,7 @@ pub fn run<'i>(
     model: &'static dyn ExportedModel,
     interface: &'i Interface,
     response: &Response<'_>,
+    resources: &Resources,
 ) -> Result<Run<'i>, ResponseError> {
     let Response { stop_time, step_size, .. } = *response;
     let steps = (stop_time / step_size).round();
@@ -128,7 +128,7 @@ pub fn run<'i>(
 
     let refused = |time| move |message| ResponseError::Refused { time, message };
     let mut instance =
-        Instance::new(model).map_err(|error| ResponseError::Refused { time: 0.0, message: error.to_string() })?;
+        Instance::new(model, resources).map_err(|message| ResponseError::Refused { time: 0.0, message })?;
     let mut begin = || {
         for (variable, value) in &start {
             instance.set(variable, *value)?;

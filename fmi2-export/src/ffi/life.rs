@@ -14,6 +14,7 @@ use super::types::{Boolean, CO_SIMULATION, CallbackFunctions, Component};
 use crate::categories::Category;
 use crate::library::Library;
 use crate::model::Experiment;
+use crate::resources::Resources;
 use crate::slave::AnySlave;
 use crate::status::{Refusal, Status};
 
@@ -35,6 +36,7 @@ pub unsafe fn instantiate(
     instance_name: *const c_char,
     fmu_type: c_int,
     guid: *const c_char,
+    resource_location: *const c_char,
     functions: *const CallbackFunctions,
     logging_on: Boolean,
 ) -> Component {
@@ -57,7 +59,9 @@ pub unsafe fn instantiate(
             }
             // SAFETY: the host's promise.
             let guid = unsafe { text(guid, "fmuGUID") }?;
-            find_model(library, guid)
+            // SAFETY: the host's promise.
+            let location = if resource_location.is_null() { c"" } else { unsafe { CStr::from_ptr(resource_location) } };
+            find_model(library, guid, &Resources::located(location.to_bytes()))
         })
     });
     let reason = match result {
@@ -78,13 +82,16 @@ pub unsafe fn instantiate(
     ptr::null_mut()
 }
 
-fn find_model(library: &'static Library, guid: &str) -> Result<(usize, Box<dyn AnySlave>), Refusal> {
+fn find_model(
+    library: &'static Library,
+    guid: &str,
+    resources: &Resources,
+) -> Result<(usize, Box<dyn AnySlave>), Refusal> {
     let mut known = Vec::new();
     for (index, model) in library.models.iter().enumerate() {
         let its = model.guid().map_err(|e| Refusal::error(e.to_string()))?;
         if its == guid {
-            let slave = model.instantiate().map_err(|e| Refusal::error(e.to_string()))?;
-            return Ok((index, slave));
+            return Ok((index, model.instantiate(resources)?));
         }
         known.push(its);
     }

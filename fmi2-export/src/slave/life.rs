@@ -59,7 +59,7 @@ impl<M: Model> Live for Slave<M> {
     }
 
     fn reset(&mut self) -> Outcome {
-        let old = std::mem::replace(&mut self.state, State::new());
+        let old = std::mem::replace(&mut self.state, State::new(&self.resources)?);
         // A failed model may have left anything there.
         self.direction = None;
         self.strings.clear();

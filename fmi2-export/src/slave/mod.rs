@@ -23,6 +23,7 @@ pub(crate) use step::Advance;
 use crate::layout::{Layout, RealSlot, Slot};
 use crate::model::{Experiment, Model};
 use crate::phase::{Call, Phase};
+use crate::resources::Resources;
 use crate::status::Refusal;
 
 /// An instance, whatever its model: the C interface calls these.
@@ -55,22 +56,26 @@ fn all() -> u64 {
 }
 
 impl<M: Model> State<M> {
-    fn new() -> Self {
-        Self {
+    /// The model has been told where its files are.
+    fn new(resources: &Resources) -> Result<Self, Refusal> {
+        let mut model = M::default();
+        model.resources(resources).map_err(|failure| Refusal::error(failure.to_string()))?;
+        Ok(Self {
             phase: Phase::Instantiated,
             experiment: None,
             time: 0.0,
             stale: all(),
             uninitialized: true,
             ramped: false,
-            model: M::default(),
-        }
+            model,
+        })
     }
 }
 
 pub(crate) struct Slave<M: Model> {
     layout: Arc<Layout<M>>,
     guid: &'static str,
+    resources: Resources,
     state: State<M>,
     /// Scratch for directional derivatives: a model all of whose real inputs and outputs are zero.
     direction: Option<Box<M>>,
@@ -79,8 +84,9 @@ pub(crate) struct Slave<M: Model> {
 }
 
 impl<M: Model> Slave<M> {
-    pub fn new(layout: Arc<Layout<M>>, guid: &'static str) -> Self {
-        Self { layout, guid, state: State::new(), direction: None, strings: Vec::new() }
+    pub fn new(layout: Arc<Layout<M>>, guid: &'static str, resources: Resources) -> Result<Self, Refusal> {
+        let state = State::new(&resources)?;
+        Ok(Self { layout, guid, resources, state, direction: None, strings: Vec::new() })
     }
 
     /// Name of a variable, for messages.

@@ -7,7 +7,7 @@ use super::life::check_experiment;
 use super::set::accept_integer;
 use super::{Slave, State, out_of_range};
 use crate::access::Access;
-use crate::model::Model;
+use crate::model::{Failure, Model};
 use crate::phase::Phase;
 use crate::snapshot::{self, SnapshotError};
 use crate::status::{Outcome, Refusal};
@@ -46,7 +46,9 @@ impl<M: Model> Remember for Slave<M> {
     fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal> {
         let mut state: State<M> = snapshot::decode(self.guid, bytes)?;
         self.check_decoded(&mut state).map_err(SnapshotError::Content)?;
-        state.model.restored().map_err(|failure| SnapshotError::Content(failure.to_string()))?;
+        let content = |failure: Failure| SnapshotError::Content(failure.to_string());
+        state.model.resources(&self.resources).map_err(content)?;
+        state.model.restored().map_err(content)?;
         Ok(Arc::new(state))
     }
 }

@@ -3,7 +3,7 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
-use fmi2_export::ffi::types::{CallbackFunctions, Status};
+use fmi2_export::ffi::types::{CallbackFunctions, FmuState, Status};
 
 /// `fmi2Component`.
 pub type C = *mut c_void;
@@ -55,6 +55,12 @@ unsafe extern "C" {
         seed: *const f64,
         value: *mut f64,
     ) -> Status;
+    pub fn fmi2Reset(c: C) -> Status;
+    pub fn fmi2GetFMUstate(c: C, state: *mut FmuState) -> Status;
+    pub fn fmi2SetFMUstate(c: C, state: FmuState) -> Status;
+    pub fn fmi2SerializedFMUstateSize(c: C, state: FmuState, size: *mut usize) -> Status;
+    pub fn fmi2SerializeFMUstate(c: C, state: FmuState, bytes: *mut c_char, size: usize) -> Status;
+    pub fn fmi2DeSerializeFMUstate(c: C, bytes: *const c_char, size: usize, state: *mut FmuState) -> Status;
     pub fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
     pub fn fmi2GetRealStatus(c: C, kind: c_int, value: *mut f64) -> Status;
 }

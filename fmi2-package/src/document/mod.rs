@@ -8,14 +8,14 @@ mod text;
 
 use std::fmt::Write as _;
 
-use fmi2_export::Description;
-use fmi2_export::ExportedModel;
 use fmi2_export::packaging::{GENERATION_TOOL, Interface, VariableFacts, interface, number};
+use fmi2_export::{Description, ExportedModel, Resources};
 use quick_xml::escape::escape;
+use tempfile::TempDir;
 
 use self::chart::Chart;
 use crate::response::{self, Run};
-use crate::{Document, PackageError, Response, platform_folder};
+use crate::{Document, File, PackageError, Response, platform_folder};
 
 const INDEX: &str = "documentation/index.html";
 const ICON: &str = "model.png";
@@ -39,9 +39,18 @@ pub fn files(
     let text = text::read(document.text).map_err(|error| {
         wrong(format!("the formula ${}$ is not understood: {}", error.formula, error.reason.replace('\n', " ")))
     })?;
+    // Before any of them is written anywhere.
+    let no_path =
+        |path: &str| wrong(format!("{path:?} cannot be the path of a further file: it is taken, or no relative path"));
+    if let Some(file) = document.files.iter().find(|file| !is_relative(file.path)) {
+        return Err(no_path(file.path));
+    }
     let run = match &document.response {
         Some(wanted) => {
-            let run = response::run(model, &interface, wanted)
+            // The model may read files that its archive will carry.
+            let folder =
+                unpacked(document.files).map_err(|error| wrong(format!("cannot unpack its resources: {error}")))?;
+            let run = response::run(model, &interface, wanted, &Resources::at(folder.path()))
                 .map_err(|source| PackageError::Response { model: description.name, source })?;
             Some((*wanted, run))
         }
@@ -65,12 +74,8 @@ pub fn files(
     }
     for file in document.files {
         let path = file.path;
-        let relative =
-            !path.is_empty() && path.split('/').all(|part| !matches!(part, "" | "." | "..")) && !path.contains('\\');
-        if !relative || OURS.iter().any(|ours| path.starts_with(ours)) || files.iter().any(|(taken, _)| taken == path) {
-            return Err(wrong(format!(
-                "{path:?} cannot be the path of a further file: it is taken, or no relative path"
-            )));
+        if OURS.iter().any(|ours| path.starts_with(ours)) || files.iter().any(|(taken, _)| taken == path) {
+            return Err(no_path(path));
         }
         files.push((path.into(), file.content.to_vec()));
     }
@@ -80,6 +85,23 @@ pub fn files(
         }
     }
     Ok(files)
+}
+
+/// Whether an archive can have a file of this path.
+fn is_relative(path: &str) -> bool {
+    path.split('/').all(|part| !matches!(part, "" | "." | "..")) && !path.contains(['\\', ':'])
+}
+
+/// The files below `resources/` in a folder of their own.
+fn unpacked(files: &[File<'_>]) -> std::io::Result<TempDir> {
+    let folder = TempDir::new()?;
+    for file in files {
+        let Some(path) = file.path.strip_prefix("resources/") else { continue };
+        let path = folder.path().join(path);
+        std::fs::create_dir_all(path.parent().unwrap_or(folder.path()))?;
+        std::fs::write(path, file.content)?;
+    }
+    Ok(folder)
 }
 
 struct Page<'a> {
