@@ -2,10 +2,11 @@
 //!
 //! * A [`system`] says which FMUs run together, how they are connected and what is set; a [`scenario`] file or an
 //!   [`ssp`] archive describes one.
-//! * [`master`] steps the FMUs of a system together on a [`grid`], with [`wiring`] by equal names, [`settings`] by name
+//! * [`master`] steps the FMUs of a system together on a [`grid`], with [`wiring`] by equal names and in convertible [`units`], [`settings`] by name
 //!   and [`signal`]s over time.
 //! * [`names`] answers misspelt ones. [`record`] keeps the results; [`files`] writes files whole or not at all.
 
+mod bus;
 mod drive;
 pub mod files;
 pub mod grid;
@@ -18,4 +19,5 @@ pub mod settings;
 pub mod signal;
 pub mod ssp;
 pub mod system;
+pub mod units;
 pub mod wiring;

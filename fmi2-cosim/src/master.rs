@@ -24,16 +24,21 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use std::collections::{HashMap, HashSet};
 use std::io;
 
+use crate::bus::Buses;
 use crate::drive::Drive;
 use crate::grid::TimeGrid;
+use crate::names::free_name;
 use crate::record::{Column, Schedule, Sink};
-use crate::recording::Recording;
+use crate::recording::{Recording, column_name};
 use crate::settings::{self, Place, Setting, SettingError};
 use crate::signal::Signal;
-use crate::wiring::{AmbiguousWire, Bus, Terminal, Wire, wire_by_name};
-use fmi2_import::{CallError, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status};
+use crate::system::is_tolerance;
+use crate::wiring::{Terminal, Wire, Wiring, WiringError, wire_by_name};
+use fmi2_import::description::BaseType;
+use fmi2_import::{CallError, Causality, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status};
 
 /// How components exchange their signals.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -49,9 +54,9 @@ pub enum Coupling {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MasterError {
-    /// Two outputs could feed one input.
+    /// Equal names do not say what to connect.
     #[error(transparent)]
-    Wiring(#[from] AmbiguousWire),
+    Wiring(#[from] WiringError),
     /// A call before the first step failed.
     #[error("{0}")]
     Setup(#[from] CallError),
@@ -72,6 +77,17 @@ pub enum MasterError {
         component: String,
         /// What the FMU says.
         source: CallError,
+    },
+    /// An FMU that one process can have only one instance of is there more than once.
+    #[error(
+        "{first} and {second} are the same FMU, which says that one process can have only one instance of it \
+         (canBeInstantiatedOnlyOncePerProcess); run them in processes of their own"
+    )]
+    OnlyOnce {
+        /// One component.
+        first: String,
+        /// Another one.
+        second: String,
     },
     /// The signals at the start do not settle.
     #[error(
@@ -127,7 +143,11 @@ pub struct Master {
     buses: Buses,
     drives: Vec<Drive>,
     settings: Vec<(Place, String)>,
+    /// What whoever connected the components noticed.
+    remarks: Vec<String>,
     warnings: Vec<String>,
+    /// Relative tolerance for every component, instead of its own.
+    tolerance: Option<f64>,
     recording: Recording,
     /// Inputs are already those of the current communication point. Exchanging a second time would give a Jacobi
     /// coupling the commands it must see one step later.
@@ -137,13 +157,7 @@ pub struct Master {
 struct Component {
     name: String,
     instance: Instance,
-    drivers: Vec<(usize, String)>,
-}
-
-struct Buses {
-    real: Bus<f64>,
-    integer: Bus<i32>,
-    boolean: Bus<bool>,
+    drivers: HashMap<usize, String>,
 }
 
 impl Master {
@@ -154,39 +168,36 @@ impl Master {
     /// [`Coupling::GaussSeidel`].
     ///
     /// # Errors
-    /// When an FMU refuses to be instantiated, or two outputs could feed one input.
+    /// When an FMU refuses to be instantiated, can be only once and is there twice, or equal names do not say what to
+    /// connect.
     pub fn new(fmus: &[Fmu], coupling: Coupling) -> Result<Self, MasterError> {
         let named = named(fmus);
-        let wires = wires_by_name(&named)?;
-        Self::with_wires(&named, wires, coupling)
+        let Wiring { wires, remarks } = wires_by_name(&named)?;
+        Ok(Self { remarks, ..Self::with_wires(&named, wires, coupling)? })
     }
 
     /// Instantiates the FMUs under these names and connects them as `wires` says. The order counts for
     /// [`Coupling::GaussSeidel`].
     ///
     /// # Errors
-    /// When an FMU refuses to be instantiated.
+    /// When an FMU refuses to be instantiated, or can be only once and is there twice.
     ///
     /// # Panics
     /// When a wire names a component or a variable that is not there.
     pub fn with_wires(named: &[(String, Fmu)], wires: Vec<Wire>, coupling: Coupling) -> Result<Self, MasterError> {
+        check_instances(named)?;
         let variable = |terminal: Terminal| &named[terminal.component].1.description().variables[terminal.variable];
+        let mut drivers: Vec<HashMap<usize, String>> = vec![HashMap::new(); named.len()];
+        for wire in &wires {
+            let driver = format!("{}.{}", named[wire.from.component].0, variable(wire.from).name);
+            drivers[wire.to.component].insert(wire.to.variable, driver);
+        }
         let mut components: Vec<Component> = Vec::with_capacity(named.len());
-        for (name, fmu) in named {
-            let index = components.len();
-            let drivers = wires.iter().filter(|wire| wire.to.component == index).map(|wire| {
-                let source = &named[wire.from.component].0;
-                (wire.to.variable, format!("{source}.{}", variable(wire.from).name))
-            });
-            let drivers = drivers.collect();
+        for ((name, fmu), drivers) in named.iter().zip(drivers) {
             components.push(Component { name: name.clone(), instance: fmu.instantiate(name)?, drivers });
         }
         let descriptions: Vec<_> = named.iter().map(|(_, fmu)| fmu.description()).collect();
-        let buses = Buses {
-            real: Bus::new(&descriptions, &wires),
-            integer: Bus::new(&descriptions, &wires),
-            boolean: Bus::new(&descriptions, &wires),
-        };
+        let buses = Buses::new(&descriptions, &wires);
         Ok(Self {
             components,
             wires,
@@ -194,7 +205,9 @@ impl Master {
             buses,
             drives: Vec::new(),
             settings: Vec::new(),
+            remarks: Vec::new(),
             warnings: Vec::new(),
+            tolerance: None,
             recording: Recording::default(),
             exchanged: false,
         })
@@ -209,6 +222,11 @@ impl Master {
     #[must_use]
     pub fn wires(&self) -> &[Wire] {
         &self.wires
+    }
+
+    /// The inputs that follow signals over time.
+    pub fn driven(&self) -> impl Iterator<Item = Terminal> {
+        self.drives.iter().map(|drive| Terminal { component: drive.component, variable: drive.variable })
     }
 
     /// One component's instance.
@@ -257,6 +275,17 @@ impl Master {
         Ok(())
     }
 
+    /// Gives every component this relative tolerance, from [`Master::initialize`] on, instead of the one of its own
+    /// default experiment.
+    pub fn set_tolerance(&mut self, tolerance: f64) {
+        self.tolerance = Some(tolerance);
+    }
+
+    /// Adds what a user should hear with the warnings of the run.
+    pub fn remark(&mut self, remarks: impl IntoIterator<Item = String>) {
+        self.remarks.extend(remarks);
+    }
+
     /// What a user should know about the run, apart from errors; known after [`Master::initialize`].
     #[must_use]
     pub fn warnings(&self) -> &[String] {
@@ -281,14 +310,16 @@ impl Master {
                 });
             }
         }
-        self.warnings.clear();
+        self.warnings.clone_from(&self.remarks);
         for drive in &mut self.drives {
             let component = &self.components[drive.component];
             let variable = &component.instance.description().variables[drive.variable];
             self.warnings.extend(drive.fit(grid, &format!("{}.{}", component.name, variable.name)));
         }
-        let experiment = Experiment { start: grid.start(), stop: Some(grid.stop()), tolerance: None };
         for component in &mut self.components {
+            let own = component.instance.description().default_experiment.tolerance;
+            let tolerance = self.tolerance.or(own).filter(|tolerance| is_tolerance(*tolerance));
+            let experiment = Experiment { start: grid.start(), stop: Some(grid.stop()), tolerance };
             component.instance.setup_experiment(experiment)?;
             component.instance.enter_initialization_mode()?;
         }
@@ -313,18 +344,12 @@ impl Master {
 
     /// Hands every component its inputs and fetches its outputs, one after the other. True when nothing changed.
     fn sweep(&mut self) -> Result<bool, CallError> {
-        let (real, integer, boolean) = (
-            self.buses.real.signals().to_vec(),
-            self.buses.integer.signals().to_vec(),
-            self.buses.boolean.signals().to_vec(),
-        );
+        let before = self.buses.snapshot();
         for (index, component) in self.components.iter_mut().enumerate() {
             self.buses.write(index, &mut component.instance)?;
             self.buses.read(index, &mut component.instance)?;
         }
-        Ok(settled(&real, self.buses.real.signals())
-            && settled(&integer, self.buses.integer.signals())
-            && settled(&boolean, self.buses.boolean.signals()))
+        Ok(self.buses.agree_with(&before))
     }
 
     fn read_all(&mut self) -> Result<(), CallError> {
@@ -336,9 +361,7 @@ impl Master {
 
     /// Chooses what is recorded: the outputs whose names `wanted` accepts. Returns the columns of a row.
     pub fn record(&mut self, wanted: impl Fn(&str) -> bool) -> Vec<Column> {
-        let components = self.components.iter();
-        let described = components.map(|component| (component.name.as_str(), component.instance.description()));
-        let (recording, columns) = Recording::of(&described.collect::<Vec<_>>(), wanted);
+        let (recording, columns) = Recording::of(&self.described(), wanted);
         self.recording = recording;
         columns
     }
@@ -347,7 +370,8 @@ impl Master {
     /// hears from time to time how many steps are done.
     ///
     /// # Errors
-    /// When an FMU does not complete a step, or a row cannot be kept.
+    /// When an FMU does not complete a step, or a row cannot be kept. After [`MasterError::Ended`] the rows are whole: the
+    /// last one is that of the time at which the FMU ended the simulation.
     pub fn run(
         &mut self,
         grid: &TimeGrid,
@@ -363,13 +387,19 @@ impl Master {
             if schedule.is_due(time) {
                 self.put_row(time, sink)?;
             }
-            self.step(time, size)?;
+            if let Err(error) = self.step(time, size) {
+                if let MasterError::Ended { time: end, .. } = &error {
+                    self.put_early_end(*end, time, sink)?;
+                }
+                return Err(error);
+            }
             if index % STEPS_PER_REPORT == 0 {
                 progress(index);
             }
         }
         self.apply_drives(grid.stop(), None)?;
         self.put_row(grid.stop(), sink)?;
+        sink.end(grid.stop(), self.recording.values()).map_err(MasterError::Record)?;
         progress(grid.steps());
         Ok(())
     }
@@ -397,6 +427,17 @@ impl Master {
         sink.row(time, values).map_err(MasterError::Record)
     }
 
+    /// The last row of a simulation that a component ended in the step that began at `begin`. Nothing may be set any more.
+    fn put_early_end(&mut self, end: f64, begin: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
+        // A slave that cannot be read after its end leaves the rows there are.
+        let instances = self.components.iter_mut().map(|component| &mut component.instance);
+        let Ok(values) = self.recording.read(instances) else { return Ok(()) };
+        if end > begin {
+            sink.row(end, values).map_err(MasterError::Record)?;
+        }
+        sink.end(end, values).map_err(MasterError::Record)
+    }
+
     /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep what they
     /// have: only [`Master::run`] moves them.
     ///
@@ -409,7 +450,7 @@ impl Master {
             Coupling::GaussSeidel => self.step_in_turn(time, size),
         };
         self.exchanged = false;
-        result.map_err(|(index, source)| self.failure(index, time, source))
+        result.map_err(|(index, source)| self.failure(index, time, size, source))
     }
 
     fn step_all(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
@@ -448,13 +489,53 @@ impl Master {
     }
 
     #[cold]
-    fn failure(&mut self, index: usize, time: f64, source: CallError) -> MasterError {
+    fn failure(&mut self, index: usize, time: f64, size: f64, source: CallError) -> MasterError {
         let component = &mut self.components[index];
         if source.status() == Some(Status::Discard) && component.instance.wants_to_end() {
-            let time = component.instance.last_successful_time().unwrap_or(time);
+            let reached = component.instance.last_successful_time().filter(|reached| reached.is_finite());
+            let time = reached.unwrap_or(time).clamp(time, time + size);
             return MasterError::Ended { time, component: component.name.clone(), source };
         }
         MasterError::Step { time, source }
+    }
+
+    /// What the components have logged since this was last asked: name and message.
+    pub fn take_log(&mut self) -> Vec<(String, LogMessage)> {
+        let log = self.components.iter_mut().flat_map(|component| {
+            let messages = component.instance.take_log().into_iter();
+            messages.map(|message| (component.name.clone(), message))
+        });
+        log.collect()
+    }
+
+    /// The outputs that are texts, which no row has: names, as those of the columns, and present values.
+    ///
+    /// # Errors
+    /// When an FMU refuses.
+    pub fn texts(&mut self) -> Result<Vec<(String, String)>, CallError> {
+        let mut wanted = Vec::new();
+        for (index, component) in self.components.iter().enumerate() {
+            let description = component.instance.description();
+            for variable in description.with_causality(Causality::Output) {
+                if variable.base_type() == BaseType::String {
+                    wanted.push((
+                        index,
+                        column_name(&self.described(), index, &variable.name),
+                        variable.value_reference,
+                    ));
+                }
+            }
+        }
+        let instances = &mut self.components;
+        let read =
+            |(index, name, reference): (usize, String, _)| Ok((name, instances[index].instance.get_string(reference)?));
+        wanted.into_iter().map(read).collect()
+    }
+
+    /// The components with their descriptions.
+    fn described(&self) -> Vec<(&str, &ModelDescription)> {
+        let components = self.components.iter();
+        components.map(|component| (component.name.as_str(), component.instance.description())).collect()
     }
 
     /// Ends the simulation and returns what the components logged: name and message.
@@ -462,28 +543,10 @@ impl Master {
     /// # Errors
     /// When an FMU refuses to terminate.
     pub fn finish(mut self) -> Result<Vec<(String, LogMessage)>, MasterError> {
-        let mut log = Vec::new();
         for component in &mut self.components {
             component.instance.terminate()?;
-            log.extend(component.instance.take_log().into_iter().map(|message| (component.name.clone(), message)));
         }
-        Ok(log)
-    }
-}
-
-impl Buses {
-    #[inline]
-    fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        self.real.read(component, instance)?;
-        self.integer.read(component, instance)?;
-        self.boolean.read(component, instance)
-    }
-
-    #[inline]
-    fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        self.real.write(component, instance)?;
-        self.integer.write(component, instance)?;
-        self.boolean.write(component, instance)
+        Ok(self.take_log())
     }
 }
 
@@ -498,31 +561,42 @@ impl settings::Target for Component {
         self.instance.description()
     }
     fn driven_by(&self, variable: usize) -> Option<&str> {
-        self.drivers.iter().find(|(index, _)| *index == variable).map(|(_, driver)| driver.as_str())
+        self.drivers.get(&variable).map(String::as_str)
     }
 }
 
-/// The FMUs under names that tell them apart: their models', with a number from the second of one model on.
+/// An FMU that allows one instance only must not be there twice.
+fn check_instances(named: &[(String, Fmu)]) -> Result<(), MasterError> {
+    let mut seen: HashMap<(&str, &str), &str> = HashMap::new();
+    for (name, fmu) in named {
+        let description = fmu.description();
+        let Some(interface) = &description.co_simulation else { continue };
+        if interface.can_be_instantiated_only_once_per_process
+            && let Some(first) = seen.insert((&description.guid, &interface.model_identifier), name)
+        {
+            return Err(MasterError::OnlyOnce { first: first.to_owned(), second: name.clone() });
+        }
+    }
+    Ok(())
+}
+
+/// The FMUs under names that tell them apart: their models', with a number from the second of one name on.
 pub(crate) fn named(fmus: &[Fmu]) -> Vec<(String, Fmu)> {
-    let mut named: Vec<(String, Fmu)> = Vec::with_capacity(fmus.len());
+    let models: HashSet<&str> = fmus.iter().map(|fmu| fmu.description().model_name.as_str()).collect();
+    let mut taken: HashSet<String> = HashSet::new();
+    let mut named = Vec::with_capacity(fmus.len());
     for fmu in fmus {
         let model = &fmu.description().model_name;
-        let namesakes = named.iter().filter(|(_, other)| other.description().model_name == *model);
-        let name = match namesakes.count() {
-            0 => model.clone(),
-            others => format!("{model}_{}", others + 1),
-        };
+        // A model may be called like another one's second instance.
+        let name = free_name(model, |name| taken.contains(name) || (name != model && models.contains(name)));
+        taken.insert(name.clone());
         named.push((name, fmu.clone()));
     }
     named
 }
 
 /// See [`wire_by_name`].
-pub(crate) fn wires_by_name(named: &[(String, Fmu)]) -> Result<Vec<Wire>, MasterError> {
+pub(crate) fn wires_by_name(named: &[(String, Fmu)]) -> Result<Wiring, MasterError> {
     let described: Vec<_> = named.iter().map(|(name, fmu)| (name.as_str(), fmu.description())).collect();
     Ok(wire_by_name(&described)?)
-}
-
-fn settled<T: crate::wiring::Signal>(before: &[T], after: &[T]) -> bool {
-    before.iter().zip(after).all(|(before, after)| before.agrees(*after))
 }

@@ -1,4 +1,4 @@
-//! Misspelt names: what the user may have meant.
+//! Misspelt names: what the user may have meant; and names that are free.
 
 /// "; did you mean …?", or nothing.
 #[must_use]
@@ -9,18 +9,42 @@ pub fn suggestion(similar: &[String]) -> String {
     }
 }
 
-/// The candidates that come closest to a misspelt name, best first; none if none is close.
+/// The candidates that come closest to a misspelt name, best first; none if none is close. Nobody misspells a name of
+/// hundreds of letters, and comparing two of them takes their product in time.
 #[must_use]
 pub fn closest<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     const SHOWN: usize = 3;
     const ALIKE: f64 = 0.8;
-    let mut found: Vec<(f64, &str)> = Vec::new();
-    for candidate in candidates {
-        let score = strsim::jaro_winkler(&wanted.to_lowercase(), &candidate.to_lowercase());
-        if score >= ALIKE && !found.iter().any(|(_, known)| *known == candidate) {
-            found.push((score, candidate));
+    const LONGEST: usize = 100;
+    let wanted = wanted.to_lowercase();
+    let mut best: Vec<(f64, &str)> = Vec::with_capacity(SHOWN + 1);
+    if wanted.len() > LONGEST {
+        return Vec::new();
+    }
+    for candidate in candidates.filter(|candidate| candidate.len() <= LONGEST) {
+        let score = strsim::jaro_winkler(&wanted, &candidate.to_lowercase());
+        let is_better = best.len() < SHOWN || best.last().is_some_and(|(worst, _)| score > *worst);
+        if score >= ALIKE && is_better && !best.iter().any(|(_, known)| *known == candidate) {
+            best.push((score, candidate));
+            best.sort_by(|a, b| b.0.total_cmp(&a.0));
+            best.truncate(SHOWN);
         }
     }
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    found.into_iter().take(SHOWN).map(|(_, name)| name).collect()
+    best.into_iter().map(|(_, name)| name).collect()
+}
+
+/// The candidate that comes closest, if one is close.
+#[must_use]
+pub fn best<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
+    closest(wanted, candidates).first().map(ToString::to_string)
+}
+
+/// The name, or else the name with the first number from 2 on that is not taken.
+pub(crate) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let (mut candidate, mut number) = (name.to_owned(), 2_u64);
+    while is_taken(&candidate) {
+        candidate = format!("{name}_{number}");
+        number += 1;
+    }
+    candidate
 }

@@ -1,5 +1,8 @@
 //! What of the components a row holds, and how it is read from them.
 
+use std::collections::HashSet;
+
+use crate::names::free_name;
 use crate::record::{Column, Kind};
 use fmi2_import::{CallError, Causality, Instance, ModelDescription, ValueReference, Variable};
 
@@ -23,26 +26,20 @@ struct Port {
 impl Recording {
     /// The outputs whose names `wanted` accepts, of components with these names and descriptions; and their columns.
     pub(crate) fn of(components: &[(&str, &ModelDescription)], wanted: impl Fn(&str) -> bool) -> (Self, Vec<Column>) {
-        let is_shared = |name: &str| {
-            let has_it = |description: &ModelDescription| {
-                description.variable(name).is_some_and(|variable| variable.causality == Causality::Output)
-            };
-            components.iter().filter(|(_, description)| has_it(description)).count() > 1
-        };
+        let mut taken = HashSet::from([TIME.to_owned()]);
         let mut columns = Vec::new();
         let mut ports = Vec::new();
-        for (component, description) in components {
+        for (index, (_, description)) in components.iter().enumerate() {
             let outputs: Vec<&Variable> =
                 description.with_causality(Causality::Output).filter(|variable| wanted(&variable.name)).collect();
             let mut of = |kind: Kind| -> Vec<ValueReference> {
                 let chosen = outputs.iter().filter(|variable| Kind::of(variable.base_type()) == Some(kind));
                 chosen
                     .map(|variable| {
-                        let name = if is_shared(&variable.name) {
-                            format!("{component}.{}", variable.name)
-                        } else {
-                            variable.name.clone()
-                        };
+                        let name = column_name(components, index, &variable.name);
+                        // One component's variable may be called like another one's with its component.
+                        let name = free_name(&name, |name| taken.contains(name));
+                        taken.insert(name.clone());
                         columns.push(Column { name, unit: variable.unit().map(str::to_owned), kind });
                         variable.value_reference
                     })
@@ -53,6 +50,11 @@ impl Recording {
             ports.push(Port { real, integer, boolean, integers, booleans });
         }
         (Self { ports, values: vec![0.0; columns.len()] }, columns)
+    }
+
+    /// The row that was read last.
+    pub(crate) fn values(&self) -> &[f64] {
+        &self.values
     }
 
     /// The row as the components stand, which come in the order of their descriptions.
@@ -75,4 +77,16 @@ impl Recording {
         }
         Ok(&self.values)
     }
+}
+
+/// Name of the column of times, the first one of every table.
+const TIME: &str = "time";
+
+/// The name of a component's output among those of all components.
+pub(crate) fn column_name(components: &[(&str, &ModelDescription)], component: usize, name: &str) -> String {
+    let has_it = |description: &ModelDescription| {
+        description.variable(name).is_some_and(|variable| variable.causality == Causality::Output)
+    };
+    let is_shared = components.iter().filter(|(_, description)| has_it(description)).count() > 1;
+    if is_shared || name == TIME { format!("{}.{name}", components[component].0) } else { name.to_owned() }
 }

@@ -6,7 +6,7 @@
 use crate::master::{self, Coupling, Master, MasterError};
 use crate::settings::{Setting, SettingError};
 use crate::signal::Signal;
-use crate::wiring::Wire;
+use crate::wiring::{Wire, Wiring};
 use fmi2_import::{Fmu, Variable};
 
 /// Components, what connects them, what is set, and how to run them.
@@ -29,9 +29,9 @@ pub struct System {
 }
 
 /// How components are connected.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Connections {
-    /// Every input to the output of the same name and type of another component.
+    /// Every input to the output of the same name of another component.
     ByName,
     /// These, and no others.
     Explicit(Vec<Wire>),
@@ -55,10 +55,18 @@ pub struct Experiment {
     pub stop: Option<f64>,
     /// Communication step size in s.
     pub step: Option<f64>,
+    /// Relative tolerance for FMUs that solve equations numerically; otherwise each has its own.
+    pub tolerance: Option<f64>,
     /// How signals are exchanged.
     pub coupling: Option<Coupling>,
     /// Time in s between two recorded rows; 0 for every step.
     pub interval: Option<f64>,
+}
+
+/// Whether an FMU can be asked for this relative tolerance.
+#[must_use]
+pub fn is_tolerance(value: f64) -> bool {
+    value.is_finite() && value > 0.0
 }
 
 /// Why a system cannot be set up.
@@ -107,11 +115,15 @@ impl System {
     /// # Errors
     /// When an FMU refuses, connections are ambiguous, or there is no such variable.
     pub fn master(&self, coupling: Coupling) -> Result<Master, SystemError> {
-        let wires = match &self.connections {
+        let Wiring { wires, remarks } = match &self.connections {
             Connections::ByName => master::wires_by_name(&self.components)?,
-            Connections::Explicit(wires) => wires.clone(),
+            Connections::Explicit(wires) => Wiring { wires: wires.clone(), remarks: Vec::new() },
         };
         let mut master = Master::with_wires(&self.components, wires, coupling)?;
+        master.remark(remarks);
+        if let Some(tolerance) = self.experiment.tolerance {
+            master.set_tolerance(tolerance);
+        }
         for Located { item, place } in &self.settings {
             let failure = |source| SystemError::Setting { place: place.clone(), source: Box::new(source) };
             master.apply(item).map_err(failure)?;

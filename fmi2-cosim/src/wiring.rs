@@ -1,19 +1,29 @@
-//! Connections between components: who offers a signal, who wants it, and the buffers it passes through.
+//! Connections between components: who offers a signal, who wants it, what may be connected.
+//!
+//! There is one rule, for connections by name and for those that a file describes ([`fit`]): a signal keeps its type, but
+//! integers also become reals, and integers and items of enumerations each other; reals are converted between units that
+//! measure the same.
 
-use crate::record::Kind;
-use fmi2_import::{CallError, Causality, Instance, ModelDescription, Status, ValueReference};
+use std::collections::HashMap;
+
+use fmi2_import::description::BaseType;
+use fmi2_import::{Causality, ModelDescription, Variable, VariableType};
+
+use crate::units::{Conversion, UnitMismatch, Units};
 
 /// One connection, from an output to an input.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wire {
     /// The output.
     pub from: Terminal,
     /// The input.
     pub to: Terminal,
+    /// What becomes of the values on their way; `None` if they stay as they are.
+    pub conversion: Option<Conversion>,
 }
 
 /// One variable of one component.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Terminal {
     /// Index of the component.
     pub component: usize,
@@ -21,172 +31,205 @@ pub struct Terminal {
     pub variable: usize,
 }
 
-/// Two components offer what a third one wants.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("both {first} and {second} offer \"{name}\", which {wanting} wants; only one of them can be connected")]
-pub struct AmbiguousWire {
-    /// Name of the signal.
-    pub name: String,
-    /// One component that offers it.
-    pub first: String,
-    /// Another one.
-    pub second: String,
-    /// The component that wants it.
-    pub wanting: String,
+/// Connections, and what their maker should know.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Wiring {
+    /// The connections.
+    pub wires: Vec<Wire>,
+    /// What is not as one would think.
+    pub remarks: Vec<String>,
 }
 
-/// Connects every input to the output of the same name and base type of another component. Inputs without such an
-/// output stay free; text signals are never connected.
+/// Why components cannot be connected by name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum WiringError {
+    /// Two components offer what a third one wants.
+    #[error("both {first} and {second} offer \"{name}\", which {wanting} wants; only one of them can be connected")]
+    Ambiguous {
+        /// Name of the signal.
+        name: String,
+        /// One component that offers it.
+        first: String,
+        /// Another one.
+        second: String,
+        /// The component that wants it.
+        wanting: String,
+    },
+    /// An output and an input have one name, but one cannot feed the other.
+    #[error("{from} and {to} have one name but cannot be connected: {source}; connect them in an SSP, or rename one")]
+    Misfit {
+        /// The output, `Component.name`.
+        from: String,
+        /// The input, `Component.name`.
+        to: String,
+        /// Why.
+        source: Misfit,
+    },
+}
+
+/// Why an output cannot feed an input.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Misfit {
+    /// Values of one type do not become values of the other.
+    #[error("one is {from:?}, the other {to:?}")]
+    Types {
+        /// Type of the output.
+        from: BaseType,
+        /// Type of the input.
+        to: BaseType,
+    },
+    /// This tool connects no texts.
+    #[error("this tool connects no texts")]
+    Text,
+    /// Units that do not fit.
+    #[error(transparent)]
+    Units(#[from] UnitMismatch),
+}
+
+/// A variable with the units of its description.
+pub type InUnits<'a> = (&'a Variable, &'a Units<'a>);
+
+/// How values get from an output to an input, and a remark if that is doubtful.
 ///
 /// # Errors
-/// When two outputs could feed one input.
-pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Vec<Wire>, AmbiguousWire> {
-    let mut wires = Vec::new();
-    for (to, (wanting, description)) in components.iter().enumerate() {
-        for (input, variable) in description.variables.iter().enumerate() {
-            if variable.causality != Causality::Input || Kind::of(variable.base_type()).is_none() {
+/// When they cannot.
+pub fn fit(from: InUnits, to: InUnits) -> Result<(Option<Conversion>, Option<String>), Misfit> {
+    use BaseType::{Boolean, Enumeration, Integer, Real, String};
+    match (from.0.base_type(), to.0.base_type()) {
+        (Real, Real) => {}
+        (Integer, Real | Integer | Enumeration) | (Enumeration, Integer | Enumeration) | (Boolean, Boolean) => {
+            return Ok((None, None));
+        }
+        (String, String) => return Err(Misfit::Text),
+        (from, to) => return Err(Misfit::Types { from, to }),
+    }
+    let (Some(from_unit), Some(to_unit)) = (from.0.unit(), to.0.unit()) else { return Ok((None, None)) };
+    if let (Some(defined_from), Some(defined_to)) = (from.1.named(from_unit), to.1.named(to_unit)) {
+        let are_differences = (is_difference(from.0), is_difference(to.0));
+        return Ok((Conversion::between(defined_from, defined_to, are_differences)?, None));
+    }
+    let remark = (from_unit != to_unit).then(|| {
+        format!("in {from_unit} and {to_unit}, which the FMUs do not define in base units: values pass as they are")
+    });
+    Ok((None, remark))
+}
+
+fn is_difference(variable: &Variable) -> bool {
+    matches!(&variable.kind, VariableType::Real(real) if real.relative_quantity)
+}
+
+/// Connects every input to the output of the same name of another component. Inputs without such an output stay free.
+///
+/// # Errors
+/// When two outputs could feed one input, or an output of the same name cannot feed it.
+pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Wiring, WiringError> {
+    let units: Vec<_> = components.iter().map(|(_, description)| Units::of(description)).collect();
+    let mut offers: HashMap<&str, Vec<Terminal>> = HashMap::new();
+    for (component, (_, description)) in components.iter().enumerate() {
+        for (index, variable) in description.variables.iter().enumerate() {
+            if variable.causality == Causality::Output {
+                offers.entry(&variable.name).or_default().push(Terminal { component, variable: index });
+            }
+        }
+    }
+    let variable = |terminal: Terminal| &components[terminal.component].1.variables[terminal.variable];
+    let name = |terminal: Terminal| format!("{}.{}", components[terminal.component].0, variable(terminal).name);
+    let mut wiring = Wiring::default();
+    for (component, (wanting, description)) in components.iter().enumerate() {
+        for (index, input) in description.variables.iter().enumerate() {
+            if input.causality != Causality::Input {
                 continue;
             }
-            let mut offers = components.iter().enumerate().filter_map(|(from, (_, other))| {
-                let index = other.index_of(&variable.name)?;
-                let output = &other.variables[index];
-                let fits =
-                    from != to && output.causality == Causality::Output && output.base_type() == variable.base_type();
-                fits.then_some(Terminal { component: from, variable: index })
-            });
-            let Some(from) = offers.next() else { continue };
-            if let Some(second) = offers.next() {
-                return Err(AmbiguousWire {
-                    name: variable.name.clone(),
+            let named = offers.get(input.name.as_str()).map_or(&[][..], Vec::as_slice);
+            let mut others = named.iter().copied().filter(|offer| offer.component != component);
+            let Some(from) = others.next() else { continue };
+            if let Some(second) = others.next() {
+                return Err(WiringError::Ambiguous {
+                    name: input.name.clone(),
                     first: components[from.component].0.to_owned(),
                     second: components[second.component].0.to_owned(),
                     wanting: (*wanting).to_owned(),
                 });
             }
-            wires.push(Wire { from, to: Terminal { component: to, variable: input } });
-        }
-    }
-    Ok(wires)
-}
-
-/// A type of value that can be wired.
-pub(crate) trait Signal: Copy + Default {
-    /// The types it carries.
-    const KIND: Kind;
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError>;
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError>;
-    /// Whether an iteration may stop between these two.
-    fn agrees(self, other: Self) -> bool;
-}
-
-impl Signal for f64 {
-    const KIND: Kind = Kind::Real;
-
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
-        instance.get_real(references, values)
-    }
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
-        instance.set_real(references, values)
-    }
-    fn agrees(self, other: Self) -> bool {
-        (self - other).abs() <= 1e-15 + 1e-13 * self.abs().max(other.abs())
-    }
-}
-
-impl Signal for i32 {
-    const KIND: Kind = Kind::Integer;
-
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
-        instance.get_integer(references, values)
-    }
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
-        instance.set_integer(references, values)
-    }
-    fn agrees(self, other: Self) -> bool {
-        self == other
-    }
-}
-
-impl Signal for bool {
-    const KIND: Kind = Kind::Boolean;
-
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
-        instance.get_boolean(references, values)
-    }
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
-        instance.set_boolean(references, values)
-    }
-    fn agrees(self, other: Self) -> bool {
-        self == other
-    }
-}
-
-/// All wires of one type. The outputs of each component lie next to each other in `signals`, so one call fetches them.
-pub(crate) struct Bus<T> {
-    signals: Vec<T>,
-    ports: Vec<Port<T>>,
-}
-
-/// One component's connections.
-#[derive(Default)]
-struct Port<T> {
-    offered: Vec<ValueReference>,
-    first_signal: usize,
-    wanted: Vec<ValueReference>,
-    sources: Vec<usize>,
-    values: Vec<T>,
-}
-
-impl<T: Signal> Bus<T> {
-    pub(crate) fn new(descriptions: &[&ModelDescription], wires: &[Wire]) -> Self {
-        let variable = |terminal: Terminal| &descriptions[terminal.component].variables[terminal.variable];
-        let mut ports: Vec<Port<T>> = descriptions.iter().map(|_| Port::default()).collect();
-        let mut sources: Vec<Terminal> = Vec::new();
-        for (component, port) in ports.iter_mut().enumerate() {
-            port.first_signal = sources.len();
-            for wire in wires.iter().filter(|wire| wire.from.component == component) {
-                if Kind::of(variable(wire.from).base_type()) == Some(T::KIND) && !sources.contains(&wire.from) {
-                    sources.push(wire.from);
-                    port.offered.push(variable(wire.from).value_reference);
+            let to = Terminal { component, variable: index };
+            match fit((variable(from), &units[from.component]), (input, &units[component])) {
+                Ok((conversion, remark)) => {
+                    wiring.wires.push(Wire { from, to, conversion });
+                    wiring.remarks.extend(remark.map(|remark| format!("{} → {}: {remark}", name(from), name(to))));
                 }
+                Err(Misfit::Text) => {
+                    let remark = format!("{} → {}: {}", name(from), name(to), Misfit::Text);
+                    wiring.remarks.push(remark);
+                }
+                Err(source) => return Err(WiringError::Misfit { from: name(from), to: name(to), source }),
             }
         }
-        for wire in wires {
-            if let Some(source) = sources.iter().position(|source| *source == wire.from) {
-                let port = &mut ports[wire.to.component];
-                port.wanted.push(variable(wire.to).value_reference);
-                port.sources.push(source);
-                port.values.push(T::default());
-            }
-        }
-        Self { signals: vec![T::default(); sources.len()], ports }
+    }
+    Ok(wiring)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A description with these variables, each `causality name type-and-attributes`.
+    fn model(variables: &[&str]) -> ModelDescription {
+        let variables = variables.iter().enumerate().map(|(reference, text)| {
+            let mut words = text.splitn(3, ' ');
+            let (causality, name, kind) = (words.next().unwrap(), words.next().unwrap(), words.next().unwrap());
+            let variability = if kind.starts_with("Real") { "continuous" } else { "discrete" };
+            format!(
+                r#"<ScalarVariable name="{name}" valueReference="{reference}" causality="{causality}" variability="{variability}"><{kind}/></ScalarVariable>"#
+            )
+        });
+        let xml = format!(
+            r#"<fmiModelDescription fmiVersion="2.0" modelName="m" guid="g"><UnitDefinitions>
+            <Unit name="rad"><BaseUnit rad="1"/></Unit><Unit name="deg"><BaseUnit rad="1" factor="0.017453292519943295"/></Unit>
+            <Unit name="N"><BaseUnit kg="1" m="1" s="-2"/></Unit><Unit name="bushel"/>
+            </UnitDefinitions><ModelVariables>{}</ModelVariables></fmiModelDescription>"#,
+            variables.collect::<Vec<_>>().concat()
+        );
+        ModelDescription::parse(&xml).unwrap()
     }
 
-    /// Fetches the outputs of a component.
-    #[inline]
-    pub(crate) fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        let port = &self.ports[component];
-        let signals = &mut self.signals[port.first_signal..][..port.offered.len()];
-        if !signals.is_empty() {
-            T::get(instance, &port.offered, signals)?;
-        }
-        Ok(())
+    fn wire(from: &str, to: &str) -> Result<Wiring, WiringError> {
+        wire_by_name(&[("A", &model(&[from])), ("B", &model(&[to]))])
     }
 
-    /// Hands a component its inputs.
-    #[inline]
-    pub(crate) fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        let port = &mut self.ports[component];
-        if !port.wanted.is_empty() {
-            for (value, source) in port.values.iter_mut().zip(&port.sources) {
-                *value = self.signals[*source];
-            }
-            T::set(instance, &port.wanted, &port.values)?;
-        }
-        Ok(())
+    #[test]
+    fn units_that_measure_the_same_are_converted() {
+        let converted = |from: &str, to: &str, value: f64| {
+            let wiring = wire(from, to).unwrap();
+            assert!(wiring.remarks.is_empty());
+            wiring.wires[0].conversion.map_or(value, |conversion| conversion.apply(value))
+        };
+        let (rad, deg) = (r#"output x Real unit="rad""#, r#"output x Real unit="deg""#);
+        assert!((converted(rad, r#"input x Real unit="deg""#, std::f64::consts::PI) - 180.0).abs() < 1e-12);
+        assert!((converted(deg, r#"input x Real unit="rad""#, 180.0) - std::f64::consts::PI).abs() < 1e-15);
+        assert_eq!(converted(rad, r#"input x Real unit="rad""#, 0.1).to_bits(), 0.1_f64.to_bits());
+        assert_eq!(converted(rad, "input x Real", 0.1), 0.1);
+        assert_eq!(converted("output x Integer", r#"input x Real unit="N""#, 3.0), 3.0);
     }
 
-    pub(crate) fn signals(&self) -> &[T] {
-        &self.signals
+    #[test]
+    fn what_does_not_fit_is_refused_and_never_left_out() {
+        for (from, to, expected) in [
+            (r#"output x Real unit="rad""#, r#"input x Real unit="N""#, "rad cannot be converted to N"),
+            ("output x Real", "input x Integer", "one is Real, the other Integer"),
+            ("output x Boolean", "input x Real", "one is Boolean, the other Real"),
+            ("output x String", "input x Integer", "one is String, the other Integer"),
+            ("output x Real", "input x Enumeration", "one is Real, the other Enumeration"),
+        ] {
+            let message = wire(from, to).unwrap_err().to_string();
+            assert!(message.starts_with("A.x and B.x have one name") && message.contains(expected), "{message}");
+        }
+        let text = wire("output x String", "input x String").unwrap();
+        assert_eq!((text.wires.len(), text.remarks.len()), (0, 1));
+        let unknown = wire(r#"output x Real unit="bushel""#, r#"input x Real unit="rad""#).unwrap();
+        assert!(unknown.remarks[0].starts_with("A.x → B.x: in bushel and rad, which the FMUs do not define"));
+        let same = wire(r#"output x Real unit="bushel""#, r#"input x Real unit="bushel""#).unwrap();
+        assert_eq!((same.wires.len(), same.remarks.len()), (1, 0));
     }
 }

@@ -114,7 +114,7 @@ fn what_is_written_reads_back() {
     structure.description = Some("Quotes \" and <angles> & ampersands".into());
     structure.units =
         vec![unit("N.m", [1, 2, -2, 0, 0, 0, 0, 0], 1.0, 0.0), unit("degC", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 273.15)];
-    structure.experiment = Experiment { start: Some(0.5), stop: Some(2.0), step: Some(5e-5) };
+    structure.experiment = Experiment { start: Some(0.5), stop: Some(2.0), step: Some(5e-5), tolerance: Some(1e-5) };
     let lag = &mut structure.system.components[0];
     lag.extent = Some(Extent::new(-1.5, 0.0, 10.0, 20.25));
     lag.connectors[0].unit = Some("N.m".into());
@@ -261,7 +261,7 @@ fn parameters_arrive_with_prefix_mapping_unit_and_precedence() {
 fn variants_and_experiments_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let mut variant = loop_of_two();
-    variant.experiment = Experiment { start: Some(1.0), stop: Some(3.0), step: Some(0.25) };
+    variant.experiment = Experiment { start: Some(1.0), stop: Some(3.0), step: Some(0.25), tolerance: None };
     let variant = write::system_structure(&variant);
     let others = [("Slow.ssd", variant.as_bytes())];
     let Some(path) = ssp(folder.path(), &write::system_structure(&loop_of_two()), &others) else { return };

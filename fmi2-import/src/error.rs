@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::archive::ArchiveError;
 use super::description::DescriptionError;
 use super::library::{LibraryError, Status};
 use super::value::Mismatch;
@@ -26,6 +27,14 @@ pub enum FmuError {
         path: PathBuf,
         /// What the zip reader says.
         reason: String,
+    },
+    /// It unpacks to more than any model needs.
+    #[error("{}: {source}", path.display())]
+    Limit {
+        /// The file.
+        path: PathBuf,
+        /// What there is too much of.
+        source: ArchiveError,
     },
     /// A zip archive, but not an FMU.
     #[error("{} is not an FMU: no modelDescription.xml at the root of the archive", path.display())]

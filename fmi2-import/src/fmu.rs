@@ -1,18 +1,18 @@
 //! An `.fmu` file: a zip archive with a description and, per platform, a library.
 
-use std::fs::{self, File};
-use std::io::{self, BufReader, Read};
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use tempfile::TempDir;
-use zip::ZipArchive;
-use zip::result::ZipError;
 
+use super::archive::{Archive, ArchiveError};
+use super::binary;
 use super::description::ModelDescription;
 use super::error::{CallError, FmuError};
 use super::instance::Instance;
-use super::library::Functions;
+use super::library::{Functions, LibraryError};
+use super::platform::FOLDERS;
 
 /// An FMU that is unpacked and loaded. Cheap to clone; the unpacked files vanish with the last user.
 #[derive(Clone)]
@@ -27,6 +27,17 @@ pub(super) struct Loaded {
     pub resources: String,
     path: PathBuf,
     _folder: TempDir,
+}
+
+/// An FMU that is unpacked, but not loaded yet: none of its code has run. Whoever runs several FMUs unpacks all before
+/// loading one, since loaded code may change what paths mean.
+#[derive(Debug)]
+pub struct Unpacked {
+    description: ModelDescription,
+    path: PathBuf,
+    /// Its name in the archive, which is also its path below the folder.
+    library: String,
+    folder: TempDir,
 }
 
 /// What is in an FMU's archive.
@@ -58,27 +69,6 @@ impl Contents {
     }
 }
 
-/// Platform folders this process can load from, the usual one first.
-const PLATFORMS: &[&str] = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-    &["linux64", "x86_64-linux"]
-} else if cfg!(all(target_os = "linux", target_arch = "aarch64")) {
-    &["linux64", "aarch64-linux"]
-} else if cfg!(target_os = "linux") {
-    &["linux32"]
-} else if cfg!(target_os = "macos") {
-    &["darwin64", "aarch64-darwin", "x86_64-darwin"]
-} else if cfg!(all(windows, target_pointer_width = "64")) {
-    &["win64", "x86_64-windows"]
-} else {
-    &["win32"]
-};
-
-/// The folder below `binaries/` that FMI 2.0 has for this platform.
-#[must_use]
-pub fn platform() -> &'static str {
-    PLATFORMS[0]
-}
-
 impl Fmu {
     /// Reads only the description of an FMU: works for any platform and for model exchange.
     ///
@@ -97,9 +87,7 @@ impl Fmu {
         let path = path.as_ref();
         let mut archive = archive(path)?;
         let description = description(path, &mut archive)?;
-        let mut files: Vec<_> =
-            archive.file_names().flatten().filter(|name| !name.ends_with('/')).map(Into::into).collect();
-        files.sort_unstable();
+        let files = archive.files().into_iter().map(str::to_owned).collect();
         Ok(Contents { description, files })
     }
 
@@ -109,34 +97,17 @@ impl Fmu {
     /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, has no library for this platform, or the library
     /// cannot be used.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, FmuError> {
-        let path = path.as_ref();
-        let mut archive = archive(path)?;
-        let description = description(path, &mut archive)?;
-        let Some(interface) = &description.co_simulation else {
-            return Err(FmuError::NotCoSimulation { path: path.to_owned() });
-        };
-        let (platform, library) = find_library(path, &archive, &interface.model_identifier)?;
+        Unpacked::of(path)?.load()
+    }
 
-        let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
-        let folder = tempfile::Builder::new().prefix("fmi2-import-").tempdir().map_err(unpack)?;
-        extract(path, &mut archive, folder.path(), &[&format!("binaries/{platform}/"), "resources/"])?;
-        let resources = folder.path().join("resources");
-        fs::create_dir_all(&resources).map_err(unpack)?;
-
-        let functions = Functions::load(&folder.path().join(&library)).map_err(|source| FmuError::Library {
-            path: path.to_owned(),
-            library,
-            source,
-        })?;
-        Ok(Self {
-            loaded: Arc::new(Loaded {
-                functions,
-                description,
-                resources: file_uri(&resources),
-                path: path.to_owned(),
-                _folder: folder,
-            }),
-        })
+    /// Unpacks several FMUs, and then loads them: what the code of one does to the process cannot change which files the
+    /// others are.
+    ///
+    /// # Errors
+    /// As [`Fmu::open`].
+    pub fn open_all<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Self>, FmuError> {
+        let unpacked: Vec<_> = paths.into_iter().map(Unpacked::of).collect::<Result<_, _>>()?;
+        unpacked.into_iter().map(Unpacked::load).collect()
     }
 
     /// What the FMU says about itself.
@@ -160,69 +131,126 @@ impl Fmu {
     }
 }
 
-type Archive = ZipArchive<BufReader<File>>;
+impl Unpacked {
+    /// Unpacks an FMU to a temporary folder.
+    ///
+    /// # Errors
+    /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, or has no library for this platform.
+    pub fn of(path: impl AsRef<Path>) -> Result<Self, FmuError> {
+        let path = path.as_ref();
+        let mut archive = archive(path)?;
+        let description = description(path, &mut archive)?;
+        let Some(interface) = &description.co_simulation else {
+            return Err(FmuError::NotCoSimulation { path: path.to_owned() });
+        };
+        let candidates = libraries(path, &archive, &interface.model_identifier)?;
+        let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
+        let folder = tempfile::Builder::new().prefix("dualarm-fmu-").tempdir().map_err(unpack)?;
+        let parts: Vec<String> = candidates.iter().map(|(platform, _)| format!("binaries/{platform}/")).collect();
+        let parts: Vec<&str> = parts.iter().map(String::as_str).chain(["resources/"]).collect();
+        archive.unpack(folder.path(), &parts).map_err(|error| match error {
+            ArchiveError::Read(source) => unpack(source),
+            other => of_archive(path, other),
+        })?;
+        fs::create_dir_all(folder.path().join("resources")).map_err(unpack)?;
+
+        // Folders with older names may have libraries for other processors.
+        let mut refused = None;
+        for (_, library) in candidates {
+            match binary::check_loadable(&fs::read(folder.path().join(&library)).map_err(unpack)?) {
+                Ok(()) => return Ok(Self { description, path: path.to_owned(), library, folder }),
+                Err(source) => _ = refused.get_or_insert(FmuError::Library { path: path.to_owned(), library, source }),
+            }
+        }
+        Err(refused.unwrap_or_else(|| FmuError::NotCoSimulation { path: path.to_owned() }))
+    }
+
+    /// What the FMU says about itself.
+    #[must_use]
+    pub fn description(&self) -> &ModelDescription {
+        &self.description
+    }
+
+    /// Looks at the library without loading it.
+    ///
+    /// # Errors
+    /// When it is no library, or lacks a function that every co-simulation FMU must have.
+    pub fn check_library(&self) -> Result<(), FmuError> {
+        let file = self.folder.path().join(&self.library);
+        let data = fs::read(&file).map_err(|source| FmuError::Unpack { path: self.path.clone(), source })?;
+        let beside = file.parent().and_then(|folder| fs::read_dir(folder).ok()).map_or(0, Iterator::count);
+        binary::check_usable(&data, beside <= 1).map_err(|source| self.library_error(source))
+    }
+
+    /// Loads the library: the FMU's code runs from now on.
+    ///
+    /// # Errors
+    /// When the library cannot be used.
+    pub fn load(self) -> Result<Fmu, FmuError> {
+        let functions = match Functions::load(&self.folder.path().join(&self.library)) {
+            Ok(functions) => functions,
+            Err(source) => return Err(self.library_error(source)),
+        };
+        Ok(Fmu {
+            loaded: Arc::new(Loaded {
+                functions,
+                description: self.description,
+                resources: file_uri(&self.folder.path().join("resources")),
+                path: self.path,
+                _folder: self.folder,
+            }),
+        })
+    }
+
+    fn library_error(&self, source: LibraryError) -> FmuError {
+        FmuError::Library { path: self.path.clone(), library: self.library.clone(), source }
+    }
+}
 
 fn archive(path: &Path) -> Result<Archive, FmuError> {
-    let read = |source| FmuError::Read { path: path.to_owned(), source };
-    let file = File::open(path).map_err(read)?;
-    if file.metadata().map_err(read)?.is_dir() {
-        return Err(read(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder")));
-    }
-    ZipArchive::new(BufReader::new(file)).map_err(|error| match error {
-        ZipError::Io(source) if source.kind() != io::ErrorKind::UnexpectedEof => read(source),
-        other => FmuError::NotAZip { path: path.to_owned(), reason: other.to_string() },
+    Archive::open(path).map_err(|error| match error {
+        ArchiveError::Read(source) => FmuError::Read { path: path.to_owned(), source },
+        other => of_archive(path, other),
     })
+}
+
+fn of_archive(path: &Path, error: ArchiveError) -> FmuError {
+    let path = path.to_owned();
+    match error {
+        ArchiveError::UnsafeEntry(entry) => FmuError::UnsafeEntry { path, entry },
+        ArchiveError::Limit { .. } => FmuError::Limit { path, source: error },
+        other => FmuError::NotAZip { path, reason: other.to_string() },
+    }
 }
 
 fn description(path: &Path, archive: &mut Archive) -> Result<ModelDescription, FmuError> {
-    let mut bytes = Vec::new();
-    match archive.by_name("modelDescription.xml") {
-        Ok(mut entry) => entry
-            .read_to_end(&mut bytes)
-            .map_err(|error| FmuError::NotAZip { path: path.to_owned(), reason: error.to_string() })?,
-        Err(ZipError::FileNotFound) => return Err(FmuError::NoDescription { path: path.to_owned() }),
-        Err(error) => return Err(FmuError::NotAZip { path: path.to_owned(), reason: error.to_string() }),
-    };
+    let bytes = archive.read("modelDescription.xml").map_err(|error| match error {
+        ArchiveError::NotFound => FmuError::NoDescription { path: path.to_owned() },
+        other => of_archive(path, other),
+    })?;
     ModelDescription::from_bytes(&bytes).map_err(|source| FmuError::Description { path: path.to_owned(), source })
 }
 
-/// The library's platform folder and its name in the archive.
-fn find_library(path: &Path, archive: &Archive, identifier: &str) -> Result<(&'static str, String), FmuError> {
+/// The folders of this platform that have the library, the usual one first, and its name in the archive.
+fn libraries(path: &Path, archive: &Archive, identifier: &str) -> Result<Vec<(&'static str, String)>, FmuError> {
+    const SHOWN: usize = 10;
     let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
     let entry = |platform: &str| format!("binaries/{platform}/{file}");
-    if let Some(&platform) = PLATFORMS.iter().find(|platform| archive.index_for_name(&entry(platform)).is_some()) {
-        return Ok((platform, entry(platform)));
+    let found: Vec<_> =
+        FOLDERS.iter().map(|platform| (*platform, entry(platform))).filter(|(_, entry)| archive.has(entry)).collect();
+    if !found.is_empty() {
+        return Ok(found);
     }
-    let mut available: Vec<_> =
-        archive.file_names().flatten().filter(|name| name.starts_with("binaries/") && !name.ends_with('/')).collect();
-    available.sort_unstable();
+    let mut available: Vec<_> = archive.files().into_iter().filter(|name| name.starts_with("binaries/")).collect();
+    if available.len() > SHOWN {
+        available.truncate(SHOWN);
+        available.push("…");
+    }
     Err(FmuError::NoBinary {
         path: path.to_owned(),
-        wanted: entry(PLATFORMS[0]),
+        wanted: entry(FOLDERS[0]),
         available: if available.is_empty() { "none".into() } else { available.join(", ") },
     })
-}
-
-/// Unpacks the entries below `parts`. Symbolic links become plain files, so nothing can point outside.
-fn extract(path: &Path, archive: &mut Archive, folder: &Path, parts: &[&str]) -> Result<(), FmuError> {
-    let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
-    for index in 0..archive.len() {
-        let mut entry = archive.by_index(index).map_err(|error| unpack(io::Error::other(error)))?;
-        let name = entry.name().map_err(|error| unpack(io::Error::other(error)))?.into_owned();
-        let Some(inside) = entry.enclosed_name() else {
-            return Err(FmuError::UnsafeEntry { path: path.to_owned(), entry: name });
-        };
-        if entry.is_dir() || !parts.iter().any(|part| name.starts_with(part)) {
-            continue;
-        }
-        let target = folder.join(inside);
-        if let Some(parent) = target.parent() {
-            fs::create_dir_all(parent).map_err(unpack)?;
-        }
-        let mut file = File::create(&target).map_err(unpack)?;
-        io::copy(&mut entry, &mut file).map_err(unpack)?;
-    }
-    Ok(())
 }
 
 /// The folder as an RFC 3986 `file` URI.

@@ -3,7 +3,8 @@
 //! * [`Fmu`] opens the archive and hands out instances;
 //! * [`ModelDescription`] is what `modelDescription.xml` says;
 //! * [`Instance`] is one running slave, behind safe calls whose errors carry the slave's own messages;
-//! * [`library`] is the C interface itself.
+//! * [`library`] is the C interface itself;
+//! * [`archive`] and [`document`] read files of strangers within limits.
 //!
 //! ```no_run
 //! use fmi2_import::{Experiment, Fmu};
@@ -20,18 +21,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod archive;
+mod binary;
 pub mod description;
+pub mod document;
 mod error;
 mod fmu;
 mod instance;
 pub mod library;
+mod platform;
 mod value;
 #[doc(hidden)]
 pub mod xml;
 
 pub use description::{Causality, DescriptionError, Initial, ModelDescription, Variability, Variable, VariableType};
 pub use error::{CallError, FmuError};
-pub use fmu::{Contents, Fmu, platform};
+pub use fmu::{Contents, Fmu, Unpacked};
 pub use instance::{Experiment, Instance, LogMessage, SavedState};
 pub use library::{Status, ValueReference};
+pub use platform::platform;
 pub use value::{Mismatch, Value};

@@ -7,8 +7,6 @@ use std::fmt;
 use std::path::Path;
 
 use libloading::Library;
-use object::read::elf::{FileHeader, ProgramHeader};
-use object::{Endianness, FileKind, elf};
 
 /// `fmi2Component`: the slave's own handle of an instance.
 pub type Component = *mut c_void;
@@ -79,6 +77,20 @@ pub enum LibraryError {
     /// The system's loader refuses it.
     #[error("the system cannot load it: {}", root_cause(.0))]
     Load(#[source] libloading::Error),
+    /// Nothing is in it.
+    #[error("it is empty")]
+    Empty,
+    /// Some other file.
+    #[error("it is no shared library")]
+    NoLibrary,
+    /// It was made for another machine.
+    #[error("it is for {found}, and this is {wanted}")]
+    Foreign {
+        /// What it is for.
+        found: String,
+        /// What is wanted here.
+        wanted: String,
+    },
     /// The file ends before what its headers promise. The system's loader would map it all the same, and the process
     /// would die of the first access beyond the end.
     #[error("it is cut off: {length} of at least {promised} bytes are there")]
@@ -108,29 +120,6 @@ fn root_cause(error: &dyn std::error::Error) -> &dyn std::error::Error {
     std::iter::successors(Some(error), |error| error.source()).last().unwrap_or(error)
 }
 
-/// Whether all that the library's headers promise is there. What is no library, or cannot be read, the loader refuses itself.
-fn check_complete(path: &Path) -> Result<(), LibraryError> {
-    let Ok(data) = std::fs::read(path) else { return Ok(()) };
-    let length = data.len() as u64;
-    let promised = match FileKind::parse(&*data) {
-        Ok(FileKind::Elf64) => end_of::<elf::FileHeader64<Endianness>>(&data),
-        Ok(FileKind::Elf32) => end_of::<elf::FileHeader32<Endianness>>(&data),
-        _ => None,
-    };
-    match promised {
-        Some(promised) if promised > length => Err(LibraryError::CutOff { length, promised }),
-        _ => Ok(()),
-    }
-}
-
-/// Where the last segment of an ELF file ends.
-fn end_of<H: FileHeader>(data: &[u8]) -> Option<u64> {
-    let header = H::parse(data).ok()?;
-    let endian = header.endian().ok()?;
-    let segments = header.program_headers(endian, data).ok()?;
-    segments.iter().map(|segment| segment.p_offset(endian).into().saturating_add(segment.p_filesz(endian).into())).max()
-}
-
 macro_rules! functions {
     (
         required { $($name:ident: $symbol:literal ($($argument:ty),*) -> $result:ty;)* }
@@ -145,6 +134,9 @@ macro_rules! functions {
             pub $option: Option<unsafe extern "C" fn($($option_argument),*) -> $option_result>,)*
             _library: Library,
         }
+
+        /// The functions that every co-simulation FMU must have.
+        pub(crate) const REQUIRED: &[&str] = &[$($symbol),*];
 
         impl Functions {
             fn of(library: Library) -> Result<Self, LibraryError> {
@@ -214,9 +206,9 @@ impl Functions {
     /// Loads a library and looks up its functions.
     ///
     /// # Errors
-    /// When the system cannot load it, a required function is absent, or it was built for another FMI.
+    /// When the system cannot load it, a required function is absent, or it was built for another FMI. A file that is cut
+    /// off can kill the process: [`Unpacked::of`](crate::Unpacked::of) looks at it first.
     pub fn load(path: &Path) -> Result<Self, LibraryError> {
-        check_complete(path)?;
         let functions = Self::of(open(path)?)?;
         // SAFETY: both functions take nothing and return a static C string.
         let inquire = |function: unsafe extern "C" fn() -> *const c_char| unsafe { text(function()) };

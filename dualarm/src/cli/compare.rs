@@ -23,8 +23,9 @@ use crate::report;
 use crate::report::figures::{self, NamedFigure, Outcome, raster};
 use crate::report::html::{self, Page, rows::Rows};
 use crate::report::parameters::ModelParameters;
-use fmi2_cosim::files;
+use fmi2_cosim::files::{FileSet, NewFile};
 use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Every, Pick, Table};
 
 /// Arguments of `dualarm compare`.
@@ -82,12 +83,21 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let grid = grid(0.0, arguments.stop, arguments.step)?;
     arguments.job.package(quiet)?;
     let begin = Instant::now();
-    let (outcomes, rows): (Vec<_>, Vec<_>) = simulate_all(arguments, &grid, quiet)?.into_iter().unzip();
+    // What an interrupted comparison leaves is the former one, whole.
+    let results = FileSet::new();
+    let runs = simulate_all(arguments, &grid, &results, quiet)?;
+    let (runs, masters): (Vec<_>, Vec<_>) =
+        runs.into_iter().map(|(outcome, rows, master)| ((outcome, rows), master)).unzip();
+    let (outcomes, rows): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
     let figures = figures::all(&outcomes);
-    write_results(arguments, &grid, &outcomes, &figures, quiet)?;
+    write_results(arguments, &grid, &outcomes, &figures, &results, quiet)?;
     let page = Page { outcomes: &outcomes, rows: &rows, grid: &grid, setup: &setup(arguments, &grid) };
     let report = arguments.job.out.join("report.html");
-    files::write(&report, page.to_html())?;
+    results.write(&report, page.to_html())?;
+    results.appear()?;
+    for master in masters {
+        master.finish()?;
+    }
     let seconds = begin.elapsed().as_secs_f64();
     if arguments.json {
         let case = |Outcome { scenario, metrics, .. }: &Outcome| Case {
@@ -118,15 +128,18 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs the scenarios, each in a thread of its own with its own instances; with each result the rows of the page.
-fn simulate_all(arguments: &Arguments, grid: &TimeGrid, quiet: bool) -> Result<Vec<(Outcome, Table)>, Failure> {
+/// What came out of a run, the rows of the page, and what ran.
+type Run = (Outcome, Table, Master);
+
+/// Runs the scenarios, each in a thread of its own with its own instances.
+fn simulate_all(arguments: &Arguments, grid: &TimeGrid, results: &FileSet, quiet: bool) -> Result<Vec<Run>, Failure> {
     let progress = Progress::new(quiet);
     let bars = grasp::PAPER.map(|controller| progress.bar(controller.title, grid.steps()));
     thread::scope(|scope| {
         let runs: Vec<_> = grasp::PAPER
             .iter()
             .zip(&bars)
-            .map(|(controller, bar)| scope.spawn(move || simulate(controller, arguments, grid, bar)))
+            .map(|(controller, bar)| scope.spawn(move || simulate(controller, arguments, grid, results, bar)))
             .collect();
         runs.into_iter().map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
     })
@@ -136,8 +149,9 @@ fn simulate(
     controller: &Controller,
     arguments: &Arguments,
     grid: &TimeGrid,
+    results: &FileSet,
     bar: &ProgressBar,
-) -> Result<(Outcome, Table), Failure> {
+) -> Result<Run, Failure> {
     let system = BuiltIn::find(controller.key)?.scenario()?.system(&arguments.job.folder.fmus)?;
     let mut master = system.master(arguments.coupling.into())?;
     master.initialize(grid)?;
@@ -150,12 +164,12 @@ fn simulate(
     let mut all = Every::new(CSV_INTERVAL, grid.stop(), Table::new(columns));
     master.run(grid, 0.0, &mut ((&mut drawn, &mut shown), &mut all), &mut |done| bar.set_position(done))?;
     bar.finish();
-    master.finish()?;
 
-    all.sink.write_csv(arguments.job.out.join(format!("{}.csv", controller.key)))?;
+    let rows = NewFile::create(arguments.job.out.join(format!("{}.csv", controller.key)))?;
+    results.add(all.sink.to_csv(rows)?)?;
     let metrics = Metrics::of(&drawn.sink, limits)
         .map_err(|obstacle| Failure::failed(format!("{} with {}: {obstacle}", grasp::PLANT, controller.fmu)))?;
-    Ok((Outcome { scenario: *controller, table: drawn.sink, metrics, models }, shown.into_table()))
+    Ok((Outcome { scenario: *controller, table: drawn.sink, metrics, models }, shown.into_table(), master))
 }
 
 fn write_results(
@@ -163,14 +177,15 @@ fn write_results(
     grid: &TimeGrid,
     outcomes: &[Outcome],
     figures: &[NamedFigure],
+    results: &FileSet,
     quiet: bool,
 ) -> Result<(), Failure> {
     let out = &arguments.job.out;
-    let results = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics));
-    files::write(out.join("metrics.csv"), report::metrics_csv(results))?;
-    files::write(out.join("metrics.md"), report::metrics_markdown(outcomes))?;
-    draw_all(&out.join("figures"), figures, quiet)?;
-    files::write(out.join("report.md"), report::report(outcomes, figures, &setup(arguments, grid)))?;
+    let metrics = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics));
+    results.write(out.join("metrics.csv"), report::metrics_csv(metrics))?;
+    results.write(out.join("metrics.md"), report::metrics_markdown(outcomes))?;
+    draw_all(&out.join("figures"), figures, results, quiet)?;
+    results.write(out.join("report.md"), report::report(outcomes, figures, &setup(arguments, grid)))?;
     Ok(())
 }
 
@@ -191,7 +206,7 @@ fn setup(arguments: &Arguments, grid: &TimeGrid) -> String {
 }
 
 /// Draws all figures as SVG and PNG, on all processors.
-fn draw_all(folder: &Path, figures: &[NamedFigure], quiet: bool) -> Result<(), Failure> {
+fn draw_all(folder: &Path, figures: &[NamedFigure], results: &FileSet, quiet: bool) -> Result<(), Failure> {
     let bar = Progress::new(quiet).bar("figures", figures.len() as u64);
     let next = AtomicUsize::new(0);
     let failure = Mutex::new(None);
@@ -199,7 +214,7 @@ fn draw_all(folder: &Path, figures: &[NamedFigure], quiet: bool) -> Result<(), F
         for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
             scope.spawn(|| {
                 while let Some(figure) = figures.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if let Err(error) = draw(folder, figure) {
+                    if let Err(error) = draw(folder, figure, results) {
                         failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
                         return;
                     }
@@ -212,11 +227,11 @@ fn draw_all(folder: &Path, figures: &[NamedFigure], quiet: bool) -> Result<(), F
     failure.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
 }
 
-fn draw(folder: &Path, figure: &NamedFigure) -> Result<(), Failure> {
+fn draw(folder: &Path, figure: &NamedFigure, results: &FileSet) -> Result<(), Failure> {
     let svg = figure.figure.to_svg();
     let png = raster::to_png(&svg)
         .map_err(|reason| Failure { code: 1, message: format!("cannot draw {}: {reason}", figure.name) })?;
-    files::write(folder.join(format!("{}.svg", figure.name)), svg)?;
-    files::write(folder.join(format!("{}.png", figure.name)), png)?;
+    results.write(folder.join(format!("{}.svg", figure.name)), svg)?;
+    results.write(folder.join(format!("{}.png", figure.name)), png)?;
     Ok(())
 }

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Failure, print as print_text};
+use super::printable::printable_json;
+use super::{Failure, print_result};
 use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Coupling;
@@ -10,7 +11,7 @@ use fmi2_cosim::master::Coupling;
 /// Prints a document.
 pub fn print(document: &impl Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(document).map_err(Failure::failed)?;
-    print_text(&(text + "\n"));
+    print_result(&(printable_json(&text) + "\n"));
     Ok(())
 }
 

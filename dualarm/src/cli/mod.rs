@@ -6,6 +6,8 @@ mod fmus;
 mod info;
 mod json;
 mod package;
+mod printable;
+mod process;
 mod progress;
 mod simulate;
 mod verify;
@@ -14,6 +16,8 @@ use std::fmt;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::OnceLock;
+
+use printable::printable;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -117,43 +121,69 @@ static LOST: OnceLock<io::Error> = OnceLock::new();
 /// Prints to standard output. A reader that has gone (`| head`) is no failure; anything else (a full disk) makes [`main`]
 /// fail in the end, when all else is done.
 fn print(text: &str) {
-    let mut stdout = io::stdout();
-    match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+    match process::standard_output().write_all(printable(text).as_bytes()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => drop(LOST.set(error)),
         _ => {}
     }
 }
 
+/// Prints a result, which somebody has to take: a reader that has gone makes [`main`] fail too.
+fn print_result(text: &str) {
+    if let Err(error) = process::standard_output().write_all(text.as_bytes()) {
+        drop(LOST.set(error));
+    }
+}
+
 /// Prints to standard error, whether or not anyone still listens: `eprint!` would panic.
 fn print_error(text: &str) {
-    let _ = io::stderr().write_all(text.as_bytes());
+    let _ = io::stderr().write_all(printable(text).as_bytes());
+}
+
+/// A message as one paragraph: no line of it looks like a message of its own, none is longer than a screen.
+fn paragraph(message: &str) -> String {
+    const LONGEST: usize = 8000;
+    let mut text: String = message.chars().take(LONGEST).collect();
+    if text.len() < message.len() {
+        text += " …";
+    }
+    text.trim_end().replace('\n', "\n       ")
 }
 
 /// Runs the program with the process's arguments.
 #[must_use]
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    let at_work = process::prepare();
+    let result = run(arguments);
+    let result = result.and_then(|()| match LOST.get() {
+        Some(error) if error.kind() == io::ErrorKind::BrokenPipe => {
+            Err(Failure::failed("the reader of standard output has gone before it had everything"))
+        }
+        Some(error) => Err(Failure::failed(format!("cannot write to standard output: {error}"))),
+        None => Ok(()),
+    });
+    let code = match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            print_error(&format!("error: {}\n", paragraph(&failure.message)));
+            ExitCode::from(failure.code)
+        }
+    };
+    drop(at_work);
+    code
+}
+
+fn run(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
-    let result = match arguments.command.unwrap_or(Command::Compare(compare::Arguments::default())) {
+    match arguments.command.unwrap_or(Command::Compare(compare::Arguments::default())) {
         Command::Package(arguments) => package::run(&arguments, quiet),
-        Command::Simulate(arguments) => simulate::run(arguments, quiet),
+        Command::Simulate(arguments) => simulate::run(&arguments, quiet),
         Command::Compare(arguments) => compare::run(&arguments, quiet),
         Command::Verify(arguments) => verify::run(&arguments, quiet),
         Command::Info(arguments) => info::run(&arguments),
         Command::Completions(arguments) => {
             completions::run(&arguments, &mut Arguments::command());
             Ok(())
-        }
-    };
-    let result = result.and_then(|()| match LOST.get() {
-        Some(error) => Err(Failure { code: 1, message: format!("cannot write to standard output: {error}") }),
-        None => Ok(()),
-    });
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            print_error(&format!("error: {}\n", failure.message));
-            ExitCode::from(failure.code)
         }
     }
 }

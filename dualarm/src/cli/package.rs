@@ -8,7 +8,7 @@ use super::{Failure, print, print_error};
 use crate::build::crosscheck::release;
 use crate::build::{package, repository};
 use crate::grasp::systems;
-use fmi2_cosim::files;
+use fmi2_cosim::files::FileSet;
 
 const AFTER_HELP: &str = "\
 Leaves the FMUs, and each controller with the plant as one system: DualArmGrasp-NABFC.ssp, -PDS.ssp and -PD.ssp (SSP \
@@ -66,10 +66,16 @@ pub fn package_all(out: &Path, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
 }
 
 fn describe(folder: &Path, quiet: bool) -> Result<(), Failure> {
+    let written = FileSet::new();
+    let mut paths = Vec::new();
     for (path, text) in systems::describe_packages(folder)? {
         let path = folder.join(path);
-        files::write(&path, text)?;
-        if !quiet {
+        written.write(&path, text)?;
+        paths.push(path);
+    }
+    written.appear()?;
+    if !quiet {
+        for path in &paths {
             print(&format!("{}\n", path.display()));
         }
     }

@@ -11,7 +11,7 @@ use super::package::say;
 use super::{Failure, json, print};
 use crate::report::figures::raster;
 use crate::verify::{Check, Fmus, verify};
-use fmi2_cosim::files;
+use fmi2_cosim::files::FileSet;
 
 /// Arguments of `dualarm verify`.
 #[derive(Debug, Args)]
@@ -72,11 +72,13 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let png = raster::to_png(&svg)
         .map_err(|reason| Failure::failed(format!("cannot draw {}: {reason}", result.figure.name)))?;
     let figures = arguments.job.out.join("figures");
-    files::write(figures.join(format!("{}.svg", result.figure.name)), svg)?;
-    files::write(figures.join(format!("{}.png", result.figure.name)), png)?;
-    files::write(arguments.job.out.join("verification.csv"), result.to_csv())?;
+    let written = FileSet::new();
+    written.write(figures.join(format!("{}.svg", result.figure.name)), svg)?;
+    written.write(figures.join(format!("{}.png", result.figure.name)), png)?;
+    written.write(arguments.job.out.join("verification.csv"), result.to_csv())?;
     let report = arguments.job.out.join("verification.md");
-    files::write(&report, result.to_markdown())?;
+    written.write(&report, result.to_markdown())?;
+    written.appear()?;
 
     if arguments.json {
         json::print(&Document {

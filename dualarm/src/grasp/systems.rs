@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 use crate::grasp::scenarios::{BuiltIn, UnknownScenario};
 use crate::grasp::{self, Controller};
-use fmi2_cosim::files::{self, WriteError};
+use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::ssp::package::{self, DEFAULT_STRUCTURE};
@@ -26,7 +26,7 @@ use fmi2_cosim::ssp::structure::{
 };
 use fmi2_cosim::ssp::write;
 use fmi2_cosim::system::Located;
-use fmi2_cosim::wiring::{AmbiguousWire, wire_by_name};
+use fmi2_cosim::wiring::{WiringError, wire_by_name};
 use fmi2_import::description::{DescriptionError, Unit, VariableType};
 use fmi2_import::{Causality, Fmu, FmuError, ModelDescription, Variable};
 
@@ -60,9 +60,9 @@ pub const PAPER: &str = "paper";
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ComposeError {
-    /// Two outputs could feed one input.
+    /// Equal names do not say what to connect.
     #[error(transparent)]
-    Wiring(#[from] AmbiguousWire),
+    Wiring(#[from] WiringError),
     /// A built-in scenario is not there.
     #[error(transparent)]
     Unknown(#[from] UnknownScenario),
@@ -101,6 +101,9 @@ pub enum ComposeError {
     Write(#[from] WriteError),
 }
 
+/// `OMSimulator` wants one; the FMUs have no use for it.
+const TOLERANCE: f64 = 1e-4;
+
 /// Names of the two components.
 const PLANT: &str = "plant";
 const CONTROLLER: &str = "controller";
@@ -121,6 +124,7 @@ pub type TextFile = (String, String);
 /// # Errors
 /// When an FMU is not there or cannot be used, or a package cannot be written.
 pub fn write_packages(folder: &Path) -> Result<Vec<PathBuf>, ComposeError> {
+    let packages = FileSet::new();
     let mut written = Vec::new();
     for grasp in GRASPS {
         let mut fmus = Vec::new();
@@ -133,9 +137,10 @@ pub fn write_packages(folder: &Path) -> Result<Vec<PathBuf>, ComposeError> {
         let texts = grasp.describe([&descriptions[0], &descriptions[1]])?;
         let path = folder.join(format!("{}.ssp", grasp.name()));
         let bytes = archive(&texts, &fmus).map_err(|source| WriteError { path: path.clone(), source })?;
-        files::write(&path, bytes)?;
+        packages.write(&path, bytes)?;
         written.push(path);
     }
+    packages.appear()?;
     Ok(written)
 }
 
@@ -216,6 +221,7 @@ impl Grasp {
         let names = [PLANT, CONTROLLER];
         let named = [(names[0], descriptions[0]), (names[1], descriptions[1])];
         let connections: Vec<Connection> = wire_by_name(&named)?
+            .wires
             .iter()
             .map(|wire| {
                 let end = |terminal: fmi2_cosim::wiring::Terminal| {
@@ -263,7 +269,12 @@ impl Grasp {
                 connections,
                 ..System::default()
             },
-            experiment: Experiment { start: Some(0.0), stop: scenario.experiment.stop, step: Some(self.step) },
+            experiment: Experiment {
+                start: Some(0.0),
+                stop: scenario.experiment.stop,
+                step: Some(self.step),
+                tolerance: Some(TOLERANCE),
+            },
             ..SystemStructure::default()
         };
         draw(&mut structure.system);

@@ -34,12 +34,20 @@ impl CsvSink<NewFile> {
     ///
     /// # Errors
     /// When not everything could be written.
-    pub fn finish(mut self) -> Result<(), WriteError> {
+    pub fn finish(self) -> Result<(), WriteError> {
+        self.into_file()?.finish()
+    }
+
+    /// The file with all rows in it.
+    ///
+    /// # Errors
+    /// When not everything could be written.
+    pub fn into_file(mut self) -> Result<NewFile, WriteError> {
         if let Err(source) = self.writer.flush() {
             return Err(self.error(source));
         }
         match self.writer.into_inner() {
-            Ok(file) => file.finish(),
+            Ok(file) => Ok(file),
             Err(_) => unreachable!("the buffer was flushed before"),
         }
     }

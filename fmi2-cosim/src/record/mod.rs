@@ -56,6 +56,14 @@ pub trait Sink {
     /// # Errors
     /// When the row cannot be kept.
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()>;
+
+    /// The run is over. This was the last row; who did not keep it may want to.
+    ///
+    /// # Errors
+    /// When the row cannot be kept.
+    fn end(&mut self, _time: f64, _values: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// Keeps nothing.
@@ -71,17 +79,30 @@ impl<A: Sink, B: Sink> Sink for (A, B) {
         self.0.row(time, values)?;
         self.1.row(time, values)
     }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.0.end(time, values)?;
+        self.1.end(time, values)
+    }
 }
 
 impl<S: Sink + ?Sized> Sink for &mut S {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         (**self).row(time, values)
     }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        (**self).end(time, values)
+    }
 }
 
 impl<S: Sink> Sink for Option<S> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.as_mut().map_or(Ok(()), |sink| sink.row(time, values))
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.as_mut().map_or(Ok(()), |sink| sink.end(time, values))
     }
 }
 
@@ -130,13 +151,21 @@ impl Table {
     /// # Errors
     /// When the file cannot be written; nothing is left behind then.
     pub fn write_csv(&self, path: impl Into<PathBuf>) -> Result<(), WriteError> {
-        let mut sink = CsvSink::new(NewFile::create(path)?, &self.columns)?;
+        self.to_csv(NewFile::create(path)?)?.finish()
+    }
+
+    /// Writes all rows as CSV to a file, which is finished or added to others next.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn to_csv(&self, file: NewFile) -> Result<NewFile, WriteError> {
+        let mut sink = CsvSink::new(file, &self.columns)?;
         for (time, values) in self.rows() {
             if let Err(source) = sink.row(time, values) {
                 return Err(sink.error(source));
             }
         }
-        sink.finish()
+        sink.into_file()
     }
 }
 
@@ -180,12 +209,23 @@ impl Pick<Table> {
     }
 }
 
-impl<S: Sink> Sink for Pick<S> {
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+impl<S> Pick<S> {
+    fn pick(&mut self, values: &[f64]) {
         for (picked, &index) in self.picked.iter_mut().zip(&self.indices) {
             *picked = values[index];
         }
+    }
+}
+
+impl<S: Sink> Sink for Pick<S> {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.pick(values);
         self.sink.row(time, &self.picked)
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.pick(values);
+        self.sink.end(time, &self.picked)
     }
 }
 
@@ -195,6 +235,7 @@ pub struct Every<S> {
     interval: f64,
     stop: f64,
     schedule: Option<Schedule>,
+    passed: Option<f64>,
     /// Takes these rows.
     pub sink: S,
 }
@@ -202,7 +243,7 @@ pub struct Every<S> {
 impl<S> Every<S> {
     /// Rows `interval` s apart, and the one at `stop`, for `sink`.
     pub fn new(interval: f64, stop: f64, sink: S) -> Self {
-        Self { interval, stop, schedule: None, sink }
+        Self { interval, stop, schedule: None, passed: None, sink }
     }
 }
 
@@ -210,7 +251,20 @@ impl<S: Sink> Sink for Every<S> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         let interval = self.interval;
         let schedule = self.schedule.get_or_insert_with(|| Schedule::new(time, interval));
-        if schedule.is_due(time) || time >= self.stop { self.sink.row(time, values) } else { Ok(()) }
+        if schedule.is_due(time) || time >= self.stop {
+            self.passed = Some(time);
+            return self.sink.row(time, values);
+        }
+        Ok(())
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        // A run that ends before its time does so between two multiples of the interval.
+        if self.passed != Some(time) {
+            self.passed = Some(time);
+            self.sink.row(time, values)?;
+        }
+        self.sink.end(time, values)
     }
 }
 

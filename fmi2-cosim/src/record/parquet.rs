@@ -22,13 +22,17 @@ use crate::files::{NewFile, WriteError};
 pub struct ParquetSink {
     writer: SerializedFileWriter<NewFile>,
     kinds: Vec<Kind>,
+    /// Rows that are written together.
+    rows: usize,
     /// Values of the rows that are not written yet, column by column, the time first.
     columns: Vec<Vec<f64>>,
 }
 
 impl ParquetSink {
-    /// Rows that are written together.
-    const ROWS: usize = 1 << 16;
+    /// Rows that are written together, if there are few columns.
+    const MAX_ROWS: usize = 1 << 16;
+    /// Values that are kept in memory at most: 128 MiB of them.
+    const MAX_VALUES: usize = 1 << 24;
 
     /// Begins the file.
     ///
@@ -40,7 +44,8 @@ impl ParquetSink {
         let path = file.path().to_owned();
         let writer = Self::writer(file, &columns).map_err(|error| WriteError { path, source: plain(error) })?;
         let kinds: Vec<_> = columns.iter().map(|column| column.kind).collect();
-        Ok(Self { writer, columns: vec![Vec::new(); kinds.len()], kinds })
+        let rows = (Self::MAX_VALUES / kinds.len()).clamp(1, Self::MAX_ROWS);
+        Ok(Self { writer, columns: vec![Vec::new(); kinds.len()], kinds, rows })
     }
 
     fn writer(file: NewFile, columns: &[&Column]) -> Result<SerializedFileWriter<NewFile>> {
@@ -116,7 +121,7 @@ impl Sink for ParquetSink {
         for (column, value) in self.columns.iter_mut().zip(std::iter::once(&time).chain(values)) {
             column.push(*value);
         }
-        if self.columns[0].len() == Self::ROWS { self.write_rows().map_err(plain) } else { Ok(()) }
+        if self.columns[0].len() == self.rows { self.write_rows().map_err(plain) } else { Ok(()) }
     }
 }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 
+use fmi2_import::document::Lines;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error as _, MapAccess, Visitor};
 use toml::Spanned;
@@ -14,7 +15,7 @@ use crate::master::Coupling;
 use crate::names::{closest, suggestion};
 use crate::settings::Setting;
 use crate::signal::{Shape, Signal};
-use crate::system::{Experiment, Located};
+use crate::system::{Experiment, Located, is_tolerance};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -38,6 +39,7 @@ struct ExperimentTable {
     stop: Option<Spanned<f64>>,
     step: Option<Spanned<f64>>,
     interval: Option<Spanned<f64>>,
+    tolerance: Option<Spanned<f64>>,
     coupling: Option<CouplingName>,
 }
 
@@ -60,8 +62,9 @@ enum Input {
 struct Number(f64);
 
 pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
+    let lines = Lines::of(text);
     let content = |offset: usize, message: String| {
-        let (line, column) = position(text, offset);
+        let (line, column) = lines.position(text, offset);
         ScenarioError::Content { file: file.to_owned(), line, column, message }
     };
     let read: File = toml::from_str(text)
@@ -69,7 +72,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
     if read.fmus.is_empty() {
         return Err(content(0, "fmus names no file".to_owned()));
     }
-    let place = |offset: usize| Some(format!("{file}:{}", position(text, offset).0));
+    let place = |offset: usize| Some(format!("{file}:{}", lines.line(offset)));
     let mut settings = Vec::new();
     for (name, value) in read.parameters {
         let place = place(value.span().start);
@@ -99,7 +102,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
 impl ExperimentTable {
     /// What it says, if that can be run; or else where and what is wrong.
     fn check(self) -> Result<Experiment, (usize, String)> {
-        let Self { start, stop, step, interval, coupling } = self;
+        let Self { start, stop, step, interval, tolerance, coupling } = self;
         let value = |key: &Option<Spanned<f64>>| key.as_ref().map(|value| *value.get_ref());
         let refuse = |key: &Option<Spanned<f64>>, message: String| {
             Err((key.as_ref().map_or(0, |value| value.span().start), message))
@@ -117,20 +120,16 @@ impl ExperimentTable {
         if let Some(seconds) = value(&interval).filter(|seconds| !(seconds.is_finite() && *seconds >= 0.0)) {
             return refuse(&interval, format!("the interval must be 0 or more seconds, not {seconds}"));
         }
+        if let Some(value) = value(&tolerance).filter(|tolerance| !is_tolerance(*tolerance)) {
+            return refuse(&tolerance, format!("the tolerance must be a positive number, not {value}"));
+        }
         let coupling = coupling.map(|name| match name {
             CouplingName::GaussSeidel => Coupling::GaussSeidel,
             CouplingName::Jacobi => Coupling::Jacobi,
         });
-        let [start, stop, step, interval] = [start, stop, step, interval].map(|key| value(&key));
-        Ok(Experiment { start, stop, step, coupling, interval })
+        let [start, stop, step, interval, tolerance] = [start, stop, step, interval, tolerance].map(|key| value(&key));
+        Ok(Experiment { start, stop, step, tolerance, coupling, interval })
     }
-}
-
-/// Line and column, from 1, of a byte of a text.
-fn position(text: &str, offset: usize) -> (usize, usize) {
-    let before = text.get(..offset).unwrap_or(text);
-    let line_start = before.rfind('\n').map_or(0, |end| end + 1);
-    (before.matches('\n').count() + 1, before[line_start..].chars().count() + 1)
 }
 
 /// Adds "did you mean" to serde's message about an unknown name, which quotes the name and then every known one in
@@ -262,6 +261,7 @@ fmus = ["a.fmu", "b.fmu"]
 [experiment]
 stop = 2
 step = 1e-3
+tolerance = 1e-6
 coupling = "jacobi"
 
 [parameters]
@@ -282,13 +282,14 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
         let scenario = parse("x.toml", GOOD).unwrap();
         assert_eq!((scenario.title.as_str(), scenario.description.as_str()), ("Two", "Long."));
         assert_eq!(scenario.fmus.len(), 2);
-        let Experiment { start, stop, step, coupling, interval } = scenario.experiment;
+        let Experiment { start, stop, step, tolerance, coupling, interval } = scenario.experiment;
         assert_eq!((start, stop, step, interval), (None, Some(2.0), Some(1e-3), None));
+        assert_eq!(tolerance, Some(1e-6));
         assert_eq!(coupling, Some(Coupling::Jacobi));
         let settings: Vec<_> = scenario.settings.iter().map(|setting| setting.item.to_string()).collect();
         assert_eq!(settings, ["M=1.5", "Plant.on=true", "actuator_model=raw", "order=8"]);
         assert_eq!(scenario.held[0].item.to_string(), "u=0.25");
-        assert_eq!(scenario.settings[0].place.as_deref(), Some("x.toml:13"));
+        assert_eq!(scenario.settings[0].place.as_deref(), Some("x.toml:14"));
         let values: Vec<_> =
             scenario.inputs.iter().map(|input| (input.item.0.as_str(), input.item.1.at(0.75))).collect();
         assert_eq!(values, [("Plant.enable", 0.0), ("delta_F", 0.1), ("lambda1_ref", -0.575)]);
@@ -307,16 +308,17 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
             ("stop = 2", "start = nan", "x.toml:8:9: the start time must be a finite number"),
             ("step = 1e-3", "step = 0.0", "x.toml:9:8: the step size must be a positive number of seconds, not 0"),
             ("step = 1e-3", "interval = -1", "x.toml:9:12: the interval must be 0 or more seconds, not -1"),
-            ("\"jacobi\"", "\"jakobi\"", "x.toml:10:12: unknown variant `jakobi`"),
+            ("\"jacobi\"", "\"jakobi\"", "x.toml:11:12: unknown variant `jakobi`"),
             ("\"jacobi\"", "\"jakobi\"", "did you mean jacobi?"),
             ("step = 1e-3", "step = 1e-3\nstep = 2", "x.toml:10:1: duplicate key"),
-            ("= 1.5", "= ", "x.toml:13:"),
+            ("tolerance = 1e-6", "tolerance = 0", "x.toml:10:13: the tolerance must be a positive number, not 0"),
+            ("= 1.5", "= ", "x.toml:14:"),
             ("\"Plant.on\"", "Plant.on", "write \"Component.name\" with its quotation marks"),
             ("delta_F.steps", "delta_F.step", "unknown shape `step`"),
             ("\"Plant.enable\"", "Plant.enable", "\"Component.name\" with its quotation marks"),
-            ("[0.5, 0.1]", "[-1, 0.1]", "x.toml:20:"),
+            ("[0.5, 0.1]", "[-1, 0.1]", "x.toml:21:"),
             ("[0.5, 0.1]", "[-1, 0.1]", "times must increase: -1 s follows 0 s"),
-            ("[0.5, 0.1]", "[0.5]", "x.toml:20:"),
+            ("[0.5, 0.1]", "[0.5]", "x.toml:21:"),
             ("[0.5, 0.1]", "[0.5, 0.1, 3]", "a point is [time, value], not 3 numbers"),
             ("[0.5, 0.1]", "[0.5, \"x\"]", "expected a number, true or false"),
             ("[0.5, 0.1]", "[0.5, nan]", "is not finite"),

@@ -25,13 +25,13 @@
 
 mod file;
 
-use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use crate::settings::Setting;
 use crate::signal::Signal;
 use crate::system::{Experiment, Located, System};
+use fmi2_import::archive::plain_file;
 use fmi2_import::{Causality, Fmu, FmuError, Variable};
 
 /// A scenario as its file describes it.
@@ -110,7 +110,7 @@ impl Scenario {
     /// # Errors
     /// When it cannot be read or is no scenario; says where and what.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
-        let text = fs::read_to_string(path).map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path).map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
         let scenario = Self::parse(&path.display().to_string(), &text)?;
         Ok(Self { folder: Some(path.parent().unwrap_or(Path::new("")).to_owned()), ..scenario })
     }
@@ -137,7 +137,7 @@ impl Scenario {
             })
         };
         let paths = self.fmus.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-        let opened = paths.iter().map(Fmu::open).collect::<Result<Vec<_>, _>>()?;
+        let opened = Fmu::open_all(paths)?;
         let system = System::of_fmus(&opened);
         self.check_tables(&system)?;
         Ok(System {
@@ -170,6 +170,17 @@ impl Scenario {
         }
         Ok(())
     }
+}
+
+/// The text of a file that is nothing else and has a reasonable size.
+fn read_text(path: &Path) -> io::Result<String> {
+    const MAX_BYTES: u64 = 64 << 20;
+    let mut text = String::new();
+    plain_file(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {} MiB", MAX_BYTES >> 20)));
+    }
+    Ok(text)
 }
 
 /// A folder in a message.

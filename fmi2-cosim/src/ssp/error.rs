@@ -4,6 +4,8 @@ use std::io;
 use std::path::PathBuf;
 
 use fmi2_import::FmuError;
+use fmi2_import::archive::ArchiveError;
+use fmi2_import::document::XmlError;
 use fmi2_import::xml::Fault;
 
 /// Why an SSP cannot be used.
@@ -48,6 +50,16 @@ pub enum SspError {
         /// The entry's name.
         entry: String,
     },
+    /// A file in the archive cannot be read.
+    #[error("{}, {entry}: {source}", path.display())]
+    Entry {
+        /// The file.
+        path: PathBuf,
+        /// Its path in the archive.
+        entry: String,
+        /// What is wrong with it.
+        source: ArchiveError,
+    },
     /// A document in the archive cannot be used.
     #[error("{}, {document}: {source}", path.display())]
     Document {
@@ -87,9 +99,9 @@ pub enum DocumentError {
     /// Not UTF-8.
     #[error("it is not UTF-8 text")]
     Encoding,
-    /// Not well-formed XML.
-    #[error("it is not well-formed XML: {0}")]
-    Xml(#[from] roxmltree::Error),
+    /// Not well-formed XML, or more of it than any document needs.
+    #[error(transparent)]
+    Xml(#[from] XmlError),
     /// Some other XML document.
     #[error("its root element is <{found}>, not <{expected}> of SSP 1.0")]
     Root {
@@ -111,6 +123,14 @@ pub enum DocumentError {
         what: String,
         /// What to do about it.
         instead: &'static str,
+        /// Line in the file.
+        line: u32,
+    },
+    /// More parameters than any system has.
+    #[error("line {line}: the bindings apply more than {most} parameters; this tool reads no such document")]
+    TooMany {
+        /// How many may be.
+        most: usize,
         /// Line in the file.
         line: u32,
     },

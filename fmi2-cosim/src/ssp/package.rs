@@ -1,26 +1,29 @@
 //! An `.ssp` file: a zip archive with system structures at its root, and FMUs and parameters in `resources/`.
 
-use std::fs::{self, File};
-use std::io::{self, BufReader, Cursor, Read, Write};
+use std::collections::HashMap;
+use std::io::{self, Cursor, Write};
 use std::path::{Component as PathPart, Path, PathBuf};
+use std::sync::Arc;
 
+use fmi2_import::archive::{Archive, ArchiveError};
 use tempfile::TempDir;
-use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::error::{DocumentError, SspError};
 use super::parameters::ParameterSet;
 use super::read;
 use super::resolve::{Resolved, resolve};
 use super::structure::{Binding, Experiment, Line, Mapping, MappingEntry, SystemStructure, Values};
-use crate::names::closest;
+use crate::names::best;
 use crate::system::{self, Connections, System};
 use fmi2_import::xml::Fault;
 use fmi2_import::{Fmu, FmuError};
 
 /// The system structure that every package has.
 pub const DEFAULT_STRUCTURE: &str = "SystemStructure.ssd";
+/// Names in a message.
+const SHOWN: usize = 20;
 
 /// An SSP that is read, with its FMUs unpacked to a temporary folder; they vanish with it.
 #[derive(Debug)]
@@ -30,18 +33,19 @@ pub struct Package {
     structure: SystemStructure,
     component_sets: Vec<Vec<BoundSet>>,
     system_sets: Vec<BoundSet>,
+    /// The unpacked FMU of each component; components may share one.
     fmus: Vec<PathBuf>,
     _folder: TempDir,
 }
 
-/// A binding with its parameters at hand.
+/// A binding with its parameters at hand. Documents that are bound more than once are read once.
 #[derive(Debug)]
 pub(super) struct BoundSet {
     /// The document that has the parameters.
     pub document: String,
-    pub set: ParameterSet,
+    pub set: Arc<ParameterSet>,
     pub prefix: String,
-    pub mapping: Option<Vec<MappingEntry>>,
+    pub mapping: Option<Arc<Vec<MappingEntry>>>,
 }
 
 impl Package {
@@ -51,7 +55,7 @@ impl Package {
     /// When the file is no SSP, is damaged, lacks something it refers to, or has something this tool does not support.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, SspError> {
         let (path, document) = split_variant(path.as_ref());
-        let mut archive = Archive::open(&path)?;
+        let mut archive = Documents::open(&path)?;
         let structure = archive.parse(&document, None, read::system_structure)?;
 
         let system_sets = archive.bound_sets(&document, &structure.system.bindings)?;
@@ -64,15 +68,24 @@ impl Package {
         let folder = tempfile::Builder::new().prefix("fmi2-cosim-").tempdir();
         let folder = folder.map_err(|source| archive.unpack_error(&document, source))?;
         let mut fmus = Vec::new();
-        for (index, component) in components.iter().enumerate() {
+        let mut unpacked: HashMap<String, PathBuf> = HashMap::new();
+        for component in components {
             let entry = archive.inside(&document, &component.source, component.line)?;
-            let bytes = archive.bytes(&entry, Some((&document, component.line)))?;
-            // Two components may have FMUs of one name in different folders of the archive.
-            let own = folder.path().join(index.to_string());
+            if let Some(fmu) = unpacked.get(&entry) {
+                fmus.push(fmu.clone());
+                continue;
+            }
+            // There may be FMUs of one name in different folders of the archive.
+            let own = folder.path().join(unpacked.len().to_string());
             let fmu = own.join(Path::new(&entry).file_name().unwrap_or_default());
-            let write = fs::create_dir(&own).and_then(|()| fs::write(&fmu, bytes));
-            write.map_err(|source| archive.unpack_error(&entry, source))?;
-            fmus.push(fmu);
+            match archive.zip.unpack_file(&entry, &fmu) {
+                Ok(()) => {}
+                Err(ArchiveError::NotFound) => return Err(archive.not_found(&entry, Some((&document, component.line)))),
+                Err(ArchiveError::Read(source)) => return Err(archive.unpack_error(&entry, source)),
+                Err(source) => return Err(archive.error(&entry, source)),
+            }
+            fmus.push(fmu.clone());
+            unpacked.insert(entry, fmu);
         }
         Ok(Self { path, document, structure, component_sets, system_sets, fmus, _folder: folder })
     }
@@ -96,27 +109,32 @@ impl Package {
         let components = self.open_fmus()?;
         let descriptions: Vec<_> = components.iter().map(|(_, fmu)| fmu.description()).collect();
         let Resolved { wires, settings, remarks } = resolve(self, &descriptions)?;
-        let Experiment { start, stop, step } = self.structure.experiment;
+        let Experiment { start, stop, step, tolerance } = self.structure.experiment;
+        let tolerance = tolerance.filter(|tolerance| system::is_tolerance(*tolerance));
         let description = self.structure.description.clone();
         Ok(System {
             title: Some(description.unwrap_or_else(|| self.structure.name.clone())),
             connections: Connections::Explicit(wires),
             settings,
             inputs: Vec::new(),
-            experiment: system::Experiment { start, stop, step, ..system::Experiment::default() },
+            experiment: system::Experiment { start, stop, step, tolerance, ..system::Experiment::default() },
             remarks,
             components,
         })
     }
 
     fn open_fmus(&self) -> Result<Vec<(String, Fmu)>, SspError> {
-        let components = self.structure.system.components.iter().zip(&self.fmus);
-        components
-            .map(|(component, file)| match Fmu::open(file) {
-                Ok(fmu) => Ok((component.name.clone(), fmu)),
-                Err(source) => Err(self.fmu_error(&component.source, source)),
-            })
-            .collect()
+        let mut opened: HashMap<&Path, Fmu> = HashMap::new();
+        let mut components = Vec::new();
+        for (component, file) in self.structure.system.components.iter().zip(&self.fmus) {
+            let fmu = match opened.get(file.as_path()) {
+                Some(fmu) => fmu.clone(),
+                None => Fmu::open(file).map_err(|source| self.fmu_error(&component.source, source))?,
+            };
+            opened.insert(file, fmu.clone());
+            components.push((component.name.clone(), fmu));
+        }
+        Ok(components)
     }
 
     pub(super) fn system_sets(&self) -> &[BoundSet] {
@@ -142,7 +160,8 @@ impl Package {
 }
 
 /// Splits `FILE.ssp#VARIANT.ssd`, the notation of SSP 1.0 for a variant of a package.
-fn split_variant(path: &Path) -> (PathBuf, String) {
+#[must_use]
+pub fn split_variant(path: &Path) -> (PathBuf, String) {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match name.split_once(".ssp#") {
         Some((stem, variant)) => (path.with_file_name(format!("{stem}.ssp")), variant.to_owned()),
@@ -156,56 +175,46 @@ pub fn is_ssp(path: &Path) -> bool {
     split_variant(path).0.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ssp"))
 }
 
-struct Archive {
+/// An open archive and the documents in it that were read.
+struct Documents {
     path: PathBuf,
-    zip: ZipArchive<BufReader<File>>,
+    zip: Archive,
+    sets: HashMap<String, Arc<ParameterSet>>,
+    mappings: HashMap<String, Arc<Vec<MappingEntry>>>,
 }
 
-impl Archive {
+impl Documents {
     fn open(path: &Path) -> Result<Self, SspError> {
-        let read = |source| SspError::Read { path: path.to_owned(), source };
-        let file = File::open(path).map_err(read)?;
-        if file.metadata().map_err(read)?.is_dir() {
-            return Err(read(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder")));
-        }
-        let mut zip = ZipArchive::new(BufReader::new(file))
-            .map_err(|error| SspError::NotAZip { path: path.to_owned(), reason: error.to_string() })?;
-        for index in 0..zip.len() {
-            let entry = zip.by_index_raw(index);
-            let entry =
-                entry.map_err(|error| SspError::NotAZip { path: path.to_owned(), reason: error.to_string() })?;
-            if entry.enclosed_name().is_none() || entry.name_raw().starts_with(b"/") {
-                let entry = String::from_utf8_lossy(entry.name_raw()).into_owned();
-                return Err(SspError::UnsafeEntry { path: path.to_owned(), entry });
-            }
-        }
-        Ok(Self { path: path.to_owned(), zip })
+        let zip = Archive::open(path).map_err(|error| match error {
+            ArchiveError::Read(source) => SspError::Read { path: path.to_owned(), source },
+            ArchiveError::UnsafeEntry(entry) => SspError::UnsafeEntry { path: path.to_owned(), entry },
+            other => SspError::NotAZip { path: path.to_owned(), reason: other.to_string() },
+        })?;
+        Ok(Self { path: path.to_owned(), zip, sets: HashMap::new(), mappings: HashMap::new() })
     }
 
     /// Content of an entry. When there is none, `wanted` says which document asks for it, and on which line.
     fn bytes(&mut self, entry: &str, wanted: Option<(&str, Line)>) -> Result<Vec<u8>, SspError> {
-        let mut bytes = Vec::new();
-        let result = match self.zip.by_name(entry) {
-            Ok(mut file) => file.read_to_end(&mut bytes).map_err(ZipError::Io),
-            Err(error) => Err(error),
-        };
-        match result {
-            Ok(_) => Ok(bytes),
-            Err(ZipError::FileNotFound) => Err(self.not_found(entry, wanted)),
-            Err(error) => Err(SspError::NotAZip { path: self.path.clone(), reason: format!("{entry}: {error}") }),
+        match self.zip.read(entry) {
+            Ok(bytes) => Ok(bytes),
+            Err(ArchiveError::NotFound) => Err(self.not_found(entry, wanted)),
+            Err(error) => Err(self.error(entry, error)),
         }
     }
 
+    fn error(&self, entry: &str, source: ArchiveError) -> SspError {
+        SspError::Entry { path: self.path.clone(), entry: entry.to_owned(), source }
+    }
+
     fn not_found(&self, entry: &str, wanted: Option<(&str, Line)>) -> SspError {
-        let mut names: Vec<_> = self.zip.file_names().flatten().collect();
-        names.sort_unstable();
+        let mut names = self.zip.files();
         if let Some((document, line)) = wanted {
-            let similar = closest(entry, names.iter().map(AsRef::as_ref)).first().map(ToString::to_string);
+            let similar = best(entry, names.into_iter());
             let what = format!("file {entry} in the archive");
             return self.document_error(document, DocumentError::Unknown { what, similar, line: line.0 });
         }
-        names.retain(|name| Path::new(name.as_ref()).extension().is_some_and(|extension| extension == "ssd"));
-        names.retain(|name| !name.contains('/'));
+        names.retain(|name| !name.contains('/') && Path::new(name).extension().is_some_and(|ending| ending == "ssd"));
+        names.truncate(SHOWN);
         SspError::NoStructure { path: self.path.clone(), wanted: entry.to_owned(), available: names.join(", ") }
     }
 
@@ -224,19 +233,30 @@ impl Archive {
         for binding in bindings {
             let wanted = Some((document, binding.line));
             let (source, set) = match &binding.values {
-                Values::Inline(set) => (document.to_owned(), set.clone()),
+                Values::Inline(set) => (document.to_owned(), Arc::new(set.clone())),
                 Values::File(source) => {
                     let entry = self.inside(document, source, binding.line)?;
-                    let set = self.parse(&entry, wanted, read::parameter_set)?;
+                    let known = self.sets.get(&entry).cloned();
+                    let set = match known {
+                        Some(set) => set,
+                        None => Arc::new(self.parse(&entry, wanted, read::parameter_set)?),
+                    };
+                    self.sets.insert(entry.clone(), Arc::clone(&set));
                     (entry, set)
                 }
             };
             let mapping = match &binding.mapping {
                 None => None,
-                Some(Mapping::Inline(entries)) => Some(entries.clone()),
+                Some(Mapping::Inline(entries)) => Some(Arc::new(entries.clone())),
                 Some(Mapping::File(source)) => {
                     let entry = self.inside(document, source, binding.line)?;
-                    Some(self.parse(&entry, wanted, read::parameter_mapping)?)
+                    let known = self.mappings.get(&entry).cloned();
+                    let mapping = match known {
+                        Some(mapping) => mapping,
+                        None => Arc::new(self.parse(&entry, wanted, read::parameter_mapping)?),
+                    };
+                    self.mappings.insert(entry, Arc::clone(&mapping));
+                    Some(mapping)
                 }
             };
             sets.push(BoundSet { document: source, set, prefix: binding.prefix.clone(), mapping });

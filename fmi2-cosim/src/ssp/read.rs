@@ -1,5 +1,6 @@
 //! SSD, SSV and SSM documents from XML. What this tool cannot run is an error that names the element and its line.
 
+use fmi2_import::document::{self, Lines};
 use roxmltree::{Document, Node};
 
 use super::error::DocumentError;
@@ -22,20 +23,21 @@ const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
 /// When it is no SSD of SSP 1.0, or has something this tool does not support, such as nested systems.
 pub fn system_structure(bytes: &[u8]) -> Result<SystemStructure> {
     let text = text(bytes)?;
-    let document = Document::parse(text)?;
-    let root = root(&document, namespace::SSD, "SystemStructureDescription")?;
+    let (document, lines) = (&document::parse(text)?, &Lines::of(text));
+    let root = root(document, namespace::SSD, "SystemStructureDescription")?;
     version(root)?;
     let system_node = child(root, "System").ok_or_else(|| missing(root, "the child <System>"))?;
     let experiment_node = child(root, "DefaultExperiment");
     Ok(SystemStructure {
         name: required(root, "name")?.to_owned(),
         description: optional(root, "description"),
-        system: system(system_node)?,
+        system: system(system_node, lines)?,
         units: units(root)?,
         experiment: Experiment {
             start: experiment_node.map(|node| number(node, "startTime")).transpose()?.flatten(),
             stop: experiment_node.map(|node| number(node, "stopTime")).transpose()?.flatten(),
             step: step(experiment_node, system_node)?,
+            tolerance: annotated(Some(system_node), (namespace::OMS, "FixedStepMaster"), "relativeTolerance")?,
         },
     })
 }
@@ -46,8 +48,8 @@ pub fn system_structure(bytes: &[u8]) -> Result<SystemStructure> {
 /// When it is no parameter set of SSP 1.0, or has values of a type that FMI 2.0 lacks.
 pub fn parameter_set(bytes: &[u8]) -> Result<ParameterSet> {
     let text = text(bytes)?;
-    let document = Document::parse(text)?;
-    parameters(root(&document, namespace::SSV, "ParameterSet")?)
+    let document = document::parse(text)?;
+    parameters(root(&document, namespace::SSV, "ParameterSet")?, &Lines::of(text))
 }
 
 /// Reads an `.ssm` file.
@@ -56,8 +58,8 @@ pub fn parameter_set(bytes: &[u8]) -> Result<ParameterSet> {
 /// When it is no parameter mapping of SSP 1.0, or transforms values by tables.
 pub fn parameter_mapping(bytes: &[u8]) -> Result<Vec<MappingEntry>> {
     let text = text(bytes)?;
-    let document = Document::parse(text)?;
-    mapping_entries(root(&document, namespace::SSM, "ParameterMapping")?)
+    let document = document::parse(text)?;
+    mapping_entries(root(&document, namespace::SSM, "ParameterMapping")?, &Lines::of(text))
 }
 
 fn text(bytes: &[u8]) -> Result<&str> {
@@ -78,11 +80,11 @@ fn version(node: Node) -> Result<()> {
     if version.starts_with("1.") { Ok(()) } else { Err(DocumentError::Version(version.to_owned())) }
 }
 
-fn system(node: Node) -> Result<System> {
+fn system(node: Node, lines: &Lines) -> Result<System> {
     if let Some(dictionary) = child(node, "SignalDictionaries") {
         return Err(unsupported(dictionary, "signal dictionaries", "connect the components directly"));
     }
-    let components = listed(node, "Elements").map(component).collect::<Result<Vec<_>>>()?;
+    let components = listed(node, "Elements").map(|node| component(node, lines)).collect::<Result<Vec<_>>>()?;
     let mut seen = std::collections::HashSet::new();
     if let Some(twice) = components.iter().find(|component| !seen.insert(component.name.as_str())) {
         let problem = format!("two components are called \"{}\"", twice.name);
@@ -91,15 +93,15 @@ fn system(node: Node) -> Result<System> {
     Ok(System {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
-        connectors: listed(node, "Connectors").map(connector).collect::<Result<_>>()?,
-        bindings: listed(node, "ParameterBindings").map(binding).collect::<Result<_>>()?,
+        connectors: listed(node, "Connectors").map(|node| connector(node, lines)).collect::<Result<_>>()?,
+        bindings: listed(node, "ParameterBindings").map(|node| binding(node, lines)).collect::<Result<_>>()?,
         components,
-        connections: listed(node, "Connections").map(connection).collect::<Result<_>>()?,
+        connections: listed(node, "Connections").map(|node| connection(node, lines)).collect::<Result<_>>()?,
         canvas: child(node, "SystemGeometry").map(extent).transpose()?,
     })
 }
 
-fn component(node: Node) -> Result<Component> {
+fn component(node: Node, lines: &Lines) -> Result<Component> {
     match node.tag_name().name() {
         "Component" => {}
         "System" => {
@@ -127,10 +129,10 @@ fn component(node: Node) -> Result<Component> {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
         source: required(node, "source")?.to_owned(),
-        connectors: listed(node, "Connectors").map(connector).collect::<Result<_>>()?,
+        connectors: listed(node, "Connectors").map(|node| connector(node, lines)).collect::<Result<_>>()?,
         extent: child(node, "ElementGeometry").map(extent).transpose()?,
-        bindings: listed(node, "ParameterBindings").map(binding).collect::<Result<_>>()?,
-        line: at(node),
+        bindings: listed(node, "ParameterBindings").map(|node| binding(node, lines)).collect::<Result<_>>()?,
+        line: Line(lines.of_node(node)),
     })
 }
 
@@ -139,7 +141,7 @@ fn extent(node: Node) -> Result<Extent> {
     Ok(Extent::new(corner("x1")?, corner("y1")?, corner("x2")?, corner("y2")?))
 }
 
-fn connector(node: Node) -> Result<Connector> {
+fn connector(node: Node, lines: &Lines) -> Result<Connector> {
     let type_node = BaseType::ALL.iter().find_map(|base_type| Some((*base_type, child(node, base_type.name())?)));
     if type_node.is_none()
         && let Some(binary) = child(node, "Binary")
@@ -162,11 +164,11 @@ fn connector(node: Node) -> Result<Connector> {
         position: child(node, "ConnectorGeometry")
             .map(|node| -> Result<Point> { Ok(Point { x: needed(node, "x")?, y: needed(node, "y")? }) })
             .transpose()?,
-        line: at(node),
+        line: Line(lines.of_node(node)),
     })
 }
 
-fn connection(node: Node) -> Result<Connection> {
+fn connection(node: Node, lines: &Lines) -> Result<Connection> {
     let end = |element: &str, connector: &str| -> Result<End> {
         Ok(End { element: optional(node, element), connector: required(node, connector)?.to_owned() })
     };
@@ -183,18 +185,18 @@ fn connection(node: Node) -> Result<Connection> {
         start: end("startElement", "startConnector")?,
         end: end("endElement", "endConnector")?,
         suppress_unit_conversion: matches!(node.attribute("suppressUnitConversion"), Some("true" | "1")),
-        line: at(node),
+        line: Line(lines.of_node(node)),
     })
 }
 
-fn binding(node: Node) -> Result<Binding> {
+fn binding(node: Node, lines: &Lines) -> Result<Binding> {
     no_component_base(node)?;
     let values = if let Some(source) = optional(node, "source") {
         Values::File(source)
     } else {
         let set = child(node, "ParameterValues").and_then(|values| child(values, "ParameterSet"));
         let set = set.ok_or_else(|| missing(node, "the attribute \"source\" or a <ParameterSet>"))?;
-        Values::Inline(parameters(set)?)
+        Values::Inline(parameters(set, lines)?)
     };
     let mapping = child(node, "ParameterMapping").map(|node| {
         no_component_base(node)?;
@@ -203,13 +205,13 @@ fn binding(node: Node) -> Result<Binding> {
         }
         let inside = child(node, "ParameterMapping");
         let inside = inside.ok_or_else(|| missing(node, "the attribute \"source\" or a <ParameterMapping>"))?;
-        mapping_entries(inside).map(Mapping::Inline)
+        mapping_entries(inside, lines).map(Mapping::Inline)
     });
     Ok(Binding {
         values,
         prefix: optional(node, "prefix").unwrap_or_default(),
         mapping: mapping.transpose()?,
-        line: at(node),
+        line: Line(lines.of_node(node)),
     })
 }
 
@@ -223,7 +225,7 @@ fn no_component_base(node: Node) -> Result<()> {
     }
 }
 
-fn mapping_entries(node: Node) -> Result<Vec<MappingEntry>> {
+fn mapping_entries(node: Node, lines: &Lines) -> Result<Vec<MappingEntry>> {
     let entries = node.children().filter(|child| child.has_tag_name((namespace::SSM, "MappingEntry")));
     entries
         .map(|node| {
@@ -240,13 +242,13 @@ fn mapping_entries(node: Node) -> Result<Vec<MappingEntry>> {
                 source: required(node, "source")?.to_owned(),
                 target: required(node, "target")?.to_owned(),
                 linear: linear.transpose()?,
-                line: at(node),
+                line: Line(lines.of_node(node)),
             })
         })
         .collect()
 }
 
-fn parameters(node: Node) -> Result<ParameterSet> {
+fn parameters(node: Node, lines: &Lines) -> Result<ParameterSet> {
     version(node)?;
     let enumeration = |node: Node| {
         let items = elements(node, "Item").map(|item| {
@@ -257,13 +259,13 @@ fn parameters(node: Node) -> Result<ParameterSet> {
     Ok(ParameterSet {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
-        parameters: listed(node, "Parameters").map(parameter).collect::<Result<_>>()?,
+        parameters: listed(node, "Parameters").map(|node| parameter(node, lines)).collect::<Result<_>>()?,
         enumerations: listed(node, "Enumerations").map(enumeration).collect::<Result<_>>()?,
         units: units(node)?,
     })
 }
 
-fn parameter(node: Node) -> Result<Parameter> {
+fn parameter(node: Node, lines: &Lines) -> Result<Parameter> {
     let typed = BaseType::ALL.iter().find_map(|base_type| Some((*base_type, child(node, base_type.name())?)));
     let Some((base_type, typed)) = typed else {
         return Err(match child(node, "Binary") {
@@ -283,7 +285,7 @@ fn parameter(node: Node) -> Result<Parameter> {
             BaseType::String => Value::String(text.to_owned()),
             BaseType::Enumeration => Value::Enumeration(text.to_owned(), optional(typed, "name")),
         },
-        line: at(node),
+        line: Line(lines.of_node(node)),
     })
 }
 
@@ -309,15 +311,17 @@ fn units(node: Node) -> Result<Vec<Unit>> {
 
 /// The step size that `libcosim`, or else `OMSimulator`, would use.
 fn step(experiment: Option<Node>, system: Node) -> Result<Option<f64>> {
-    let inside = |node: Option<Node>, element: (&'static str, &'static str), attribute| {
-        let annotations = node.and_then(|node| child(node, "Annotations"));
-        let found = annotations.and_then(|node| node.descendants().find(|node| node.has_tag_name(element)));
-        found.map(|node| number(node, attribute)).transpose().map(Option::flatten)
-    };
-    match inside(experiment, (namespace::OSP, "FixedStepAlgorithm"), "baseStepSize")? {
+    match annotated(experiment, (namespace::OSP, "FixedStepAlgorithm"), "baseStepSize")? {
         Some(step) => Ok(Some(step)),
-        None => Ok(inside(Some(system), (namespace::OMS, "FixedStepMaster"), "stepSize")?),
+        None => annotated(Some(system), (namespace::OMS, "FixedStepMaster"), "stepSize"),
     }
+}
+
+/// A number of an element in the annotations.
+fn annotated(node: Option<Node>, element: (&'static str, &'static str), attribute: &str) -> Result<Option<f64>> {
+    let annotations = node.and_then(|node| child(node, "Annotations"));
+    let found = annotations.and_then(|node| node.descendants().find(|node| node.has_tag_name(element)));
+    Ok(found.map(|node| number(node, attribute)).transpose()?.flatten())
 }
 
 fn unsupported(node: Node, what: &str, instead: &'static str) -> DocumentError {
@@ -326,8 +330,4 @@ fn unsupported(node: Node, what: &str, instead: &'static str) -> DocumentError {
 
 fn named(what: &str, node: Node) -> String {
     format!("{what} \"{}\"", node.attribute("name").unwrap_or_default())
-}
-
-fn at(node: Node) -> Line {
-    Line(line(node))
 }

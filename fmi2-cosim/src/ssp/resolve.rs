@@ -1,22 +1,29 @@
 //! From a package to what the master needs: wires between variables, and values for parameters.
 
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
 use super::error::{DocumentError, SspError};
 use super::package::{BoundSet, Package};
 use super::parameters::{Parameter, Value};
 use super::structure::{Component, Connection, Connector, End, Kind, Line};
-use crate::names::closest;
+use crate::names::best;
 use crate::settings::Setting;
 use crate::system::Located;
-use crate::wiring::{Terminal, Wire};
-use fmi2_import::description::{BaseType, Unit};
-use fmi2_import::{Causality, ModelDescription};
+use crate::units::{Conversion, Units};
+use crate::wiring::{Misfit, Terminal, Wire, fit};
+use fmi2_import::description::BaseType;
+use fmi2_import::{Causality, ModelDescription, Variable, VariableType};
+
+/// Parameters that the bindings of a package may apply, each counted as often as it is bound.
+const MAX_APPLIED: usize = 10_000_000;
 
 /// Connections and values.
 #[derive(Debug, Clone, Default)]
 pub struct Resolved {
     /// Connections between components.
     pub wires: Vec<Wire>,
-    /// Parameters and start values, those that count more later.
+    /// Parameters and start values, each variable once.
     pub settings: Vec<Located<Setting>>,
     /// Parameters that no variable is named after: the standard says to ignore them, their author may want to know.
     pub remarks: Vec<String>,
@@ -28,58 +35,115 @@ pub struct Resolved {
 /// # Errors
 /// When a connection or a connector does not fit the FMUs, or needs something this tool does not support.
 pub fn resolve(package: &Package, descriptions: &[&ModelDescription]) -> std::result::Result<Resolved, SspError> {
-    let resolver = Resolver { package, descriptions };
-    let (wires, aliases) = resolver.connections().map_err(|error| package.error(error))?;
-    let mut resolved = Resolved { wires, ..Resolved::default() };
+    let units: Vec<_> = descriptions.iter().map(|description| Units::of(description)).collect();
+    let resolver = Resolver::new(package, descriptions, &units);
+    let connections = resolver.connections().map_err(|error| package.error(error))?;
+    let mut values = Values { driven: connections.wires.iter().map(|wire| wire.to).collect(), ..Values::default() };
     for (index, description) in descriptions.iter().enumerate() {
-        for bound in package.component_sets(index) {
-            resolver.apply(bound, &mut resolved, &|name| {
+        for bound in once_each(package.component_sets(index)) {
+            resolver.apply(bound, &mut values, &|name| {
                 description.index_of(name).map(|variable| vec![Terminal { component: index, variable }])
             })?;
         }
     }
-    for bound in package.system_sets() {
-        resolver.apply(bound, &mut resolved, &|name| resolver.hierarchical(name, &aliases))?;
+    for bound in once_each(package.system_sets()) {
+        resolver.apply(bound, &mut values, &|name| resolver.hierarchical(name, &connections.aliases))?;
     }
-    Ok(resolved)
+    let remarks = connections.remarks.into_iter().chain(values.remarks).collect();
+    Ok(Resolved { wires: connections.wires, settings: values.settings.into_iter().flatten().collect(), remarks })
+}
+
+/// The bindings without those that a later one repeats.
+fn once_each(bound: &[BoundSet]) -> Vec<&BoundSet> {
+    let mut seen = HashSet::new();
+    let mut kept: Vec<_> = bound
+        .iter()
+        .rev()
+        .filter(|bound| {
+            seen.insert((Arc::as_ptr(&bound.set), bound.mapping.as_ref().map(Arc::as_ptr), bound.prefix.as_str()))
+        })
+        .collect();
+    kept.reverse();
+    kept
 }
 
 /// Factor and offset of a transformation, if there is one.
 type Linear = Option<(f64, f64)>;
 
-/// A connector of the system and the variable behind it.
-type Alias<'a> = (&'a str, Terminal);
+/// What the connections of a package mean.
+#[derive(Default)]
+struct Connections<'a> {
+    wires: Vec<Wire>,
+    /// The variables behind each connector of the system.
+    aliases: HashMap<&'a str, Vec<Terminal>>,
+    remarks: Vec<String>,
+}
+
+/// What the parameters of a package mean. Of two values for one variable the later one holds.
+#[derive(Default)]
+struct Values {
+    driven: HashSet<Terminal>,
+    settings: Vec<Option<Located<Setting>>>,
+    latest: HashMap<Terminal, usize>,
+    remarks: Vec<String>,
+    remarked: HashSet<(String, u32)>,
+    applied: usize,
+}
 
 struct Resolver<'a> {
     package: &'a Package,
     descriptions: &'a [&'a ModelDescription],
+    units: &'a [Units<'a>],
+    /// Indices of the components by their names.
+    indices: HashMap<&'a str, usize>,
+    longest_name: usize,
+    /// The connectors of each component by their names, those of the system last.
+    connectors: Vec<HashMap<&'a str, &'a Connector>>,
 }
 
 type Result<T> = std::result::Result<T, DocumentError>;
 
 impl<'a> Resolver<'a> {
+    fn new(package: &'a Package, descriptions: &'a [&'a ModelDescription], units: &'a [Units<'a>]) -> Self {
+        let system = &package.structure().system;
+        let by_name = |connectors: &'a [Connector]| {
+            connectors.iter().rev().map(|connector| (connector.name.as_str(), connector)).collect()
+        };
+        let lists = system.components.iter().map(|component| component.connectors.as_slice());
+        let names = || system.components.iter().map(|component| component.name.as_str());
+        Self {
+            package,
+            descriptions,
+            units,
+            indices: names().zip(0..).collect(),
+            longest_name: names().map(str::len).max().unwrap_or(0),
+            connectors: lists.chain([system.connectors.as_slice()]).map(by_name).collect(),
+        }
+    }
+
     fn components(&self) -> &'a [Component] {
         &self.package.structure().system.components
     }
 
-    fn connections(&self) -> Result<(Vec<Wire>, Vec<Alias<'a>>)> {
-        let mut wires: Vec<Wire> = Vec::new();
-        let mut aliases = Vec::new();
+    fn connections(&self) -> Result<Connections<'a>> {
+        let mut found = Connections::default();
+        let mut driven = HashSet::new();
         for connection in &self.package.structure().system.connections {
             let (start, start_kind) = self.end(&connection.start, connection.line)?;
             let (end, end_kind) = self.end(&connection.end, connection.line)?;
             match (start, end) {
                 (Some(start), Some(end)) => {
-                    let wire = self.wire(connection, (start, start_kind), (end, end_kind))?;
-                    if wires.iter().any(|other| other.to == wire.to) {
+                    let (wire, remark) = self.wire(connection, (start, start_kind), (end, end_kind))?;
+                    if !driven.insert(wire.to) {
                         let problem = format!("{} has two sources", self.name(wire.to));
                         return Err(DocumentError::Conflict { problem, line: connection.line.0 });
                     }
-                    wires.push(wire);
+                    found.wires.push(wire);
+                    found.remarks.extend(remark);
                 }
                 (None, Some(inside)) | (Some(inside), None) if start_kind == end_kind => {
                     let outside = if start.is_none() { &connection.start } else { &connection.end };
-                    aliases.push((outside.connector.as_str(), inside));
+                    found.aliases.entry(&outside.connector).or_default().push(inside);
                 }
                 (None, Some(_)) | (Some(_), None) => {
                     let problem = format!(
@@ -98,27 +162,33 @@ impl<'a> Resolver<'a> {
                 }
             }
         }
-        Ok((wires, aliases))
+        Ok(found)
     }
 
     /// The variable behind one end of a connection (`None` for a connector of the system) and its kind.
     fn end(&self, end: &'a End, line: Line) -> Result<(Option<Terminal>, Kind)> {
         let Some(element) = &end.element else {
-            let connectors = &self.package.structure().system.connectors;
-            let connector = find_connector(connectors, &end.connector, "the system", line)?;
+            let connector = self.connector(self.components().len(), &end.connector, "the system", line)?;
             return Ok((None, connector.kind));
         };
-        let components = self.components();
-        let Some(index) = components.iter().position(|component| component.name == *element) else {
+        let Some(&index) = self.indices.get(element.as_str()) else {
             return Err(DocumentError::Unknown {
                 what: format!("component \"{element}\""),
-                similar: best(element, components.iter().map(|component| component.name.as_str())),
+                similar: best(element, self.components().iter().map(|component| component.name.as_str())),
                 line: line.0,
             });
         };
-        let connector = find_connector(&components[index].connectors, &end.connector, &format!("\"{element}\""), line)?;
+        let connector = self.connector(index, &end.connector, &format!("\"{element}\""), line)?;
         let variable = self.variable(index, connector)?;
         Ok((Some(Terminal { component: index, variable }), connector.kind))
+    }
+
+    fn connector(&self, element: usize, name: &str, owner: &str, line: Line) -> Result<&'a Connector> {
+        self.connectors[element].get(name).copied().ok_or_else(|| DocumentError::Unknown {
+            what: format!("connector \"{name}\" of {owner}"),
+            similar: best(name, self.connectors[element].keys().copied()),
+            line: line.0,
+        })
     }
 
     /// The variable of a component's connector, which must be as the connector says.
@@ -140,7 +210,7 @@ impl<'a> Resolver<'a> {
             Kind::Parameter => variable.causality == Causality::Parameter,
             Kind::CalculatedParameter => variable.causality == Causality::CalculatedParameter,
         };
-        if !fits || connector.base_type.is_some_and(|base_type| base_type != variable.base_type()) {
+        if !fits || connector.base_type.is_some_and(|base_type| !is_of_type(variable, base_type)) {
             let problem = format!(
                 "the connector \"{}\" differs from the FMU's variable in kind or type ({:?} {:?})",
                 connector.name,
@@ -153,11 +223,16 @@ impl<'a> Resolver<'a> {
     }
 
     /// A wire from the output to the input, whichever of the two is the start.
-    fn wire(&self, connection: &Connection, start: (Terminal, Kind), end: (Terminal, Kind)) -> Result<Wire> {
+    fn wire(
+        &self,
+        connection: &Connection,
+        start: (Terminal, Kind),
+        end: (Terminal, Kind),
+    ) -> Result<(Wire, Option<String>)> {
         let line = connection.line.0;
-        let wire = match (start.1, end.1) {
-            (Kind::Output, Kind::Input) => Wire { from: start.0, to: end.0 },
-            (Kind::Input, Kind::Output) => Wire { from: end.0, to: start.0 },
+        let (from, to) = match (start.1, end.1) {
+            (Kind::Output, Kind::Input) => (start.0, end.0),
+            (Kind::Input, Kind::Output) => (end.0, start.0),
             (Kind::CalculatedParameter, Kind::Parameter) | (Kind::Parameter, Kind::CalculatedParameter) => {
                 return Err(DocumentError::Unsupported {
                     what: format!("the connection of parameters {} and {}", self.name(start.0), self.name(end.0)),
@@ -174,66 +249,47 @@ impl<'a> Resolver<'a> {
                 return Err(DocumentError::Conflict { problem, line });
             }
         };
-        let type_of = |terminal: Terminal| -> BaseType {
-            self.descriptions[terminal.component].variables[terminal.variable].base_type()
-        };
-        if type_of(wire.from) != type_of(wire.to) {
-            let problem = format!(
-                "{} is {:?}, {} is {:?}",
-                self.name(wire.from),
-                type_of(wire.from),
-                self.name(wire.to),
-                type_of(wire.to)
-            );
-            return Err(DocumentError::Conflict { problem, line });
-        }
-        if type_of(wire.from) == BaseType::String {
-            return Err(DocumentError::Unsupported {
-                what: format!("the connection of text from {}", self.name(wire.from)),
+        let in_units = |terminal: Terminal| (self.described(terminal), &self.units[terminal.component]);
+        match fit(in_units(from), in_units(to)) {
+            Ok((conversion, remark)) => {
+                let conversion = conversion.filter(|_| !connection.suppress_unit_conversion);
+                let remark = remark.filter(|_| !connection.suppress_unit_conversion);
+                let remark = remark.map(|remark| format!("{} → {}: {remark}", self.name(from), self.name(to)));
+                Ok((Wire { from, to, conversion }, remark))
+            }
+            Err(Misfit::Units(_)) if connection.suppress_unit_conversion => {
+                Ok((Wire { from, to, conversion: None }, None))
+            }
+            Err(Misfit::Text) => Err(DocumentError::Unsupported {
+                what: format!("the connection of text from {}", self.name(from)),
                 instead: "connect numbers or Booleans",
                 line,
-            });
+            }),
+            Err(misfit) => {
+                let problem = format!("{} cannot feed {}: {misfit}", self.name(from), self.name(to));
+                Err(DocumentError::Conflict { problem, line })
+            }
         }
-        if !connection.suppress_unit_conversion
-            && let (Some(from), Some(to)) = (self.unit(wire.from), self.unit(wire.to))
-            && !same_scale(from, to)
-        {
-            return Err(DocumentError::Unsupported {
-                what: format!(
-                    "the conversion from {} in {} to {} in {}",
-                    self.name(wire.from),
-                    from.name,
-                    self.name(wire.to),
-                    to.name
-                ),
-                instead: "use equal units, or suppressUnitConversion=\"true\"",
-                line,
-            });
-        }
-        Ok(wire)
     }
 
-    fn unit(&self, terminal: Terminal) -> Option<&'a Unit> {
-        let description = self.descriptions[terminal.component];
-        let name = description.variables[terminal.variable].unit()?;
-        description.units.iter().find(|unit| unit.name == name && unit.has_base_unit)
+    fn described(&self, terminal: Terminal) -> &'a Variable {
+        &self.descriptions[terminal.component].variables[terminal.variable]
     }
 
     /// `component.variable`.
     fn name(&self, terminal: Terminal) -> String {
-        let component = &self.components()[terminal.component].name;
-        let variable = &self.descriptions[terminal.component].variables[terminal.variable].name;
-        format!("{component}.{variable}")
+        format!("{}.{}", self.components()[terminal.component].name, self.described(terminal).name)
     }
 
     /// What a name in a parameter set of the system means.
-    fn hierarchical(&self, name: &str, aliases: &[Alias<'_>]) -> Option<Vec<Terminal>> {
-        let mut meant: Vec<_> =
-            aliases.iter().filter(|(alias, _)| *alias == name).map(|(_, terminal)| *terminal).collect();
-        for (index, component) in self.components().iter().enumerate() {
-            let local = name.strip_prefix(&component.name).and_then(|rest| rest.strip_prefix('.'));
-            let variable = local.and_then(|local| self.descriptions[index].index_of(local));
-            meant.extend(variable.map(|variable| Terminal { component: index, variable }));
+    fn hierarchical(&self, name: &str, aliases: &HashMap<&str, Vec<Terminal>>) -> Option<Vec<Terminal>> {
+        let mut meant = aliases.get(name).cloned().unwrap_or_default();
+        // A component's name may have dots, and so may a variable's.
+        let dots = name.bytes().take(self.longest_name + 1).enumerate().filter(|(_, byte)| *byte == b'.');
+        for (at, _) in dots {
+            let Some(&component) = self.indices.get(&name[..at]) else { continue };
+            let variable = self.descriptions[component].index_of(&name[at + 1..]);
+            meant.extend(variable.map(|variable| Terminal { component, variable }));
         }
         (!meant.is_empty()).then_some(meant)
     }
@@ -242,33 +298,46 @@ impl<'a> Resolver<'a> {
     fn apply(
         &self,
         bound: &BoundSet,
-        resolved: &mut Resolved,
+        values: &mut Values,
         find: &dyn Fn(&str) -> Option<Vec<Terminal>>,
     ) -> std::result::Result<(), SspError> {
-        for (name, parameter, linear) in mapped(bound) {
+        let units = Units::among(&bound.set.units);
+        let parameters = mapped(bound);
+        values.applied += parameters.len();
+        if let Some((_, parameter, _)) = parameters.first().filter(|_| values.applied > MAX_APPLIED) {
+            let error = DocumentError::TooMany { most: MAX_APPLIED, line: parameter.line.0 };
+            return Err(self.package.error_in(&bound.document, error));
+        }
+        for (name, parameter, linear) in parameters {
             let Some(meant) = find(&name) else {
-                let place = self.package.place(&bound.document, parameter.line);
-                resolved.remarks.push(format!("{place}: \"{name}\" names no variable; it is ignored"));
+                if values.remarked.insert((bound.document.clone(), parameter.line.0)) {
+                    let place = self.package.place(&bound.document, parameter.line);
+                    values.remarks.push(format!("{place}: \"{name}\" names no variable; it is ignored"));
+                }
                 continue;
             };
             for terminal in meant {
                 // A start value of a connected input lasts until the first exchange.
-                if resolved.wires.iter().any(|wire| wire.to == terminal) {
+                if values.driven.contains(&terminal) {
                     continue;
                 }
                 let value = self
-                    .value(parameter, linear, &bound.set.units, terminal)
+                    .value(parameter, linear, &units, terminal)
                     .map_err(|error| self.package.error_in(&bound.document, error))?;
                 let place = Some(self.package.place(&bound.document, parameter.line));
-                resolved.settings.push(Located { item: Setting::new(self.name(terminal), value), place });
+                let setting = Located { item: Setting::new(self.name(terminal), value), place };
+                if let Some(former) = values.latest.insert(terminal, values.settings.len()) {
+                    values.settings[former] = None;
+                }
+                values.settings.push(Some(setting));
             }
         }
         Ok(())
     }
 
     /// A parameter's value as text, in the unit of the variable.
-    fn value(&self, parameter: &Parameter, linear: Linear, units: &[Unit], terminal: Terminal) -> Result<String> {
-        let (number, unit) = match (&parameter.value, linear) {
+    fn value(&self, parameter: &Parameter, linear: Linear, units: &Units, terminal: Terminal) -> Result<String> {
+        let (mut number, unit) = match (&parameter.value, linear) {
             (Value::Real(number, unit), _) => (*number, unit.as_deref()),
             (Value::Integer(number), Some(_)) => (f64::from(*number), None),
             (Value::Integer(number), None) => return Ok(number.to_string()),
@@ -276,57 +345,48 @@ impl<'a> Resolver<'a> {
             (Value::String(text) | Value::Enumeration(text, _), _) => return Ok(text.clone()),
         };
         let line = parameter.line.0;
-        let mut number = number;
-        let wanted = self.unit(terminal);
+        let variable = self.described(terminal);
+        let wanted = variable.unit().and_then(|name| self.units[terminal.component].named(name));
         if let (Some(name), Some(wanted)) = (unit, wanted)
             && name != wanted.name
         {
-            let Some(given) = units.iter().find(|unit| unit.name == name) else {
-                let names = units.iter().map(|unit| unit.name.as_str());
+            let Some(given) = units.named(name) else {
                 let what = format!("unit \"{name}\" in the document");
-                return Err(DocumentError::Unknown { what, similar: best(name, names), line });
+                return Err(DocumentError::Unknown { what, similar: best(name, units.names()), line });
             };
-            if given.exponents != wanted.exponents {
-                let target = self.name(terminal);
-                let problem = format!("{target} is in {}, which {name} cannot be converted to", wanted.name);
-                return Err(DocumentError::Conflict { problem, line });
-            }
-            number = (given.factor * number + given.offset - wanted.offset) / wanted.factor;
+            let is_difference = matches!(&variable.kind, VariableType::Real(real) if real.relative_quantity);
+            let conversion = Conversion::between(given, wanted, (is_difference, is_difference)).map_err(|error| {
+                DocumentError::Conflict { problem: format!("{}: {error}", self.name(terminal)), line }
+            })?;
+            number = conversion.map_or(number, |conversion| conversion.apply(number));
         }
         if let Some((factor, offset)) = linear {
             number = factor * number + offset;
         }
-        let is_real = self.descriptions[terminal.component].variables[terminal.variable].base_type() == BaseType::Real;
-        Ok(if is_real { format!("{number:?}") } else { number.to_string() })
+        Ok(if variable.base_type() == BaseType::Real { format!("{number:?}") } else { number.to_string() })
     }
+}
+
+/// Whether a connector of this type can stand for a variable: as with connections, integers and items of enumerations
+/// are the same numbers.
+fn is_of_type(variable: &Variable, base_type: BaseType) -> bool {
+    let is_integer = |base_type| matches!(base_type, BaseType::Integer | BaseType::Enumeration);
+    let own = variable.base_type();
+    own == base_type || (is_integer(own) && is_integer(base_type))
 }
 
 /// The parameters of a set under the names they are applied to, with the transformation of the mapping.
 fn mapped(bound: &BoundSet) -> Vec<(String, &Parameter, Linear)> {
     let prefixed = |name: &str| format!("{}{name}", bound.prefix);
-    match &bound.mapping {
-        None => bound.set.parameters.iter().map(|parameter| (prefixed(&parameter.name), parameter, None)).collect(),
-        Some(entries) => entries
-            .iter()
-            .filter_map(|entry| {
-                let parameter = bound.set.parameters.iter().find(|parameter| prefixed(&parameter.name) == entry.source);
-                Some((entry.target.clone(), parameter?, entry.linear))
-            })
-            .collect(),
-    }
-}
-
-/// The name that comes closest, if one does.
-fn best<'n>(wanted: &str, names: impl Iterator<Item = &'n str>) -> Option<String> {
-    closest(wanted, names).first().map(ToString::to_string)
-}
-
-fn find_connector<'c>(connectors: &'c [Connector], name: &str, owner: &str, line: Line) -> Result<&'c Connector> {
-    connectors.iter().find(|connector| connector.name == name).ok_or_else(|| DocumentError::Unknown {
-        what: format!("connector \"{name}\" of {owner}"),
-        similar: best(name, connectors.iter().map(|connector| connector.name.as_str())),
-        line: line.0,
-    })
+    let Some(entries) = &bound.mapping else {
+        return bound.set.parameters.iter().map(|parameter| (prefixed(&parameter.name), parameter, None)).collect();
+    };
+    let parameters: HashMap<_, _> =
+        bound.set.parameters.iter().rev().map(|parameter| (prefixed(&parameter.name), parameter)).collect();
+    entries
+        .iter()
+        .filter_map(|entry| Some((entry.target.clone(), *parameters.get(&entry.source)?, entry.linear)))
+        .collect()
 }
 
 fn shown(end: &End) -> String {
@@ -334,8 +394,4 @@ fn shown(end: &End) -> String {
         Some(element) => format!("{element}.{}", end.connector),
         None => format!("{} of the system", end.connector),
     }
-}
-
-fn same_scale(a: &Unit, b: &Unit) -> bool {
-    a.exponents == b.exponents && a.factor == b.factor && a.offset == b.offset
 }

@@ -206,6 +206,8 @@ pub struct Experiment {
     /// Communication step size in s. SSP 1.0 has no place for it; it is kept in the annotations that `OMSimulator` and
     /// `libcosim` read.
     pub step: Option<f64>,
+    /// Relative tolerance. SSP 1.0 has no place for it either; `OMSimulator` reads it from its annotation.
+    pub tolerance: Option<f64>,
 }
 
 /// A point in a drawing; x to the right, y upwards.

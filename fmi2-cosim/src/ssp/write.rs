@@ -27,7 +27,7 @@ pub fn system_structure(structure: &SystemStructure) -> String {
     describe(&mut root, structure.description.as_ref());
     root.extend([("license", LICENSE.into()), ("generationTool", GENERATION_TOOL.into())]);
     Xml::document("ssd:SystemStructureDescription", &root, |xml| {
-        system(xml, &structure.system, structure.experiment.step);
+        system(xml, &structure.system, structure.experiment);
         units(xml, "ssd:Units", &structure.units);
         experiment(xml, structure.experiment);
     })
@@ -46,7 +46,7 @@ fn describe(attributes: &mut Attributes<'_>, description: Option<&String>) {
     attributes.extend(description.map(|text| ("description", text.clone())));
 }
 
-fn system(xml: &mut Xml, system: &System, step: Option<f64>) {
+fn system(xml: &mut Xml, system: &System, experiment: Experiment) {
     let mut attributes = vec![("name", system.name.clone())];
     describe(&mut attributes, system.description.as_ref());
     xml.element("ssd:System", &attributes, |xml| {
@@ -69,22 +69,22 @@ fn system(xml: &mut Xml, system: &System, step: Option<f64>) {
         if let Some(canvas) = &system.canvas {
             xml.empty("ssd:SystemGeometry", &corners(canvas));
         }
-        if let Some(step) = step {
-            annotation(xml, "org.openmodelica", |xml| oms_master(xml, step));
+        if let Some(step) = experiment.step {
+            annotation(xml, "org.openmodelica", |xml| oms_master(xml, step, experiment.tolerance));
         }
     });
 }
 
 /// `OMSimulator` finds here that the system is stepped by a co-simulation master, and how.
-fn oms_master(xml: &mut Xml, step: f64) {
+fn oms_master(xml: &mut Xml, step: f64, tolerance: Option<f64>) {
     xml.element("oms:Annotations", &[], |xml| {
         xml.element("oms:SimulationInformation", &[], |xml| {
-            let attributes = [
+            let mut attributes = vec![
                 ("description", "oms-ma".into()),
                 ("stepSize", format!("{step}")),
                 ("absoluteTolerance", "0.0001".into()),
-                ("relativeTolerance", "0.0001".into()),
             ];
+            attributes.extend(tolerance.map(|tolerance| ("relativeTolerance", format!("{tolerance}"))));
             xml.empty("oms:FixedStepMaster", &attributes);
         });
     });

@@ -1,5 +1,6 @@
 //! What can be wrong with a description.
 
+use crate::document::XmlError;
 use crate::xml::Fault;
 
 /// Why a `modelDescription.xml` cannot be used.
@@ -9,9 +10,9 @@ pub enum DescriptionError {
     /// Not UTF-8, which FMI 2.0 prescribes.
     #[error("it is not UTF-8 text, which FMI 2.0 prescribes")]
     Encoding,
-    /// Not well-formed XML.
-    #[error("it is not well-formed XML: {0}")]
-    Xml(String),
+    /// Not well-formed XML, or more of it than any description needs.
+    #[error(transparent)]
+    Xml(#[from] XmlError),
     /// Some other XML document.
     #[error("its root element is <{0}>, not <fmiModelDescription>")]
     Root(String),

@@ -3,13 +3,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::{
     BASE_UNITS, BaseType, Causality, CoSimulation, DefaultExperiment, DescriptionError, DisplayUnit, Initial, Item,
     ModelDescription, ModelStructure, Naming, RealAttributes, TypeDefinition, Unit, Unknown, Variability, Variable,
     VariableType,
 };
+use crate::document;
 use crate::xml::{child, children, choice, elements, line, needed, number, optional, required, truth, wrong};
 
 type Result<T> = std::result::Result<T, DescriptionError>;
@@ -29,7 +30,7 @@ impl ModelDescription {
     /// # Errors
     /// When the text is not an FMI 2.0 description, with the line and what is wrong with it.
     pub fn parse(xml: &str) -> Result<Self> {
-        let document = Document::parse(xml).map_err(|error| DescriptionError::Xml(error.to_string()))?;
+        let document = document::parse(xml)?;
         let root = document.root_element();
         if root.tag_name().name() != "fmiModelDescription" {
             return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
@@ -40,8 +41,10 @@ impl ModelDescription {
         }
 
         let types = children(root, "TypeDefinitions", "SimpleType").map(type_definition).collect::<Result<Vec<_>>>()?;
+        let types_by_name: HashMap<_, _> = types.iter().map(|kind| kind.name.as_str()).zip(0..).collect();
+        let known_types = (types.as_slice(), &types_by_name);
         let variables = children(root, "ModelVariables", "ScalarVariable")
-            .map(|node| variable(node, &types))
+            .map(|node| variable(node, known_types))
             .collect::<Result<Vec<_>>>()?;
         let mut by_name = HashMap::with_capacity(variables.len());
         for (index, variable) in variables.iter().enumerate() {
@@ -162,12 +165,15 @@ fn type_definition(node: Node) -> Result<TypeDefinition> {
     Ok(TypeDefinition {
         name: name.to_owned(),
         description: optional(node, "description"),
-        kind: variable_type(kind_node, &[])?,
+        kind: variable_type(kind_node, (&[], &HashMap::new()))?,
         items,
     })
 }
 
-fn variable(node: Node, types: &[TypeDefinition]) -> Result<Variable> {
+/// Declared types, and the index of each by its name.
+type Types<'a> = (&'a [TypeDefinition], &'a HashMap<&'a str, usize>);
+
+fn variable(node: Node, types: Types) -> Result<Variable> {
     let name = required(node, "name")?;
     let Some(kind_node) = type_element(node) else {
         return Err(DescriptionError::NoType { name: name.to_owned(), line: line(node) });
@@ -199,8 +205,8 @@ fn default_initial(causality: Causality, variability: Variability) -> Option<Ini
     }
 }
 
-fn variable_type(node: Node, types: &[TypeDefinition]) -> Result<VariableType> {
-    let declared = node.attribute("declaredType").and_then(|name| types.iter().position(|kind| kind.name == name));
+fn variable_type(node: Node, (types, by_name): Types) -> Result<VariableType> {
+    let declared = node.attribute("declaredType").and_then(|name| by_name.get(name).copied());
     let base = declared.map(|index| &types[index].kind);
     Ok(match node.tag_name().name() {
         "Real" => {

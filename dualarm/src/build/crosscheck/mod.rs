@@ -17,7 +17,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 pub use experiments::{EXPERIMENTS, Experiment, Source};
-use fmi2_cosim::files::{self, WriteError};
+use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::grid::{GridError, TimeGrid};
 use fmi2_cosim::master::{Coupling, MasterError};
 use fmi2_cosim::record::{CsvSink, Sink, Table};
@@ -202,11 +202,13 @@ fn write(
     let folder = out.join("fmus").join(&description.fmi_version).join("cs").join(fmi2_import::platform());
     let folder = folder.join(tool).join(version).join(model);
     let bytes = std::fs::read(file).map_err(|source| FmuError::Read { path: file.to_owned(), source })?;
-    files::write(folder.join(format!("{model}.fmu")), bytes)?;
-    files::write(folder.join(format!("{model}_in.csv")), csv(inputs))?;
-    files::write(folder.join(format!("{model}_ref.csv")), csv(reference))?;
-    files::write(folder.join(format!("{model}_ref.opt")), options(experiment))?;
-    files::write(folder.join("README.md"), readme::text(description, experiment, inputs))?;
+    let written = FileSet::new();
+    written.write(folder.join(format!("{model}.fmu")), bytes)?;
+    written.write(folder.join(format!("{model}_in.csv")), csv(inputs))?;
+    written.write(folder.join(format!("{model}_ref.csv")), csv(reference))?;
+    written.write(folder.join(format!("{model}_ref.opt")), options(experiment))?;
+    written.write(folder.join("README.md"), readme::text(description, experiment, inputs))?;
+    written.appear()?;
     Ok(folder)
 }
 

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use serde_json::Value;
 
-use fmi2_import::description::CoSimulation;
-use fmi2_import::{Contents, Fmu, FmuError, Initial, Variable as Described, VariableType};
+use fmi2_import::description::{CoSimulation, Item};
+use fmi2_import::{Contents, Fmu, FmuError, Initial, ModelDescription, Unpacked, Variable as Described, VariableType};
 
 #[derive(Serialize)]
+#[allow(clippy::struct_excessive_bools)] // what JSON shows
 pub struct Document {
     command: &'static str,
     version: &'static str,
@@ -32,6 +33,8 @@ pub struct Document {
     pub has_sources: bool,
     pub has_documentation: bool,
     pub runs_here: bool,
+    /// Whether that was tried, and not only read off the file.
+    pub was_loaded: bool,
     /// Why it does not.
     pub obstacle: Option<String>,
     pub capabilities: Option<Capabilities>,
@@ -39,7 +42,16 @@ pub struct Document {
     pub continuous_states: usize,
     pub event_indicators: u32,
     pub default_experiment: DefaultExperiment,
+    /// Declared enumerations.
+    pub types: Vec<Enumeration>,
     pub variables: Vec<Variable>,
+}
+
+/// An enumeration and the names of its items.
+#[derive(Serialize)]
+pub struct Enumeration {
+    pub name: String,
+    pub items: Vec<String>,
 }
 
 /// Of the co-simulation interface, under the standard's names.
@@ -82,20 +94,22 @@ pub struct Variable {
     pub start: Option<Value>,
     pub min: Option<Value>,
     pub max: Option<Value>,
-    /// Of an enumeration.
+    /// Name of the declared type of an enumeration.
+    pub declared_type: Option<String>,
+    /// Of an enumeration, if they are not too many; all are in the document's `types`.
     pub items: Vec<String>,
     pub description: Option<String>,
 }
 
 impl Document {
-    /// Everything about an FMU; loads its library, if there is one for this platform, but runs nothing.
-    pub fn of(file: &Path) -> Result<Self, FmuError> {
+    /// Everything about an FMU; `load` also loads its library, if there is one for this platform.
+    pub fn of(file: &Path, load: bool) -> Result<Self, FmuError> {
         let contents = Fmu::inspect(file)?;
         let platforms = contents.platforms().into_iter().map(str::to_owned).collect();
         let (has_sources, has_documentation) = (contents.has("sources/"), contents.has("documentation/"));
-        let obstacle = obstacle(file, &contents);
+        let obstacle = obstacle(file, &contents, load);
         let model = contents.description;
-        let variables = model.variables.iter().map(Variable::of).collect();
+        let variables = model.variables.iter().map(|variable| Variable::of(variable, &model)).collect();
         let interfaces = [
             model.co_simulation.is_some().then_some("co-simulation"),
             model.model_exchange.is_some().then_some("model exchange"),
@@ -110,6 +124,7 @@ impl Document {
             has_sources,
             has_documentation,
             runs_here: obstacle.is_none(),
+            was_loaded: load,
             obstacle,
             capabilities: model.co_simulation.as_ref().map(Capabilities::of),
             continuous_states: model.structure.derivatives.len(),
@@ -120,6 +135,12 @@ impl Document {
                 step: model.default_experiment.step_size,
                 tolerance: model.default_experiment.tolerance,
             },
+            types: model
+                .types
+                .iter()
+                .filter(|kind| !kind.items.is_empty())
+                .map(|kind| Enumeration { name: kind.name.clone(), items: item_names(&kind.items) })
+                .collect(),
             variables,
             fmi_version: model.fmi_version,
             model_name: model.model_name,
@@ -140,13 +161,18 @@ impl Document {
     }
 }
 
-/// Why `dualarm simulate` could not run it here.
-fn obstacle(file: &Path, contents: &Contents) -> Option<String> {
+/// Why `dualarm simulate` could not run it here: as far as the files tell, or after loading the library, which runs code
+/// of the FMU.
+fn obstacle(file: &Path, contents: &Contents, load: bool) -> Option<String> {
     if contents.description.co_simulation.is_none() {
         return Some("it has only the model exchange interface; this tool runs co-simulation FMUs".into());
     }
-    match Fmu::open(file) {
-        Ok(_) => None,
+    let look = Unpacked::of(file).and_then(|unpacked| {
+        unpacked.check_library()?;
+        if load { unpacked.load().map(drop) } else { Ok(()) }
+    });
+    match look {
+        Ok(()) => None,
         Err(FmuError::NoBinary { wanted, .. }) => Some(format!("it has no {wanted}")),
         Err(FmuError::Library { library, source, .. }) => Some(format!("{library}: {source}")),
         Err(other) => Some(other.to_string()),
@@ -170,7 +196,7 @@ impl Capabilities {
 }
 
 impl Variable {
-    fn of(variable: &Described) -> Self {
+    fn of(variable: &Described, model: &ModelDescription) -> Self {
         let (min, max) = match &variable.kind {
             VariableType::Real(real) => (real.min.map(Value::from), real.max.map(Value::from)),
             VariableType::Integer { min, max, .. } => (min.map(Value::from), max.map(Value::from)),
@@ -191,10 +217,21 @@ impl Variable {
             start: variable.start().map(|start| json(variable.with_name(start))),
             min,
             max,
-            items: variable.items().iter().map(|item| item.name.clone()).collect(),
+            declared_type: match variable.kind {
+                VariableType::Enumeration { declared_type: Some(index), .. } => Some(model.types[index].name.clone()),
+                _ => None,
+            },
+            items: if variable.items().len() > MAX_ITEMS { Vec::new() } else { item_names(variable.items()) },
             description: variable.description.clone(),
         }
     }
+}
+
+/// Items that are repeated for every variable of an enumeration.
+const MAX_ITEMS: usize = 100;
+
+fn item_names(items: &[Item]) -> Vec<String> {
+    items.iter().map(|item| item.name.clone()).collect()
 }
 
 fn json(value: fmi2_import::Value) -> Value {

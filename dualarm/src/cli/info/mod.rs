@@ -11,10 +11,12 @@ use super::{Failure, json, print};
 use document::Document;
 
 const AFTER_HELP: &str = "\
-Works for every FMI 2.0 FMU, whoever made it, for any platform, for co-simulation and model exchange.
+Works for every FMI 2.0 FMU, whoever made it, for any platform, for co-simulation and model exchange. Only reads: no code \
+of the FMU runs, unless you ask for it with --load.
 
 Examples:
   dualarm info dist/DualArmPlant.fmu
+  dualarm info model.fmu --load
   dualarm info model.fmu --variables | grep -i temperature
   dualarm info model.fmu --json | jq '.variables[] | select(.unit == \"rad\") | .name'";
 
@@ -28,13 +30,16 @@ pub struct Arguments {
     /// List all variables, also internal ones, with type, causality and variability
     #[arg(long)]
     variables: bool,
+    /// Also load the library, which runs code of the FMU, to see whether the system can
+    #[arg(long)]
+    load: bool,
     /// Print everything as JSON
     #[arg(long, conflicts_with = "variables")]
     json: bool,
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let document = Document::of(&arguments.file)?;
+    let document = Document::of(&arguments.file, arguments.load)?;
     if arguments.json {
         return json::print(&document);
     }

@@ -1,14 +1,18 @@
 //! An FMU for people: facts, then a table per causality.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use serde_json::Value;
+
+use crate::cli::printable::one_line;
+use crate::cli::process;
 
 use super::document::{Capabilities, Document, Variable};
 
 /// How wide lines may be: as wide as the terminal, or without limit where nobody looks (`| grep`).
 pub fn width() -> Option<usize> {
-    terminal_size::terminal_size().map(|(width, _)| usize::from(width.0))
+    terminal_size::terminal_size_of(process::standard_output()).map(|(width, _)| usize::from(width.0))
 }
 
 /// Everything a user may want to know first; with all variables if asked for.
@@ -71,6 +75,9 @@ fn facts(document: &Document) -> Vec<(&'static str, String)> {
         None => "yes".into(),
     };
     facts.push(("runs here", runs_here));
+    if document.obstacle.is_none() && !document.was_loaded {
+        facts.push(("", "as far as the file of its library tells; --load tries it".into()));
+    }
     if needs_tool {
         facts.push(("needs", "the tool it was made with".into()));
     }
@@ -167,7 +174,11 @@ fn unit(variable: &Variable) -> String {
 }
 
 fn description(variable: &Variable) -> String {
-    let items = if variable.items.is_empty() { String::new() } else { format!(" ({})", variable.items.join(", ")) };
+    let items = match &variable.declared_type {
+        _ if !variable.items.is_empty() => format!(" ({})", variable.items.join(", ")),
+        Some(name) => format!(" (of type {name}, --json lists its items)"),
+        None => String::new(),
+    };
     format!("{}{items}", variable.description.as_deref().unwrap_or_default()).trim_start().to_owned()
 }
 
@@ -198,11 +209,19 @@ fn table(header: &[&str], mut rows: Vec<Vec<String>>, width: Option<usize>) -> S
     const GAP: usize = 2;
     /// Narrower than this a column is no help any more.
     const LEAST: usize = 24;
+    /// Cells that are wider stick out of their column instead of pushing all others aside.
+    const WIDEST: usize = 60;
     if !header.is_empty() {
         rows.insert(0, header.iter().map(|&heading| heading.to_owned()).collect());
     }
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let wide = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    for cell in rows.iter_mut().flatten() {
+        if let Cow::Owned(shown) = one_line(cell) {
+            *cell = shown;
+        }
+    }
+    let widths_of = |column: usize| rows.iter().map(move |row| row[column].chars().count());
+    let wide = |column: usize| widths_of(column).filter(|width| *width <= WIDEST).max().unwrap_or(0);
     let widths: Vec<usize> = (0..columns).map(wide).collect();
     let indent: usize = widths.iter().take(columns.saturating_sub(1)).map(|width| width + GAP).sum();
     let room = width.map_or(usize::MAX, |width| width.saturating_sub(indent).max(LEAST));
@@ -210,7 +229,8 @@ fn table(header: &[&str], mut rows: Vec<Vec<String>>, width: Option<usize>) -> S
     for (index, row) in rows.iter().enumerate() {
         let mut line = String::new();
         for (cell, width) in row.iter().zip(&widths).take(columns - 1) {
-            let _ = write!(line, "{cell:<width$}{:GAP$}", "");
+            line += cell;
+            line += &" ".repeat(width.saturating_sub(cell.chars().count()) + GAP);
         }
         for (part, words) in wrapped(&row[columns - 1], room).into_iter().enumerate() {
             if part > 0 {

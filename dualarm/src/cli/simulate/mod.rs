@@ -5,25 +5,26 @@ mod outcome;
 mod output;
 mod source;
 
-use std::io;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 
 use super::fmus::FmuFolder;
 use super::progress::Progress;
-use super::{Failure, print, print_error};
+use super::{Failure, json, print, print_error, process};
 use crate::grasp::metrics::{self, Metrics};
 use crate::grasp::scenarios::BUILT_IN;
 use crate::grasp::{self, CONTROLLERS};
 use experiment::Run;
 pub use experiment::grid;
-use fmi2_cosim::master::{Coupling, MasterError};
+use fmi2_cosim::master::{Coupling, Master, MasterError};
 use fmi2_cosim::record::{Every, Last, Pick};
 use fmi2_cosim::settings::Setting;
-use outcome::{Findings, Outcome};
+use fmi2_cosim::system::{System, is_tolerance};
+use outcome::{End, Findings, Outcome};
 use output::Output;
 
 const AFTER_HELP: &str = "\
@@ -50,7 +51,8 @@ pub struct Arguments {
     #[arg(value_name = "SCENARIO|SSP|FMU")]
     what: Vec<PathBuf>,
     /// List the built-in scenarios
-    #[arg(long, exclusive = true)]
+    #[arg(long, conflicts_with_all = ["what", "controller", "fmus", "coupling", "step", "start", "stop", "tolerance",
+          "settings", "output", "interval"])]
     list: bool,
     /// Run this controller, in a scenario instead of its own
     #[arg(long, short, value_name = "NAME",
@@ -70,11 +72,14 @@ pub struct Arguments {
     /// Stop time in s
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     stop: Option<f64>,
+    /// Relative tolerance for FMUs that solve equations numerically [default: each FMU's own]
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    tolerance: Option<f64>,
     /// Set a parameter or a free input before the start; repeatable
     #[arg(long = "set", value_name = "[COMPONENT.]NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<Setting>,
-    /// Write all outputs to this file, as Parquet if it ends in .parquet, else as CSV (- for CSV on
-    /// standard output); missing folders are created
+    /// Write all outputs to this file, as Parquet if it ends in .parquet, as CSV if in .csv (- for CSV
+    /// on standard output); missing folders are created
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Time in s between two rows of the output; 0 for every step [default: 1e-3]
@@ -104,22 +109,60 @@ impl From<CouplingName> for Coupling {
     }
 }
 
-pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
+/// FMUs that do not come back from their end within this time do not come back.
+const TIME_TO_END: Duration = Duration::from_secs(10);
+
+pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     if arguments.list {
-        return list();
+        return list(arguments.json);
     }
-    if arguments.json && arguments.output.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+    let to_stdout = arguments.output.as_deref().is_some_and(output::is_standard_output);
+    if arguments.json && to_stdout {
         return Err(Failure::usage("--json and -o - both want standard output"));
     }
-    let system = source::system(&arguments.what, arguments.controller.as_deref(), &arguments.folder.fmus)?;
-    let run = Run::of(&arguments, &system)?;
+    if let Some(tolerance) = arguments.tolerance.filter(|tolerance| !is_tolerance(*tolerance)) {
+        return Err(Failure::usage(format!("the tolerance must be a positive number, not {tolerance}")));
+    }
+    Output::check(arguments.output.as_deref(), &[])?;
+    let mut system = source::system(&arguments.what, arguments.controller.as_deref(), &arguments.folder.fmus)?;
+    system.experiment.tolerance = arguments.tolerance.or(system.experiment.tolerance);
+    Output::check(arguments.output.as_deref(), &source::inputs(&arguments.what, &system))?;
+    let run = Run::of(arguments, &system)?;
     let mut master = system.master(run.coupling)?;
+    let result = simulate(arguments, quiet, &system, &run, &mut master);
+
+    // Everything there is to tell is told by now: code of FMUs may fail, hang or exit from here on.
+    let names: Vec<_> = system.components.iter().map(|(name, _)| name.as_str()).collect();
+    let complaint = match &result {
+        Ok(()) => format!("{} did not end within {TIME_TO_END:?}; the results are complete", names.join(" or ")),
+        Err(failure) => failure.message.clone(),
+    };
+    let ended = process::within(TIME_TO_END, &complaint, move || {
+        let log = if result.is_ok() { master.finish() } else { Ok(Vec::new()) };
+        drop(system);
+        result.map(|()| log)
+    });
+    let log = ended?.map_err(|error| Failure::failed(format!("{error}; the results are complete")))?;
+    if !quiet {
+        outcome::print_warnings(&outcome::complaints(&log));
+    }
+    Ok(())
+}
+
+/// Runs and shows what came out.
+fn simulate(
+    arguments: &Arguments,
+    quiet: bool,
+    system: &System,
+    run: &Run,
+    master: &mut Master,
+) -> Result<(), Failure> {
     for setting in &arguments.settings {
         master.apply(setting).map_err(Failure::usage)?;
     }
     let columns = master.record(|_| true);
     // Before the simulation: an unwritable place should not cost the time of a run.
-    let output = Output::new(arguments.output.clone(), &columns)?;
+    let output = Output::new(arguments.output.as_deref(), &columns)?;
     let mut rows = Every::new(run.interval, run.grid.stop(), output);
     let mut measured = Pick::new(&columns, |name| metrics::SIGNALS.contains(&name));
     let mut last = Last::default();
@@ -129,7 +172,7 @@ pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
 
     master.initialize(&run.grid)?;
     let mut remarks = system.remarks.clone();
-    remarks.extend(run.remarks(&master));
+    remarks.extend(run.remarks(master));
     let limits = (0..system.components.len()).map(|index| grasp::actuator_limits(master.instance(index)));
     let limits = limits.reduce(|limits, others| if limits == [None; 3] { others } else { limits });
     let bar = Progress::new(quiet).bar("simulating", run.grid.steps());
@@ -139,24 +182,33 @@ pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
     let duration = begin.elapsed();
     bar.finish_and_clear();
     let output = rows.sink;
-    match result {
-        Ok(()) => {}
-        // A reader that has seen enough (`| head`) is no failure.
-        Err(MasterError::Record(error)) if output.is_pipe() && error.kind() == io::ErrorKind::BrokenPipe => {
-            return Ok(());
+    let end = match result {
+        Ok(()) => None,
+        // An FMU that knows that its simulation is over ends it, and that is no error.
+        Err(MasterError::Ended { time, component, source }) => {
+            Some(End { time, component, reason: source.to_string() })
         }
         Err(MasterError::Record(error)) => return Err(output.failure(error)),
         Err(error) => return Err(error.into()),
-    }
+    };
+    let texts = master.texts().unwrap_or_default();
     let limits = limits.unwrap_or_default();
     let metrics = Metrics::of(&measured.sink, limits);
     remarks.extend(metrics::saturations(&measured.sink, limits));
     let controller = grasp::controller(&system.components, master.wires()).map(str::to_owned);
-    let file = arguments.output.filter(|_| !output.is_pipe());
-    let findings = Findings { duration, columns: &columns, last: &last.values, metrics: metrics.clone(), output: file };
-    let mut outcome = Outcome::new(&system, &master, &run, findings);
-    outcome.warn(remarks, &master.finish()?);
-    let to_stdout = !output.is_pipe();
+    let to_stdout = output.is_pipe();
+    let file = arguments.output.clone().filter(|_| !to_stdout);
+    let findings = Findings {
+        duration,
+        columns: &columns,
+        last: &last.values,
+        texts,
+        metrics: metrics.clone(),
+        output: file,
+        end,
+    };
+    let mut outcome = Outcome::new(system, master, run, findings);
+    outcome.warn(remarks, &master.take_log());
     output.finish()?;
     if arguments.json {
         return outcome.print_json();
@@ -164,20 +216,49 @@ pub fn run(arguments: Arguments, quiet: bool) -> Result<(), Failure> {
     if !quiet {
         let summary = outcome.summary(controller.as_deref(), metrics.as_ref());
         if to_stdout {
-            print(&summary);
-        } else {
             print_error(&summary);
+        } else {
+            print(&summary);
         }
-        outcome.print_warnings();
+        outcome::print_warnings(&outcome.warnings);
     }
     Ok(())
 }
 
 /// `--list`
-fn list() -> Result<(), Failure> {
-    let width = BUILT_IN.iter().map(|built_in| built_in.name.len()).max().unwrap_or(0);
-    for built_in in BUILT_IN {
-        print(&format!("{:<width$}  {}\n", built_in.name, built_in.scenario()?.title));
+fn list(as_json: bool) -> Result<(), Failure> {
+    let scenarios = BUILT_IN.iter().map(|built_in| Ok((built_in.name, built_in.scenario()?)));
+    let scenarios = scenarios.collect::<Result<Vec<_>, Failure>>()?;
+    if as_json {
+        let scenarios = scenarios.iter().map(|(name, scenario)| ListedScenario {
+            name,
+            title: &scenario.title,
+            description: &scenario.description,
+        });
+        return json::print(&ListDocument {
+            command: "simulate --list",
+            version: env!("CARGO_PKG_VERSION"),
+            scenarios: scenarios.collect(),
+        });
+    }
+    let width = scenarios.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    for (name, scenario) in &scenarios {
+        print(&format!("{name:<width$}  {}\n", scenario.title));
     }
     Ok(())
+}
+
+/// What `--list --json` prints; `docs/tool.md` describes the keys.
+#[derive(Serialize)]
+struct ListDocument<'a> {
+    command: &'static str,
+    version: &'static str,
+    scenarios: Vec<ListedScenario<'a>>,
+}
+
+#[derive(Serialize)]
+struct ListedScenario<'a> {
+    name: &'a str,
+    title: &'a str,
+    description: &'a str,
 }

@@ -1,5 +1,7 @@
 //! What a run led to, for people and for machines.
 
+use std::collections::HashSet;
+use std::fmt::Write;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -8,13 +10,15 @@ use serde_json::{Map, Value};
 
 use super::experiment::Run;
 use crate::cli::json::{self, ExperimentDocument, MetricsDocument};
-use crate::cli::print_error;
+use crate::cli::printable::one_line;
+use crate::cli::{paragraph, print_error};
 use crate::grasp::metrics::{Metrics, MetricsObstacle};
 use crate::report;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Kind};
 use fmi2_cosim::system::System;
-use fmi2_import::{LogMessage, Status};
+use fmi2_cosim::wiring::Terminal;
+use fmi2_import::{Causality, LogMessage, Status};
 
 /// What a run led to. Serialised, it is what `--json` prints; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
@@ -34,6 +38,14 @@ pub struct Outcome {
     /// Why there are none.
     metrics_obstacle: Option<String>,
     output: Option<PathBuf>,
+    /// Outputs that are texts: rows have no place for them.
+    texts: Vec<String>,
+    #[serde(skip)]
+    columns: usize,
+    /// If an FMU ended the simulation.
+    ended: Option<End>,
+    /// Inputs that nothing drives: they keep their values.
+    open_inputs: Vec<String>,
     /// What the tool and the FMUs warned about, each thing once.
     pub warnings: Vec<String>,
 }
@@ -51,6 +63,17 @@ struct Connection {
     to: String,
 }
 
+/// That an FMU ended the simulation.
+#[derive(Serialize)]
+pub struct End {
+    /// How far it got, in s.
+    pub time: f64,
+    /// The component.
+    pub component: String,
+    /// What it says.
+    pub reason: String,
+}
+
 /// What is only known after a run.
 pub struct Findings<'a> {
     /// Wall time.
@@ -59,10 +82,14 @@ pub struct Findings<'a> {
     pub columns: &'a [Column],
     /// Their values at the stop time.
     pub last: &'a [f64],
+    /// The outputs that are texts, and their values.
+    pub texts: Vec<(String, String)>,
     /// If the run was a grasp, or else why there are none.
     pub metrics: Result<Metrics, MetricsObstacle>,
     /// The file with the rows.
     pub output: Option<PathBuf>,
+    /// If an FMU ended it.
+    pub end: Option<End>,
 }
 
 impl Outcome {
@@ -79,6 +106,9 @@ impl Outcome {
         };
         let connections = master.wires().iter();
         let value = |(column, value): (&Column, &f64)| (column.name.clone(), json_value(column.kind, *value));
+        let values = findings.columns.iter().zip(findings.last).map(value);
+        let text_names = findings.texts.iter().map(|(name, _)| name.clone()).collect();
+        let texts = findings.texts.into_iter().map(|(name, text)| (name, Value::from(text)));
         Self {
             command: "simulate",
             version: env!("CARGO_PKG_VERSION"),
@@ -89,10 +119,14 @@ impl Outcome {
                 .collect(),
             experiment: ExperimentDocument::new(&run.grid, run.coupling, run.interval),
             wall_time: findings.duration.as_secs_f64(),
-            last: findings.columns.iter().zip(findings.last).map(value).collect(),
+            last: values.chain(texts).collect(),
             metrics: findings.metrics.as_ref().ok().map(MetricsDocument::from),
             metrics_obstacle: findings.metrics.err().map(|obstacle| obstacle.to_string()),
             output: findings.output,
+            texts: text_names,
+            columns: findings.columns.len(),
+            ended: findings.end,
+            open_inputs: open_inputs(system, master),
             warnings: Vec::new(),
         }
     }
@@ -100,12 +134,7 @@ impl Outcome {
     /// Adds warnings: the tool's, and what the FMUs logged.
     pub fn warn(&mut self, remarks: Vec<String>, log: &[(String, LogMessage)]) {
         self.warnings = remarks;
-        for (component, message) in log.iter().filter(|(_, message)| message.status != Status::Ok) {
-            let line = format!("{component}: {}", message.text.trim());
-            if !self.warnings.contains(&line) {
-                self.warnings.push(line);
-            }
-        }
+        self.warnings.extend(complaints(log));
     }
 
     /// For people; `controller` is what the metrics judge.
@@ -120,6 +149,17 @@ impl Outcome {
             self.wall_time,
             1e6 * self.wall_time / *steps as f64
         );
+        text += &self.connected();
+        if !self.texts.is_empty() {
+            let names: Vec<_> = self.texts.iter().map(String::as_str).collect();
+            text += &listed("texts, which rows leave out (--json has their last values)", &names);
+        }
+        if self.columns == 0 {
+            text += "  no FMU has an output that is a number: rows have only times\n";
+        }
+        if let Some(End { time, component, reason }) = &self.ended {
+            let _ = writeln!(text, "{component} ended the simulation at t = {time} s: {reason}");
+        }
         match metrics {
             Ok(metrics) => {
                 let controller = controller.unwrap_or("none");
@@ -137,20 +177,87 @@ impl Outcome {
         text
     }
 
-    /// Prints the warnings.
-    pub fn print_warnings(&self) {
-        const SHOWN: usize = 5;
-        for line in self.warnings.iter().take(SHOWN) {
-            print_error(&format!("warning: {line}\n"));
+    /// Who hands what to whom, and what is left open.
+    fn connected(&self) -> String {
+        let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
+        for Connection { from, to } in &self.connections {
+            let (from, name) = self.split(from);
+            let pair = format!("{from} → {}", self.split(to).0);
+            match lines.last_mut() {
+                Some((last, names)) if *last == pair => names.push(name),
+                _ => lines.push((pair, vec![name])),
+            }
         }
-        if self.warnings.len() > SHOWN {
-            print_error(&format!("warning: … and {} more\n", self.warnings.len() - SHOWN));
+        if !self.open_inputs.is_empty() {
+            lines.push(("open inputs".into(), self.open_inputs.iter().map(String::as_str).collect()));
         }
+        lines.iter().map(|(title, names)| listed(title, names)).collect()
+    }
+
+    /// Component and variable of `Component.name`; both may have dots.
+    fn split<'a>(&self, name: &'a str) -> (&'a str, &'a str) {
+        let component = self
+            .components
+            .iter()
+            .map(|component| component.name.as_str())
+            .find(|component| name.strip_prefix(component).is_some_and(|rest| rest.starts_with('.')));
+        component.map_or(("", name), |component| (&name[..component.len()], &name[component.len() + 1..]))
     }
 
     /// Prints it for machines.
     pub fn print_json(&self) -> Result<(), crate::cli::Failure> {
         json::print(self)
+    }
+}
+
+/// The inputs that nothing drives.
+fn open_inputs(system: &System, master: &Master) -> Vec<String> {
+    let driven: HashSet<_> = master.wires().iter().map(|wire| wire.to).chain(master.driven()).collect();
+    let mut open = Vec::new();
+    for (component, (name, fmu)) in system.components.iter().enumerate() {
+        for (variable, described) in fmu.description().variables.iter().enumerate() {
+            if described.causality == Causality::Input && !driven.contains(&Terminal { component, variable }) {
+                open.push(format!("{name}.{}", described.name));
+            }
+        }
+    }
+    open
+}
+
+/// A line of names, as many as fit.
+fn listed(title: &str, names: &[&str]) -> String {
+    const WIDTH: usize = 80;
+    let mut line = format!("  {}:", one_line(title));
+    let mut length = line.chars().count();
+    for (index, name) in names.iter().enumerate() {
+        let more = format!(" … ({} in all)", names.len());
+        let separator = if index == 0 { " " } else { ", " };
+        length += separator.len() + name.chars().count();
+        if index > 0 && length + more.chars().count() > WIDTH && (index + 1 < names.len() || length > WIDTH) {
+            return line + &more + "\n";
+        }
+        line += separator;
+        line += &one_line(name);
+    }
+    line + "\n"
+}
+
+/// What FMUs complain about, each thing once.
+pub fn complaints(log: &[(String, LogMessage)]) -> Vec<String> {
+    let mut seen = HashSet::new();
+    let complaints = log.iter().filter(|(_, message)| message.status != Status::Ok);
+    let lines = complaints.map(|(component, message)| format!("{component}: {}", message.text.trim()));
+    lines.filter(|line| seen.insert(line.clone())).collect()
+}
+
+/// Prints warnings.
+pub fn print_warnings(warnings: &[String]) {
+    const SHOWN: usize = 5;
+    for line in warnings.iter().take(SHOWN) {
+        print_error(&format!("warning: {}\n", paragraph(line)));
+    }
+    if warnings.len() > SHOWN {
+        print_error(&format!("warning: … and {} more\n", warnings.len() - SHOWN));
     }
 }
 

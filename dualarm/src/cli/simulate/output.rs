@@ -1,10 +1,12 @@
 //! Where the rows go: nowhere, to a file in the format of its extension, or to standard output as CSV.
 
-use std::io::{self, Write};
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::{self, BufWriter, IsTerminal, Write};
+use std::path::{Path, PathBuf};
 
-use crate::cli::Failure;
-use fmi2_cosim::files::NewFile;
+use crate::cli::printable::one_line;
+use crate::cli::{Failure, process};
+use fmi2_cosim::files::{self, NewFile};
 use fmi2_cosim::record::{Column, CsvSink, ParquetSink, Sink};
 
 /// Takes the recorded rows.
@@ -16,28 +18,70 @@ pub enum Output {
     /// The same, by columns; boxed, since it is much larger than the others.
     Parquet(Box<ParquetSink>),
     /// Standard output.
-    Pipe(CsvSink<io::BufWriter<io::Stdout>>),
+    Pipe(CsvSink<BufWriter<&'static File>>),
+}
+
+/// What the rows are written as.
+enum Format {
+    Csv,
+    Parquet,
+}
+
+impl Format {
+    /// The one that a file's name promises.
+    fn of(path: &Path) -> Result<Self, Failure> {
+        let Some(extension) = path.extension() else { return Ok(Self::Csv) };
+        match extension.to_string_lossy().to_lowercase().as_str() {
+            "csv" | "txt" | "dat" => Ok(Self::Csv),
+            "parquet" => Ok(Self::Parquet),
+            _ if path.metadata().is_ok_and(|metadata| !metadata.is_file()) => Ok(Self::Csv),
+            other => Err(Failure::usage(format!(
+                "-o {}: this tool writes .csv and .parquet files, not .{other}; most tools that read .{other} read one of them",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// Whether these words after `-o` mean standard output.
+pub fn is_standard_output(path: &Path) -> bool {
+    path.as_os_str() == "-" || files::is_standard_output(path)
 }
 
 impl Output {
-    /// Begins the output with the names of its columns; `-` is standard output, `.parquet` makes Parquet, everything else
-    /// CSV.
-    pub fn new(path: Option<PathBuf>, columns: &[Column]) -> Result<Self, Failure> {
-        Ok(match path {
-            None => Self::None,
-            Some(path) if path.as_os_str() == "-" => {
-                let mut sink = CsvSink::to(io::BufWriter::new(io::stdout()));
-                match sink.header(columns) {
-                    // A reader that has already gone is noticed again with the first row.
-                    Err(error) if error.kind() != io::ErrorKind::BrokenPipe => return Err(error.into()),
-                    _ => {}
+    /// Whether rows can be written there: in a format that the name promises, and not onto what the run reads.
+    pub fn check(path: Option<&Path>, inputs: &[PathBuf]) -> Result<(), Failure> {
+        let Some(path) = path.filter(|path| !is_standard_output(path)) else { return Ok(()) };
+        Format::of(path)?;
+        match inputs.iter().find(|input| files::are_same(input, path)) {
+            Some(input) => Err(Failure::usage(format!(
+                "-o {} would overwrite {}, which this run reads",
+                path.display(),
+                input.display()
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// Begins the output with the names of its columns; `-` is standard output.
+    pub fn new(path: Option<&Path>, columns: &[Column]) -> Result<Self, Failure> {
+        let Some(path) = path else { return Ok(Self::None) };
+        if is_standard_output(path) {
+            let standard_output = process::standard_output();
+            let mut sink = CsvSink::to(BufWriter::new(standard_output));
+            let mut columns = columns.to_vec();
+            if standard_output.is_terminal() {
+                for column in &mut columns {
+                    column.name = one_line(&column.name).into_owned();
                 }
-                Self::Pipe(sink)
             }
-            Some(path) if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) => {
-                Self::Parquet(Box::new(ParquetSink::new(NewFile::create(path)?, columns)?))
-            }
-            Some(path) => Self::Csv(CsvSink::new(NewFile::create(path)?, columns)?),
+            sink.header(&columns)?;
+            return Ok(Self::Pipe(sink));
+        }
+        let file = NewFile::create(path)?;
+        Ok(match Format::of(path)? {
+            Format::Parquet => Self::Parquet(Box::new(ParquetSink::new(file, columns)?)),
+            Format::Csv => Self::Csv(CsvSink::new(file, columns)?),
         })
     }
 
@@ -51,7 +95,7 @@ impl Output {
         match self {
             Self::Csv(sink) => sink.error(error).into(),
             Self::Parquet(sink) => sink.error(error).into(),
-            _ => error.into(),
+            _ => lost(error),
         }
     }
 
@@ -61,13 +105,19 @@ impl Output {
             Self::None => {}
             Self::Csv(sink) => sink.finish()?,
             Self::Parquet(sink) => sink.finish()?,
-            Self::Pipe(sink) => match sink.into_inner().and_then(|mut writer| writer.flush()) {
-                Err(error) if error.kind() != io::ErrorKind::BrokenPipe => return Err(error.into()),
-                _ => {}
-            },
+            Self::Pipe(sink) => sink.into_inner().and_then(|mut writer| writer.flush()).map_err(lost)?,
         }
         Ok(())
     }
+}
+
+/// Rows that did not reach standard output. A reader that has seen enough (`| head`) still did not get all of them.
+#[allow(clippy::needless_pass_by_value)] // it is given to map_err
+fn lost(error: io::Error) -> Failure {
+    Failure::failed(match error.kind() {
+        io::ErrorKind::BrokenPipe => "the reader of standard output has gone before it had all rows".to_owned(),
+        _ => format!("cannot write to standard output: {error}"),
+    })
 }
 
 impl Sink for Output {

@@ -7,7 +7,7 @@ use crate::grasp::scenarios::{self, BuiltIn, NoController, UnknownScenario};
 use crate::grasp::{self, Controller};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 use fmi2_cosim::ssp::Package;
-use fmi2_cosim::ssp::package::is_ssp;
+use fmi2_cosim::ssp::package::{is_ssp, split_variant};
 use fmi2_cosim::system::{System, SystemError};
 use fmi2_import::Fmu;
 
@@ -43,8 +43,14 @@ fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
         let message = format!("{} is a system of its own; it runs alone, without other files", package.display());
         return Err(Failure::usage(message));
     }
-    let fmus = files.iter().map(Fmu::open).collect::<Result<Vec<_>, _>>()?;
-    Ok(System::of_fmus(&fmus))
+    Ok(System::of_fmus(&Fmu::open_all(files)?))
+}
+
+/// The files that a run reads, which must stay as they are.
+pub fn inputs(words: &[PathBuf], system: &System) -> Vec<PathBuf> {
+    let fmus = system.components.iter().map(|(_, fmu)| fmu.path());
+    let words = words.iter().map(|word| split_variant(word).0);
+    words.chain(fmus.map(Path::to_owned)).collect()
 }
 
 fn has_extension(path: &Path, expected: &str) -> bool {

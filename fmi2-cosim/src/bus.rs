@@ -1,0 +1,234 @@
+//! The buffers that signals pass through on their way from outputs to inputs.
+
+use std::collections::HashMap;
+
+use fmi2_import::{CallError, Instance, ModelDescription, Status, ValueReference};
+
+use crate::record::Kind;
+use crate::units::Conversion;
+use crate::wiring::{Terminal, Wire};
+
+/// A type of value that can be wired.
+pub(crate) trait Signal: Copy + Default {
+    /// The types it carries.
+    const KIND: Kind;
+    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError>;
+    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError>;
+    /// Whether an iteration may stop between these two.
+    fn agrees(self, other: Self) -> bool;
+    /// The value in another unit; only reals have units.
+    fn converted(self, _: &Conversion) -> Self {
+        self
+    }
+}
+
+impl Signal for f64 {
+    const KIND: Kind = Kind::Real;
+
+    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
+        instance.get_real(references, values)
+    }
+    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
+        instance.set_real(references, values)
+    }
+    fn agrees(self, other: Self) -> bool {
+        (self - other).abs() <= 1e-15 + 1e-13 * self.abs().max(other.abs())
+    }
+    fn converted(self, conversion: &Conversion) -> Self {
+        conversion.apply(self)
+    }
+}
+
+impl Signal for i32 {
+    const KIND: Kind = Kind::Integer;
+
+    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
+        instance.get_integer(references, values)
+    }
+    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
+        instance.set_integer(references, values)
+    }
+    fn agrees(self, other: Self) -> bool {
+        self == other
+    }
+}
+
+impl Signal for bool {
+    const KIND: Kind = Kind::Boolean;
+
+    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
+        instance.get_boolean(references, values)
+    }
+    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
+        instance.set_boolean(references, values)
+    }
+    fn agrees(self, other: Self) -> bool {
+        self == other
+    }
+}
+
+/// All wires.
+pub(crate) struct Buses {
+    real: Bus<f64>,
+    integer: Bus<i32>,
+    boolean: Bus<bool>,
+    /// Integers that are wanted as reals.
+    crossings: Vec<Crossing>,
+}
+
+struct Crossing {
+    component: usize,
+    integer: usize,
+    real: usize,
+}
+
+impl Buses {
+    pub(crate) fn new(descriptions: &[&ModelDescription], wires: &[Wire]) -> Self {
+        let (mut real, integer) = (Bus::<f64>::new(descriptions, wires), Bus::<i32>::new(descriptions, wires));
+        let is_crossing = |wire: &&Wire| {
+            kind(descriptions, wire.from) == Some(Kind::Integer) && kind(descriptions, wire.to) == Some(Kind::Real)
+        };
+        let mut crossings: Vec<Crossing> = Vec::new();
+        let mut known: HashMap<Terminal, usize> = HashMap::new();
+        for wire in wires.iter().filter(is_crossing) {
+            let signal = *known.entry(wire.from).or_insert_with(|| {
+                let signal = real.add_signal();
+                let integer = integer.places[&wire.from];
+                crossings.push(Crossing { component: wire.from.component, integer, real: signal });
+                signal
+            });
+            real.add_wire(descriptions, wire, signal);
+        }
+        Self { real, integer, boolean: Bus::new(descriptions, wires), crossings }
+    }
+
+    /// Fetches the outputs of a component.
+    #[inline]
+    pub(crate) fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        self.real.read(component, instance)?;
+        self.integer.read(component, instance)?;
+        for crossing in &self.crossings {
+            if crossing.component == component {
+                self.real.signals[crossing.real] = f64::from(self.integer.signals[crossing.integer]);
+            }
+        }
+        self.boolean.read(component, instance)
+    }
+
+    /// Hands a component its inputs.
+    #[inline]
+    pub(crate) fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        self.real.write(component, instance)?;
+        self.integer.write(component, instance)?;
+        self.boolean.write(component, instance)
+    }
+
+    /// The signals as they are now, to compare with later.
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot(self.real.signals.clone(), self.integer.signals.clone(), self.boolean.signals.clone())
+    }
+
+    /// Whether no signal has changed since then.
+    pub(crate) fn agree_with(&self, before: &Snapshot) -> bool {
+        agree(&before.0, &self.real.signals)
+            && agree(&before.1, &self.integer.signals)
+            && agree(&before.2, &self.boolean.signals)
+    }
+}
+
+/// Signals at one moment.
+pub(crate) struct Snapshot(Vec<f64>, Vec<i32>, Vec<bool>);
+
+fn agree<T: Signal>(before: &[T], after: &[T]) -> bool {
+    before.iter().zip(after).all(|(before, after)| before.agrees(*after))
+}
+
+fn kind(descriptions: &[&ModelDescription], terminal: Terminal) -> Option<Kind> {
+    Kind::of(descriptions[terminal.component].variables[terminal.variable].base_type())
+}
+
+/// All wires to inputs of one type. The outputs of each component lie next to each other in `signals`, so one call
+/// fetches them.
+struct Bus<T> {
+    signals: Vec<T>,
+    /// Where each output lies.
+    places: HashMap<Terminal, usize>,
+    ports: Vec<Port<T>>,
+}
+
+/// One component's connections.
+#[derive(Default)]
+struct Port<T> {
+    offered: Vec<ValueReference>,
+    first_signal: usize,
+    wanted: Vec<ValueReference>,
+    sources: Vec<usize>,
+    conversions: Vec<(usize, Conversion)>,
+    values: Vec<T>,
+}
+
+impl<T: Signal> Bus<T> {
+    fn new(descriptions: &[&ModelDescription], wires: &[Wire]) -> Self {
+        let ports = descriptions.iter().map(|_| Port::default()).collect();
+        let mut bus = Self { signals: Vec::new(), places: HashMap::new(), ports };
+        let mut sources: Vec<Vec<Terminal>> = vec![Vec::new(); descriptions.len()];
+        for wire in wires.iter().filter(|wire| kind(descriptions, wire.from) == Some(T::KIND)) {
+            sources[wire.from.component].push(wire.from);
+        }
+        for (component, sources) in sources.into_iter().enumerate() {
+            bus.ports[component].first_signal = bus.signals.len();
+            for source in sources {
+                if !bus.places.contains_key(&source) {
+                    let signal = bus.add_signal();
+                    bus.places.insert(source, signal);
+                    let reference = descriptions[component].variables[source.variable].value_reference;
+                    bus.ports[component].offered.push(reference);
+                }
+            }
+        }
+        for wire in wires.iter().filter(|wire| kind(descriptions, wire.to) == Some(T::KIND)) {
+            if let Some(source) = bus.places.get(&wire.from) {
+                bus.add_wire(descriptions, wire, *source);
+            }
+        }
+        bus
+    }
+
+    fn add_signal(&mut self) -> usize {
+        self.signals.push(T::default());
+        self.signals.len() - 1
+    }
+
+    fn add_wire(&mut self, descriptions: &[&ModelDescription], wire: &Wire, source: usize) {
+        let port = &mut self.ports[wire.to.component];
+        port.conversions.extend(wire.conversion.map(|conversion| (port.wanted.len(), conversion)));
+        port.wanted.push(descriptions[wire.to.component].variables[wire.to.variable].value_reference);
+        port.sources.push(source);
+        port.values.push(T::default());
+    }
+
+    #[inline]
+    fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        let port = &self.ports[component];
+        let signals = &mut self.signals[port.first_signal..][..port.offered.len()];
+        if !signals.is_empty() {
+            T::get(instance, &port.offered, signals)?;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        let port = &mut self.ports[component];
+        if !port.wanted.is_empty() {
+            for (value, source) in port.values.iter_mut().zip(&port.sources) {
+                *value = self.signals[*source];
+            }
+            for (index, conversion) in &port.conversions {
+                port.values[*index] = port.values[*index].converted(conversion);
+            }
+            T::set(instance, &port.wanted, &port.values)?;
+        }
+        Ok(())
+    }
+}

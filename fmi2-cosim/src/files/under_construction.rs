@@ -1,0 +1,235 @@
+//! Files that are not yet at their places, and what becomes of them when the process must end.
+
+use std::collections::HashSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use tempfile::NamedTempFile;
+
+/// Paths of this process that lead nowhere if it ends now: files under construction, and folders made for them.
+static UNFINISHED: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+
+fn unfinished() -> MutexGuard<'static, Option<HashSet<PathBuf>>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes everything under construction, for a process that is about to end: files stay as they were. Waits for files
+/// that are being moved to their places, and lets none follow.
+pub fn abandon() {
+    let mut unfinished = unfinished();
+    let mut paths: Vec<_> = unfinished.take().unwrap_or_default().into_iter().collect();
+    // What is inside a folder comes before the folder.
+    paths.sort_unstable_by_key(|path| std::cmp::Reverse(path.components().count()));
+    for path in &paths {
+        if fs::remove_file(path).is_err() {
+            let _ = fs::remove_dir(path);
+        }
+    }
+    // Until the process has ended nobody begins or moves anything.
+    std::mem::forget(unfinished);
+}
+
+/// A file under construction beside the one it will be.
+#[derive(Debug)]
+pub(super) struct Part {
+    target: PathBuf,
+    file: NamedTempFile,
+    way: Way,
+    written: u64,
+    folders: Folders, // the last one to be dropped: folders can be removed only when they are empty
+}
+
+/// How a part comes to its place.
+#[derive(Debug)]
+enum Way {
+    /// By taking the name.
+    Rename,
+    /// By its content: the file there has other names too, or is somebody else's, and must stay the same file.
+    Fill(File),
+}
+
+/// Folders that were made for a file, the innermost first; they go when it does not come.
+#[derive(Debug)]
+struct Folders {
+    made: Vec<PathBuf>,
+    are_used: bool,
+}
+
+impl Part {
+    pub(super) fn new(target: PathBuf) -> io::Result<Self> {
+        let folder = target.parent().unwrap_or(Path::new("/")).to_owned();
+        let folders = Folders::create(&folder)?;
+        let existing = fs::metadata(&target).ok();
+        // Writing must be allowed, although only the folder is asked when a name is taken.
+        let opened = existing.as_ref().map(|_| OpenOptions::new().write(true).open(&target)).transpose()?;
+        let part = match begin(&folder, existing.as_ref()) {
+            Ok(part) => part,
+            // Where no file may be made beside it, an existing one can still be filled.
+            Err(_) if opened.is_some() => begin(&std::env::temp_dir(), existing.as_ref())?,
+            Err(error) => return Err(error),
+        };
+        let beside = part.path().parent() == Some(folder.as_path());
+        unfinished().get_or_insert_default().insert(part.path().to_owned());
+        let way = match (existing, opened) {
+            (Some(existing), Some(opened)) if !beside || !can_stand_for(&part, &existing) => Way::Fill(opened),
+            _ => Way::Rename,
+        };
+        Ok(Self { target, file: part, way, written: 0, folders })
+    }
+
+    /// Whether all that was written is still there: code loaded into this process can close any file.
+    pub(super) fn checked(mut self) -> io::Result<Self> {
+        self.file.flush()?;
+        let there = fs::metadata(self.file.path())?;
+        if there.len() != self.written {
+            let message = format!("{} of {} bytes arrived: something else closed the file", there.len(), self.written);
+            return Err(io::Error::other(message));
+        }
+        Ok(self)
+    }
+
+    /// Takes its place.
+    pub(super) fn appear(mut self) -> io::Result<()> {
+        let guard = unfinished();
+        let result = self.take_place();
+        drop(guard);
+        result
+    }
+
+    /// Takes its place; the caller keeps others from ending the process meanwhile.
+    fn take_place(&mut self) -> io::Result<()> {
+        let path = self.file.path();
+        match &mut self.way {
+            Way::Rename => match fs::rename(path, &self.target) {
+                // A file that is mounted there keeps its name, but takes content.
+                Err(error) if error.kind() == io::ErrorKind::ResourceBusy => {
+                    let mut mounted = OpenOptions::new().write(true).open(&self.target)?;
+                    fill(&mut mounted, path)?;
+                }
+                result => result?,
+            },
+            Way::Fill(file) => fill(file, path)?,
+        }
+        self.folders.are_used = true;
+        Ok(())
+    }
+}
+
+impl Write for Part {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let count = self.file.write(bytes)?;
+        self.written += count as u64;
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// All parts take their places, or all stay away; then the error has the index of the one that cannot.
+pub(super) fn appear_together(mut parts: Vec<Part>) -> Result<(), (usize, io::Error)> {
+    let guard = unfinished();
+    let mut former: Vec<(&Path, Option<PathBuf>)> = Vec::new();
+    let mut failure = None;
+    for (index, part) in parts.iter_mut().enumerate() {
+        let other_name = keep_former(&part.target, part.file.path());
+        let result = part.take_place();
+        former.push((&part.target, other_name));
+        if let Err(error) = result {
+            failure = Some((index, error));
+            break;
+        }
+    }
+    for (target, other_name) in former.iter().rev() {
+        match (other_name, failure.is_some()) {
+            (Some(other_name), true) => drop(fs::rename(other_name, target)),
+            (Some(other_name), false) => drop(fs::remove_file(other_name)),
+            (None, true) => drop(fs::remove_file(target)),
+            (None, false) => {}
+        }
+    }
+    drop(guard);
+    failure.map_or(Ok(()), Err)
+}
+
+/// Another name for the file that a part will replace, if there is one, so that it can come back.
+fn keep_former(target: &Path, part: &Path) -> Option<PathBuf> {
+    let mut name = part.file_name()?.to_owned();
+    name.push(".former");
+    let former = target.with_file_name(name);
+    fs::hard_link(target, &former).ok().map(|()| former)
+}
+
+/// A new file in a folder, with no more permissions than the one it will stand for.
+fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".dualarm-").suffix(".part");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // Of a new file minus the user's umask, as for any other file.
+        let mode = existing.map_or(0o666, |existing| existing.permissions().mode() & 0o666);
+        builder.permissions(fs::Permissions::from_mode(mode));
+    }
+    builder.tempfile_in(folder)
+}
+
+/// Whether the part can take the name of this file without anybody noticing: same owner, same permissions, no further
+/// names. Gives it the owner and permissions if it may.
+#[cfg(unix)]
+fn can_stand_for(part: &NamedTempFile, existing: &fs::Metadata) -> bool {
+    use std::os::unix::fs::{MetadataExt, fchown};
+    if existing.nlink() > 1 {
+        return false;
+    }
+    let Ok(own) = part.as_file().metadata() else { return false };
+    let has_owner = (own.uid(), own.gid()) == (existing.uid(), existing.gid())
+        || fchown(part.as_file(), Some(existing.uid()), Some(existing.gid())).is_ok();
+    has_owner && part.as_file().set_permissions(existing.permissions()).is_ok()
+}
+
+#[cfg(not(unix))]
+fn can_stand_for(_: &NamedTempFile, existing: &fs::Metadata) -> bool {
+    !existing.permissions().readonly()
+}
+
+fn fill(file: &mut File, from: &Path) -> io::Result<()> {
+    let mut from = File::open(from)?;
+    file.set_len(0)?;
+    file.rewind()?;
+    io::copy(&mut from, file).map(drop)
+}
+
+impl Folders {
+    fn create(folder: &Path) -> io::Result<Self> {
+        let missing = folder.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned);
+        let folders = Self { made: missing.collect(), are_used: false };
+        unfinished().get_or_insert_default().extend(folders.made.iter().cloned());
+        fs::create_dir_all(folder)?;
+        Ok(folders)
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        if let Some(unfinished) = &mut *unfinished() {
+            unfinished.remove(self.file.path());
+        }
+    }
+}
+
+impl Drop for Folders {
+    fn drop(&mut self) {
+        for folder in &self.made {
+            if !self.are_used {
+                let _ = fs::remove_dir(folder);
+            }
+            if let Some(unfinished) = &mut *unfinished() {
+                unfinished.remove(folder);
+            }
+        }
+    }
+}

@@ -1,0 +1,251 @@
+//! Zip archives, with limits that keep a small file from filling memory or disk.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::{self, BufReader, Read, Write};
+use std::path::Path;
+
+use zip::ZipArchive;
+use zip::result::ZipError;
+
+/// Entries of an archive.
+pub const MAX_ENTRIES: usize = 100_000;
+/// Bytes that an archive may unpack to.
+pub const MAX_UNPACKED: u64 = 4 << 30;
+/// Bytes that every archive may unpack to, however small it is.
+pub const FREE_UNPACKED: u64 = 64 << 20;
+/// Beyond [`FREE_UNPACKED`], an archive may unpack to so many times its own size. Deflate could give 1000 times.
+pub const MAX_RATIO: u64 = 200;
+/// Bytes of an entry that is read into memory.
+pub const MAX_DOCUMENT: u64 = 256 << 20;
+
+/// Why an archive, or an entry of it, cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ArchiveError {
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] io::Error),
+    /// No zip archive, or a damaged one.
+    #[error("{0}")]
+    NotAZip(String),
+    /// There is no such entry.
+    #[error("there is no such file in the archive")]
+    NotFound,
+    /// An entry would land outside the folder it is unpacked to.
+    #[error("it contains the entry \"{0}\", which points outside the archive; not unpacked")]
+    UnsafeEntry(String),
+    /// It unpacks to more than a model needs.
+    #[error("{what}; this tool unpacks {limit}")]
+    Limit {
+        /// What there is too much of.
+        what: String,
+        /// What is allowed.
+        limit: String,
+    },
+}
+
+/// An open archive. Entries go by their paths with `/` between folders, whatever the archive has.
+pub struct Archive {
+    zip: ZipArchive<BufReader<File>>,
+    indices: HashMap<String, usize>,
+    /// Bytes it may still unpack to.
+    allowance: u64,
+    /// Bytes it may unpack to altogether.
+    most: u64,
+}
+
+type Result<T> = std::result::Result<T, ArchiveError>;
+
+impl Archive {
+    /// Opens a file.
+    ///
+    /// # Errors
+    /// When it cannot be read, is no plain file, no zip archive, has too many entries, or one that points outside.
+    pub fn open(path: &Path) -> Result<Self> {
+        let file = plain_file(path)?;
+        let length = file.metadata()?.len();
+        let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|error| match error {
+            ZipError::Io(source) if source.kind() != io::ErrorKind::UnexpectedEof => ArchiveError::Read(source),
+            other => ArchiveError::NotAZip(other.to_string()),
+        })?;
+        if zip.len() > MAX_ENTRIES {
+            let what = format!("it has {} entries", zip.len());
+            return Err(ArchiveError::Limit { what, limit: format!("{MAX_ENTRIES} at most") });
+        }
+        let mut indices = HashMap::with_capacity(zip.len());
+        for index in 0..zip.len() {
+            let entry = zip.by_index_raw(index).map_err(damaged)?;
+            let raw = String::from_utf8_lossy(entry.name_raw()).into_owned();
+            let name = entry.name().map_or(raw.clone(), Cow::into_owned);
+            let Some(path) = inside(&name) else { return Err(ArchiveError::UnsafeEntry(raw)) };
+            if !path.is_empty() {
+                indices.entry(path).or_insert(index);
+            }
+        }
+        let most = MAX_UNPACKED.min(FREE_UNPACKED.saturating_add(length.saturating_mul(MAX_RATIO)));
+        Ok(Self { zip, indices, allowance: most, most })
+    }
+
+    /// The paths of all files, sorted.
+    #[must_use]
+    pub fn files(&self) -> Vec<&str> {
+        let mut files: Vec<_> = self.indices.keys().map(String::as_str).filter(|path| !path.ends_with('/')).collect();
+        files.sort_unstable();
+        files
+    }
+
+    /// Whether there is this file.
+    #[must_use]
+    pub fn has(&self, path: &str) -> bool {
+        self.indices.contains_key(path)
+    }
+
+    /// Content of a file that fits into memory.
+    ///
+    /// # Errors
+    /// When there is no such file, it is damaged, or too large.
+    pub fn read(&mut self, path: &str) -> Result<Vec<u8>> {
+        let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
+        let mut content = Vec::new();
+        self.copy(index, MAX_DOCUMENT, path, &mut content)?;
+        Ok(content)
+    }
+
+    /// Writes a file to `target`.
+    ///
+    /// # Errors
+    /// When there is no such file, it is damaged or too large, or cannot be written.
+    pub fn unpack_file(&mut self, path: &str, target: &Path) -> Result<()> {
+        let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
+        self.unpack_entry(index, path, target)
+    }
+
+    /// Unpacks the files below `parts` to a folder. Symbolic links become plain files, so nothing can point outside.
+    ///
+    /// # Errors
+    /// When an entry is damaged, they are too large, or cannot be written.
+    pub fn unpack(&mut self, folder: &Path, parts: &[&str]) -> Result<()> {
+        let wanted = |path: &&String| !path.ends_with('/') && parts.iter().any(|part| path.starts_with(part));
+        let mut files: Vec<_> = self.indices.iter().filter(|(path, _)| wanted(path)).collect();
+        files.sort_unstable_by_key(|(_, index)| **index);
+        let files: Vec<_> = files.into_iter().map(|(path, index)| (path.clone(), *index)).collect();
+        for (path, index) in files {
+            self.unpack_entry(index, &path, &folder.join(&path))?;
+        }
+        Ok(())
+    }
+
+    fn unpack_entry(&mut self, index: usize, path: &str, target: &Path) -> Result<()> {
+        if let Some(folder) = target.parent() {
+            fs::create_dir_all(folder)?;
+        }
+        self.copy(index, u64::MAX, path, &mut File::create(target)?)
+    }
+
+    /// Copies an entry as far as the limits allow; what the archive says about sizes need not be true.
+    fn copy(&mut self, index: usize, most: u64, path: &str, to: &mut dyn Write) -> Result<()> {
+        let too_large = |limit| Err(ArchiveError::Limit { what: format!("{path} is too large"), limit });
+        let entry = self.zip.by_index(index).map_err(damaged)?;
+        let room = most.min(self.allowance);
+        let mut reader = entry.take(room.saturating_add(1));
+        let copied = copy(&mut reader, to)?;
+        if copied > most {
+            return too_large(format!("at most {} MiB of one document", MAX_DOCUMENT >> 20));
+        }
+        if copied > self.allowance {
+            return too_large(format!(
+                "at most {} MiB of this archive ({} MiB and {MAX_RATIO} times its own size, never more than {} GiB)",
+                self.most >> 20,
+                FREE_UNPACKED >> 20,
+                MAX_UNPACKED >> 30
+            ));
+        }
+        self.allowance -= copied;
+        Ok(())
+    }
+}
+
+/// Copies, and tells damage of the archive from a full disk.
+fn copy(from: &mut dyn Read, to: &mut dyn Write) -> Result<u64> {
+    const BUFFER: usize = 1 << 16;
+    let mut buffer = vec![0; BUFFER];
+    let mut copied = 0;
+    loop {
+        let count = match from.read(&mut buffer) {
+            Ok(0) => return Ok(copied),
+            Ok(count) => count,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(ArchiveError::NotAZip(error.to_string())),
+        };
+        to.write_all(&buffer[..count])?;
+        copied += count as u64;
+    }
+}
+
+/// Opens a file that is nothing else: a pipe would keep us waiting.
+///
+/// # Errors
+/// When it cannot be read, or is a folder, a pipe or a device.
+pub fn plain_file(path: &Path) -> io::Result<File> {
+    let metadata = fs::metadata(path)?;
+    if metadata.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"));
+    }
+    if !metadata.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a pipe or a device, not a file"));
+    }
+    File::open(path)
+}
+
+#[allow(clippy::needless_pass_by_value)] // it is given to map_err
+fn damaged(error: ZipError) -> ArchiveError {
+    ArchiveError::NotAZip(error.to_string())
+}
+
+/// The path of an entry with `/` between folders and without `.`; `None` if it points outside. Some packers write `\`,
+/// or `./` in front.
+fn inside(name: &str) -> Option<String> {
+    let name = name.replace('\\', "/");
+    let has_drive = name.as_bytes().get(1) == Some(&b':');
+    if name.starts_with('/') || has_drive || name.contains('\0') {
+        return None;
+    }
+    let mut parts = Vec::new();
+    for part in name.split('/') {
+        match part {
+            "" | "." => {}
+            ".." => _ = parts.pop()?,
+            part => parts.push(part),
+        }
+    }
+    let folder = if name.ends_with('/') && !parts.is_empty() { "/" } else { "" };
+    Some(parts.join("/") + folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_read_as_they_are_meant() {
+        for (name, path) in [
+            ("a/b.txt", Some("a/b.txt")),
+            ("./a/b.txt", Some("a/b.txt")),
+            ("a\\b.txt", Some("a/b.txt")),
+            (".\\a\\.\\b.txt", Some("a/b.txt")),
+            ("a//b/", Some("a/b/")),
+            ("a/../b", Some("b")),
+            ("./", Some("")),
+            ("../b", None),
+            ("a\\..\\..\\b", None),
+            ("/b", None),
+            ("\\b", None),
+            ("C:\\b", None),
+            ("C:b", None),
+        ] {
+            assert_eq!(inside(name).as_deref(), path, "{name}");
+        }
+    }
+}

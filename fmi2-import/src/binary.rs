@@ -1,0 +1,131 @@
+//! A shared library as a file: what can be said about it without loading it, that is without running its code.
+
+use object::read::elf::{FileHeader, ProgramHeader};
+use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
+use object::{Architecture, BinaryFormat, Endianness, File, FileKind, Object, elf};
+
+use super::library::{LibraryError, REQUIRED};
+
+/// Whether the system's loader can be asked to load these bytes at all: they are for this system and this processor, and
+/// all that their headers promise is there (the loader would map a file that is cut off, and the process would die of the
+/// first access beyond its end). What is no library at all the loader refuses itself.
+pub(crate) fn check_loadable(data: &[u8]) -> Result<(), LibraryError> {
+    if data.is_empty() {
+        return Err(LibraryError::Empty);
+    }
+    let Ok(kind) = FileKind::parse(data) else { return Ok(()) };
+    check_complete(kind, data)?;
+    let Some(found) = native_part(kind, data) else {
+        // For several processors, but not for this one; or damaged, which is for the loader to say.
+        let is_for_several = matches!(kind, FileKind::MachOFat32 | FileKind::MachOFat64);
+        let foreign = || LibraryError::Foreign { found: "macOS (Mach-O) on others".into(), wanted: native_name() };
+        return if is_for_several { Err(foreign()) } else { Ok(()) };
+    };
+    let processor = native_architecture();
+    let fits =
+        found.format() == native_format() && (processor == Architecture::Unknown || found.architecture() == processor);
+    if fits {
+        Ok(())
+    } else {
+        Err(LibraryError::Foreign { found: name(found.format(), found.architecture()), wanted: native_name() })
+    }
+}
+
+/// The same, and whether the library offers the functions that every co-simulation FMU must have; `is_alone` if it cannot
+/// have them from other libraries beside it.
+pub(crate) fn check_usable(data: &[u8], is_alone: bool) -> Result<(), LibraryError> {
+    check_loadable(data)?;
+    let Ok(kind) = FileKind::parse(data) else { return Err(LibraryError::NoLibrary) };
+    let Some(file) = native_part(kind, data) else { return Err(LibraryError::NoLibrary) };
+    let Ok(exports) = file.exports() else { return Err(LibraryError::NoLibrary) };
+    // Without sections an ELF file's symbols are the loader's secret.
+    if !is_alone || (exports.is_empty() && file.sections().next().is_none()) {
+        return Ok(());
+    }
+    let has = |name: &str| {
+        exports.iter().any(|export| {
+            let found = export.name();
+            found == name.as_bytes() || found.strip_prefix(b"_") == Some(name.as_bytes())
+        })
+    };
+    match REQUIRED.iter().find(|name| !has(name)) {
+        Some(name) => Err(LibraryError::MissingSymbol(name)),
+        None => Ok(()),
+    }
+}
+
+/// The library, or that part of one for several processors which is for this one.
+fn native_part(kind: FileKind, data: &[u8]) -> Option<File<'_>> {
+    match kind {
+        FileKind::MachOFat32 => part(MachOFatFile32::parse(data).ok()?.arches(), data),
+        FileKind::MachOFat64 => part(MachOFatFile64::parse(data).ok()?.arches(), data),
+        _ => File::parse(data).ok(),
+    }
+}
+
+fn part<'data>(parts: &[impl FatArch], data: &'data [u8]) -> Option<File<'data>> {
+    let own = parts.iter().find(|part| part.architecture() == native_architecture())?;
+    File::parse(own.data(data).ok()?).ok()
+}
+
+fn check_complete(kind: FileKind, data: &[u8]) -> Result<(), LibraryError> {
+    let length = data.len() as u64;
+    let promised = match kind {
+        FileKind::Elf64 => end_of::<elf::FileHeader64<Endianness>>(data),
+        FileKind::Elf32 => end_of::<elf::FileHeader32<Endianness>>(data),
+        _ => None,
+    };
+    match promised {
+        Some(promised) if promised > length => Err(LibraryError::CutOff { length, promised }),
+        _ => Ok(()),
+    }
+}
+
+/// Where the last segment of an ELF file ends.
+fn end_of<H: FileHeader>(data: &[u8]) -> Option<u64> {
+    let header = H::parse(data).ok()?;
+    let endian = header.endian().ok()?;
+    let segments = header.program_headers(endian, data).ok()?;
+    segments.iter().map(|segment| segment.p_offset(endian).into().saturating_add(segment.p_filesz(endian).into())).max()
+}
+
+fn name(format: BinaryFormat, architecture: Architecture) -> String {
+    let system = match format {
+        BinaryFormat::Elf => "Linux (ELF)",
+        BinaryFormat::MachO => "macOS (Mach-O)",
+        BinaryFormat::Pe | BinaryFormat::Coff => "Windows (PE)",
+        _ => "another system",
+    };
+    let processor = match architecture {
+        Architecture::X86_64 => "x86_64".to_owned(),
+        Architecture::I386 => "x86".to_owned(),
+        Architecture::Aarch64 => "aarch64".to_owned(),
+        other => format!("{other:?}"),
+    };
+    format!("{system} on {processor}")
+}
+
+fn native_name() -> String {
+    name(native_format(), native_architecture())
+}
+
+fn native_format() -> BinaryFormat {
+    if cfg!(windows) {
+        BinaryFormat::Pe
+    } else if cfg!(target_os = "macos") {
+        BinaryFormat::MachO
+    } else {
+        BinaryFormat::Elf
+    }
+}
+
+fn native_architecture() -> Architecture {
+    match std::env::consts::ARCH {
+        "x86_64" => Architecture::X86_64,
+        "x86" => Architecture::I386,
+        "aarch64" => Architecture::Aarch64,
+        "arm" => Architecture::Arm,
+        "riscv64" => Architecture::Riscv64,
+        _ => Architecture::Unknown,
+    }
+}
