@@ -89,7 +89,6 @@ pub enum StepError {
 
 impl StepError {
     /// Checks what a step was asked to do.
-    #[inline]
     pub(crate) fn check(h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), Self> {
         if !(h.is_finite() && h > 0.0) {
             return Err(Self::StepSize(h));

@@ -96,7 +96,6 @@ impl Inputs {
 
     /// The inputs as one array, ordered like [`INPUT_NAMES`].
     #[must_use]
-    #[inline]
     pub const fn to_array(&self) -> [f64; INPUTS] {
         let Measurements { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } =
             self.measured;
@@ -153,7 +152,6 @@ impl Inputs {
 
     /// The inputs a time `dt` \[s\] later when they change at the constant `rates`.
     #[must_use]
-    #[inline]
     pub fn after(&self, dt: f64, rates: &Self) -> Self {
         let (mut values, rates) = (self.to_array(), rates.to_array());
         for (value, rate) in values.iter_mut().zip(rates) {

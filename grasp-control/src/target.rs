@@ -44,7 +44,6 @@ impl Arms {
 
     /// The static target (16) of the references, with the L/2 that (16) leaves out and constraint (12) needs.
     #[must_use]
-    #[inline]
     pub fn targets(&self, reference: &References) -> Targets {
         let References { lambda1_ref, theta1_ref } = *reference;
         let l = self.length;
@@ -57,20 +56,17 @@ impl Arms {
 
     /// Errors with respect to the targets of the same inputs.
     #[must_use]
-    #[inline]
     pub fn errors(&self, inputs: &Inputs) -> Errors {
         self.targets(&inputs.reference).errors(inputs)
     }
 
     /// ∂θ₂ᵈ/∂λ₁ᵈ, eq. (16).
-    #[inline]
     fn theta2_per_lambda1(&self) -> f64 {
         let [ei1, ei2] = self.ei;
         self.length.powi(2) / 3.0 * (ei1 + ei2) / (ei1 * ei2)
     }
 
     /// ∂`y_M`ᵈ/∂λ₁ᵈ, eq. (16).
-    #[inline]
     fn y_per_lambda1(&self) -> f64 {
         self.length.powi(3) / (3.0 * self.ei[0])
     }
@@ -119,7 +115,6 @@ pub struct Targets {
 impl Targets {
     /// Errors of the measurements with respect to these targets.
     #[must_use]
-    #[inline]
     pub fn errors(&self, inputs: &Inputs) -> Errors {
         let measured = &inputs.measured;
         Errors {

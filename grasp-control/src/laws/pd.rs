@@ -83,12 +83,10 @@ impl Law for Pd {
         self.law.initialize(inputs);
     }
 
-    #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
         self.law.commands(inputs)
     }
 
-    #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         self.law.step(h, inputs, rates)
     }

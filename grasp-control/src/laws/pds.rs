@@ -84,7 +84,6 @@ impl Law for Pds {
     fn initialize(&mut self, _inputs: &Inputs) {}
 
     /// Eqs. (95) and (96), with `EIᵢ` qᵢ''(0) = Mᵢ(0) + λᵢᵈ l.
-    #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
         let PdsGains { kp, kv, kp_arm, kv_arm, ks_arm } = self.gains;
         let measured = &inputs.measured;
@@ -100,7 +99,6 @@ impl Law for Pds {
         }
     }
 
-    #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         StepError::check(h, inputs, rates)
     }

@@ -253,7 +253,6 @@ impl Law for Nabfc {
     }
 
     /// Eqs. (36) and (54).
-    #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
         let at = self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot));
         let tau = std::array::from_fn(|i| {
@@ -264,7 +263,6 @@ impl Law for Nabfc {
     }
 
     /// Update laws (37)–(39) and (55)–(57), and the low-pass.
-    #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         StepError::check(h, inputs, rates)?;
         let shear_dot = inputs.measured.tip_shear_dot;
