@@ -1,5 +1,4 @@
-//! Force-sensorless grasp control of two flexible arms: NABFC, PDS and PD behind one trait, [`Law`].
-//!
+#![doc = include_str!("../README.md")]
 //! Equation numbers are those of Hejrati, *Neuro-Adaptive Boundary Force Control of Dual One-Link Flexible Arms with
 //! Unmodeled Dynamics and Input Constraints*.
 

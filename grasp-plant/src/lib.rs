@@ -31,9 +31,9 @@
 //! exact for every step size: accuracy does not depend on it. Results do not depend on the processor's vector units.
 //!
 //! # Modules
-//! Parameters and their ranges, actuators, the beam operators, their assembly, the propagator and the plant are one file
-//! each. [`Plant`] is the entry point.
-
+//! [`Plant`] is the entry point. Behind it: parameters and their tables, actuators, the beam operators (`beam`), their assembly
+//! (`dynamics`), the exponential, the propagator, and the kernel that every step comes down to.
+#![doc = include_str!("../README.md")]
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
 

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 /// Inputs of the plant, or their time derivatives, or a direction of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Inputs {
-    /// Commanded hub torques τ̄_i \[N·m\]. FMI names `tau1_cmd`, `tau2_cmd`.
+    /// Commanded hub torques τ̄_i \[N·m\].
     pub torque_command: [f64; 2],
-    /// Commanded force on the object v \[N\]. FMI name `u_cmd`.
+    /// Commanded force on the object v \[N\].
     pub force_command: f64,
-    /// External disturbance torques on the hubs \[N·m\], added to the built-in Δf_i. FMI names `delta_f1`, `delta_f2`.
+    /// External disturbance torques on the hubs \[N·m\], added to the built-in Δf_i.
     pub hub_disturbance: [f64; 2],
-    /// External disturbance force on the object \[N\], added to the built-in ΔF. FMI name `delta_F`.
+    /// External disturbance force on the object \[N\], added to the built-in ΔF.
     pub object_disturbance: f64,
 }
 
