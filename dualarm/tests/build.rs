@@ -32,7 +32,8 @@ fn stand_in(root: &Path) {
         let folder = root.join(model);
         fs::create_dir_all(folder.join("src")).unwrap();
         let manifest = format!(
-            "[package]\nname = \"{model}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\", \"rlib\"]\n"
+            "[package]\nname = \"{model}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\", \"rlib\"]\n\
+             [features]\npackage = []\n[[bin]]\nname = \"{model}\"\npath = \"src/main.rs\"\nrequired-features = [\"package\"]\n"
         );
         fs::write(folder.join("Cargo.toml"), manifest).unwrap();
         fs::write(folder.join("src/lib.rs"), "").unwrap();

@@ -142,13 +142,25 @@ pub fn package(
     Ok(fmus)
 }
 
+/// The libraries with the profile `fmu`, without what packaging needs; the programs with the profile of this tool, which has
+/// compiled most of what they need. Selecting the whole workspace gives dependencies the features they have there.
 fn build(root: &Path, quiet: bool) -> Result<Vec<Built>, PackageError> {
+    let mut libraries = vec!["--profile", "fmu", "--lib"];
+    let mut programs = vec!["--release", "--workspace"];
+    let features: Vec<String> = MODELS.iter().map(|model| format!("{model}/package")).collect();
+    for (model, feature) in MODELS.iter().zip(&features) {
+        libraries.extend(["--package", *model]);
+        programs.extend(["--bin", *model, "--features", feature.as_str()]);
+    }
+    let messages = cargo_build(root, quiet, &libraries)? + &cargo_build(root, quiet, &programs)?;
+    MODELS.iter().map(|model| find_built(&messages, model)).collect()
+}
+
+/// Runs `cargo build`; its messages, one JSON object per line.
+fn cargo_build(root: &Path, quiet: bool, arguments: &[&str]) -> Result<String, PackageError> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
     let mut command = Command::new(&cargo);
-    command.current_dir(root).args(["build", "--profile", "fmu", "--message-format=json-render-diagnostics"]);
-    for model in MODELS {
-        command.args(["--package", model, "--features", &format!("{model}/package")]);
-    }
+    command.current_dir(root).args(["build", "--message-format=json-render-diagnostics"]).args(arguments);
     if quiet {
         command.arg("--quiet");
     }
@@ -160,8 +172,7 @@ fn build(root: &Path, quiet: bool) -> Result<Vec<Built>, PackageError> {
     if !output.status.success() {
         return Err(PackageError::Build(output.status));
     }
-    let messages = String::from_utf8_lossy(&output.stdout);
-    MODELS.iter().map(|model| find_built(&messages, model)).collect()
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
 /// Finds a crate's library and program in cargo's messages, one JSON object per line.
