@@ -23,7 +23,7 @@ class Fmus(dict[str, Fmu]):
 
 @pytest.fixture(scope="session")
 def fmus() -> Iterator[dict[str, Fmu]]:
-    """The four FMUs by name, each unpacked once."""
+    """The FMUs by name, each unpacked once."""
     opened = Fmus()
     yield opened
     for fmu in opened.values():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fmpy import simulate_fmu
 
-from .support.contract import COMMANDS, CONTRACT, DIRECT, FMUS, MEASURED, PLANT
+from .support.contract import ACTUATORS, COMMANDS, CONTRACT, DIRECT, FMUS, INSTRUMENTS, MEASURED, PLANT
 from .support.harness import Fmu, FmuError
 from .support.paths import description
 
@@ -129,6 +129,17 @@ def test_inputs_that_are_no_numbers_are_refused(name: str, value: float, fmus: d
         ("NabfcController", "shear_rate_bandwidth", -1.0),
         ("PdsController", "EI2", math.inf),
         ("PdController", "l", 0.0),
+        (INSTRUMENTS, "theta1_noise", 1e-4),  # without a sample time
+        (INSTRUMENTS, "y_object_delay", 1e-3),
+        (INSTRUMENTS, "tip_shear1_sample_time", 1e-9),
+        (INSTRUMENTS, "sample_time", -1.0),
+        (INSTRUMENTS, "noise_scale", math.nan),
+        (INSTRUMENTS, "seed", -1),
+        (INSTRUMENTS, "sensor_profile", 5),
+        (ACTUATORS, "u_cmd_delay", 1e-3),
+        (ACTUATORS, "tau1_cmd_rate_limit", -1.0),
+        (ACTUATORS, "k_r1", 0.0),
+        (ACTUATORS, "m_l2", 0.1),
     ],
 )
 def test_bad_parameters_are_refused(name: str, parameter: str, value: float, fmus: dict[str, Fmu]) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from .support.capabilities import directional_derivative, input_slopes, output_slopes, restore, saved_state
-from .support.contract import PLANT
+from .support.contract import ACTUATORS, INSTRUMENTS, PLANT
 from .support.harness import Fmu, Slave
 from .test_alone import direct_dependencies
 
@@ -27,6 +27,7 @@ INPUT_SIZES = {
     **{"root_moment1": 0.1, "root_moment2": 0.1, "tip_shear1": 0.5, "tip_shear2": 0.5},
     **{"tip_shear1_dot": 10.0, "tip_shear2_dot": 10.0, "lambda1_ref": 0.5, "theta1_ref": 0.05},
 }
+SIZES = {**INPUT_SIZES, "root_moment1_dot": 5.0, "root_moment2_dot": 5.0}
 NETWORKS_OFF = {"a1": 0.0, "a31": 0.0, "a32": 0.0}
 NETWORKS_ON = {
     **{"a1": 5.0, "a2": 0.1, "a31": 0.5, "a41": 0.1, "a32": 0.5, "a42": 0.1},
@@ -60,6 +61,9 @@ CASES = [
     Case("NabfcController", {**NETWORKS_ON, "EI2": 0.3, "shear_rate_bandwidth": 0.0}),
     Case("NabfcController", {**NETWORKS_ON, "shear_rate_bandwidth": 300.0}, size=0.1),
     Case("NabfcController", {"preset": "fast"}, size=0.1),
+    # Without samples: at those, outputs jump.
+    Case(INSTRUMENTS, {"theta1_bandwidth": 300.0, "tip_shear1_bias": 0.1}),
+    Case(ACTUATORS, {"dead_zone_inverse": True, "k_r1": 1.3, "tau2_cmd_bandwidth": 300.0}),
 ]
 each_case = pytest.mark.parametrize("case", CASES, ids=str)
 
@@ -80,7 +84,7 @@ def operating_points(case: Case, fmu: Fmu) -> Iterator[Point]:
     """The instance in several states, by random inputs over steps of several sizes."""
     random = np.random.default_rng(2024)
     names = fmu.names("input", "Real")
-    sizes = case.size * np.array([INPUT_SIZES[name] for name in names])
+    sizes = case.size * np.array([SIZES[name] for name in names])
 
     def draw() -> dict[str, float]:
         return dict(zip(names, (sizes * random.uniform(-1, 1, len(names))).tolist()))
@@ -115,7 +119,7 @@ def test_directional_derivatives(case: Case, fmus: dict[str, Fmu]) -> None:
     for point in operating_points(case, fmu):
         read = point.slave.reader(outputs).read
         for name, value in point.inputs.items():
-            width = 1e-4 * case.size * INPUT_SIZES[name]
+            width = 1e-4 * case.size * SIZES[name]
             values = {}
             for factor in (-1.0, -0.5, 0.5, 1.0):
                 point.slave.set(**{name: value + factor * width})

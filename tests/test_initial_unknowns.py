@@ -8,7 +8,7 @@ from .support.contract import FMUS
 from .support.harness import Fmu
 
 
-def initial_outputs(fmu: Fmu, **start: float) -> dict[str, float]:
+def initial_outputs(fmu: Fmu, **start: float | bool) -> dict[str, float]:
     """The real outputs in initialization mode, with these inputs and parameters."""
     slave = fmu.instantiate()
     try:
@@ -33,6 +33,9 @@ def test_what_changes_an_output_is_among_its_dependencies(name: str, fmus: dict[
     inputs = [v.name for v in variables if v.causality == "input"]
     point = {name: 0.011 * (i + 1) for i, name in enumerate(inputs)}
     point |= {name: 0.3 for name in ("m_hat_0", "J1_hat_0", "J2_hat_0") if name in fmu.variables}
+    # Noise and delays need samples; the dead zone counts where its inverse is on.
+    point |= {name: 2e-3 for name in ("sample_time",) if name in fmu.variables}
+    point |= {name: True for name in ("dead_zone_inverse",) if name in fmu.variables}
     before = initial_outputs(fmu, **point)
     changed = 0
     for known in variables:

@@ -128,7 +128,7 @@ def as_initializing(slave: Slave) -> None:
     as_instantiated(slave)
     slave.fmi.setupExperiment(startTime=0.0)
     slave.fmi.enterInitializationMode()
-    slave.set(EI1=0.1)
+    slave.set(**({"EI1": 0.1} if "EI1" in slave.fmu.variables else {"sample_time": 2e-4}))
 
 
 def as_stepping(slave: Slave) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from .support.contract import ACTUATORS, INSTRUMENTS
 from .support.harness import Fmu
 from .support.paths import ROOT
 
@@ -78,19 +79,33 @@ def signal(spec: Any, times: np.ndarray) -> np.ndarray:
     return values[np.searchsorted(at, times + 1e-9, side="right") - 1]
 
 
+def wires(fmus: list[Fmu]) -> Iterator[tuple[int, str, int, str]]:
+    """Output to input of the same name, but for what goes through sensors or actuators, in the order of the outputs."""
+    through = {"_measured": INSTRUMENTS, "_sent": ACTUATORS}
+    between = {fmu.name for fmu in fmus} & set(through.values())
+    for source, fmu in enumerate(fmus):
+        for output in fmu.names("output", "Real"):
+            suffix = next((s for s, name in through.items() if name == fmu.name), "")
+            signal = output.removesuffix(suffix)
+            for target, other in enumerate(fmus):
+                to = other.variables.get(signal)
+                if target == source or to is None or to.causality != "input":
+                    continue
+                # Not past those that are between, and from them not back to each other.
+                past = not suffix and between and other.name not in between
+                if not past and not (suffix and other.name in between):
+                    yield source, output, target, signal
+
+
 def plan(fmus: list[Fmu], scenario: Mapping[str, Any]) -> str:
     """The scenario as the host reads it."""
     size = scenario["experiment"]["step"]
     steps = round(scenario["experiment"]["stop"] / size)
     lines = [f"slave {library(fmu)} {fmu.description.guid}" for fmu in fmus]
     lines += start_values(fmus, scenario.get("parameters", {}))
-    for source, target in ((0, 1), (1, 0)):
-        for name in fmus[source].names("output", "Real"):
-            to = fmus[target].variables.get(name)
-            if to is not None and to.causality == "input":
-                lines.append(
-                    f"wire {source} {fmus[source].variables[name].valueReference} {target} {to.valueReference}"
-                )
+    for source, output, target, to in wires(fmus):
+        references = (fmus[source].variables[output].valueReference, fmus[target].variables[to].valueReference)
+        lines.append(f"wire {source} {references[0]} {target} {references[1]}")
     drives = []
     for name, spec in scenario.get("inputs", {}).items():
         values = signal(spec, np.arange(steps) * size)

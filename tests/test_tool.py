@@ -127,6 +127,21 @@ def test_raw_dead_zone_is_found_by_adaptation_only(run: Any) -> None:
     assert np.all((short > 0.012) & (short < 0.017))
 
 
+def test_noise_makes_the_force_rough_and_not_wrong(run: Any) -> None:
+    """Some 12 mN rms, which double with the noise; the mean force is right, but for the mean of correlated noise."""
+    noisy, noisier = run("noise"), run("noise", "--set", "noise_scale=2")
+    rough, rougher = (grasp.between(1.0, 2.0).std(axis=1) for grasp in (noisy, noisier))
+    assert np.all((rough > 5e-3) & (rough < 20e-3))
+    assert np.all((rougher > 1.5 * rough) & (rougher < 2.5 * rough))
+    assert np.abs(noisy.between(1.0, 2.0).mean(axis=1) - 0.5).max() < 5e-3
+
+
+def test_delay_of_two_milliseconds_costs_nothing(run: Any) -> None:
+    late = run("delay")
+    assert np.array_equal(late["tau1_cmd_sent"][20::10], late["tau1_cmd"][:-20:10])
+    assert late.settling() < 1.05 * run("nabfc").settling()
+
+
 def test_disturbance_pulse_is_survived(run: Any) -> None:
     pushed = run("disturbance-pulse")
     assert pushed["in_contact"].all()

@@ -184,7 +184,7 @@ fn a_response_is_what_the_model_does() {
     assert_eq!(names.iter().filter(|name| *name == "svg").count(), 2);
     // The angle is drawn in degrees: 1.5 rad are 85.9 deg, so its axis goes to 100.
     assert!(text.contains("Angle (deg)") && text.contains("100"), "{text}");
-    assert!(text.contains("--start-values count 2 flag 0 mode 2 --input-file documentation/response_in.csv"));
+    assert!(text.contains("--start-values count 2 flag false mode 2 --input-file documentation/response_in.csv"));
 }
 
 #[test]

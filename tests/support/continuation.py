@@ -25,6 +25,14 @@ SETTINGS: dict[str, dict[str, float | str]] = {
         **{"EI2": 0.2, "a1": 5.0, "a2": 0.1, "a31": 0.5, "a41": 0.1, "a32": 0.4, "a42": 0.2},
         **{"rbf_nodes_posture": 3, "m_hat_0": 0.05, "J1_hat_0": 0.002, "shear_rate_bandwidth": 300.0},
     },
+    "GraspInstruments": {
+        **{"sample_time": 3e-4, "theta1_noise": 0.01, "theta2_lsb": 1e-3, "y_object_bandwidth": 300.0, "seed": 5},
+        **{"tip_shear1_delay": 1e-3, "tip_shear2_noise": 0.1, "tip_shear2_sample_time": 1e-4, "theta1_dot_bias": 0.2},
+    },
+    "GraspActuators": {
+        **{"sample_time": 3e-4, "dead_zone_inverse": True, "m_r1": 0.2, "k_l2": 0.7},
+        **{"tau1_cmd_delay": 1e-3, "tau2_cmd_rate_limit": 50.0, "u_cmd_bandwidth": 200.0},
+    },
 }
 # Amplitudes of the inputs, by the beginning of their names; commands beyond the actuators' limits.
 AMPLITUDES = {

@@ -1,4 +1,4 @@
-"""The interface of the four FMUs, written by hand from the design: names, types, units, start values.
+"""The interface of the FMUs, written by hand from the design: names, types, units, start values.
 
 Deliberately no part of it is generated: the FMUs' own declarations are tested against it. More variables may exist.
 Units are compared by their base units, so "N.m2" and "Nm2" are the same; `None` leaves the unit open.
@@ -11,7 +11,9 @@ from dataclasses import dataclass
 
 CONTROLLERS = ("NabfcController", "PdsController", "PdController")
 PLANT = "DualArmPlant"
-FMUS = (PLANT, *CONTROLLERS)
+INSTRUMENTS = "GraspInstruments"
+ACTUATORS = "GraspActuators"
+FMUS = (PLANT, *CONTROLLERS, INSTRUMENTS, ACTUATORS)
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,9 @@ MEASURED = {
     "tip_shear1_dot": "N/s",
     "tip_shear2_dot": "N/s",
 }
+
+# What GraspInstruments shows a controller.
+SHOWN = {**MEASURED, "root_moment1_dot": "N.m/s", "root_moment2_dot": "N.m/s"}
 
 # What a controller commands is what the plant takes.
 COMMANDS = {"tau1_cmd": "N.m", "tau2_cmd": "N.m", "u_cmd": "N"}
@@ -133,11 +138,56 @@ _NABFC = [
     *_rows("parameter", "rad/s", "shear_rate_bandwidth"),
 ]
 
+# A signal's own unit is None here.
+_SENSOR = {"noise": None, "bias": None, "lsb": None, "bandwidth": "rad/s", "delay": "s", "sample_time": "s"}
+
+_INSTRUMENTS = [
+    *(Variable(name, "input", unit, 0.0) for name, unit in SHOWN.items()),
+    *(Variable(f"{name}_measured", "output", unit) for name, unit in SHOWN.items()),
+    Variable("measures_rates", "output", type="Boolean"),
+    Variable(
+        "sensor_profile", "parameter", type="Enumeration", items=("parameters", "off", "noise", "encoders")
+    ),
+    *_rows("parameter", "s", "sample_time", 0.0),
+    *_rows("parameter", "", "noise_scale", 1.0),
+    Variable("seed", "parameter", start=1, type="Integer"),
+    Variable("no_rates", "parameter", type="Boolean"),
+    *(
+        Variable(f"{name}_{what}", "parameter", unit or own, 0.0)
+        for what, unit in _SENSOR.items()
+        for name, own in SHOWN.items()
+    ),
+]
+
+_ACTUATORS = [
+    *(Variable(name, "input", unit, 0.0) for name, unit in COMMANDS.items()),
+    *(Variable(f"{name}_sent", "output", unit) for name, unit in COMMANDS.items()),
+    Variable("actuator_profile", "parameter", type="Enumeration", items=("parameters", "off", "delay")),
+    *_rows("parameter", "s", "sample_time", 0.0),
+    *(
+        row
+        for name, unit in COMMANDS.items()
+        for row in (
+            Variable(f"{name}_delay", "parameter", "s", 0.0),
+            Variable(f"{name}_rate_limit", "parameter", f"{unit}/s", 0.0),
+            Variable(f"{name}_bandwidth", "parameter", "rad/s", 0.0),
+        )
+    ),
+    Variable("dead_zone_inverse", "parameter", type="Boolean"),
+    *_rows("parameter", "N.m", "m_r1", 0.1),
+    *_rows("parameter", "N.m", "m_l1", -0.1),
+    *_rows("parameter", "N", "m_r2", 0.01),
+    *_rows("parameter", "N", "m_l2", -0.01),
+    *_rows("parameter", "", "k_r1 k_l1 k_r2 k_l2", 1.0),
+]
+
 CONTRACT: dict[str, list[Variable]] = {
     "DualArmPlant": _PLANT,
     "NabfcController": [*_CONTROLLER, *_NABFC],
     "PdsController": [*_CONTROLLER, *_gains(40, 35, 35, 15), *_rows("parameter", "", "ks1 ks2", 10)],
     "PdController": [*_CONTROLLER, *_gains(10, 9, 60, 55)],
+    INSTRUMENTS: _INSTRUMENTS,
+    ACTUATORS: _ACTUATORS,
 }
 
 # Outputs that follow inputs at once; the design: what depends directly on inputs does, the rest waits for fmi2DoStep.
@@ -161,6 +211,8 @@ DIRECT: dict[str, dict[str, set[str]]] = {
         }
         for name in CONTROLLERS
     },
+    INSTRUMENTS: {f"{name}_measured": {name} for name in SHOWN},
+    ACTUATORS: {f"{name}_sent": {name} for name in COMMANDS},
 }
 
 # All of the common and the co-simulation functions of FMI 2.0.

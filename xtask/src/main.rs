@@ -80,8 +80,10 @@ fn check(tree: &Tree) -> ExitCode {
 
 /// `cargo xtask describe`: each model crate's program writes its descriptions, and the tool those of the systems.
 fn describe(tree: &Tree) -> ExitCode {
-    let mut steps = Runner::new(3);
-    for (name, package) in [("Plant", "plant-fmu"), ("Controllers", "controller-fmu")] {
+    let mut steps = Runner::new(4);
+    for (name, package) in
+        [("Plant", "plant-fmu"), ("Controllers", "controller-fmu"), ("Instruments", "instruments-fmu")]
+    {
         let program = ["run", "--release", "--quiet", "--package", package, "--features", "package"];
         let arguments = [&program[..], &["--", "--describe", "modelDescription"]].concat();
         steps.step(name, || run(tree.cargo(&arguments)));

@@ -17,7 +17,7 @@ use serde_json::Value;
 use fmi2_import::{Fmu, FmuError};
 
 /// The crates that become FMUs.
-pub const MODELS: &[&str] = &["plant-fmu", "controller-fmu"];
+pub const MODELS: &[&str] = &["plant-fmu", "controller-fmu", "instruments-fmu"];
 
 /// Why packaging failed.
 #[derive(Debug, thiserror::Error)]

@@ -12,6 +12,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 
 use super::fmus::Job;
+use super::instruments::InstrumentsChoice;
 use super::json::{self, ExperimentDocument, MetricsDocument};
 use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
@@ -27,12 +28,15 @@ use fmi2_cosim::files::{FileSet, NewFile};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Every, Pick, Table};
+use fmi2_import::Fmu;
 
 /// Arguments of `dualarm compare`.
 #[derive(Debug, Args)]
 pub struct Arguments {
     #[command(flatten)]
     job: Job,
+    #[command(flatten)]
+    instruments: InstrumentsChoice,
     /// How signals are exchanged
     #[arg(long, value_enum, default_value_t)]
     coupling: CouplingName,
@@ -75,7 +79,14 @@ const CSV_INTERVAL: f64 = 1e-3;
 
 impl Default for Arguments {
     fn default() -> Self {
-        Self { job: Job::default(), coupling: CouplingName::default(), step: STEP, stop: STOP, json: false }
+        Self {
+            job: Job::default(),
+            instruments: InstrumentsChoice::default(),
+            coupling: CouplingName::default(),
+            step: STEP,
+            stop: STOP,
+            json: false,
+        }
     }
 }
 
@@ -152,11 +163,16 @@ fn simulate(
     results: &FileSet,
     bar: &ProgressBar,
 ) -> Result<Run, Failure> {
-    let system = BuiltIn::find(controller.key)?.scenario()?.system(&arguments.job.folder.fmus)?;
+    let fmus = &arguments.job.folder.fmus;
+    let mut system = BuiltIn::find(controller.key)?.scenario()?.system(fmus)?;
+    arguments.instruments.put_into(&mut system, fmus)?;
+    // Instruments and actuators come behind the component whose signals they take, so the plant stays the first.
+    let controls = |(_, fmu): &(String, Fmu)| fmu.path().file_name().is_some_and(|name| name == controller.fmu);
+    let place = system.components.iter().position(controls).unwrap_or(1);
     let mut master = system.master(arguments.coupling.into())?;
     master.initialize(grid)?;
     let limits = grasp::actuator_limits(master.instance(0));
-    let models = [ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(1))?].into();
+    let models = [ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(place))?].into();
     let columns = master.record(|_| true);
     // Every step of the signals that are drawn and judged; everything else only as often as the CSV file wants it.
     let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
@@ -198,10 +214,11 @@ fn setup(arguments: &Arguments, grid: &TimeGrid) -> String {
     format!(
         "DualArmPlant.fmu with each of the three controller FMUs, co-simulated by dualarm {} through their FMI 2.0 \
          interface: step {} ms, {coupling} coupling, {} s. Plant, PDS and PD have the parameters of the paper (Section IV); \
-         the gains of NABFC are this project\u{2019}s own, for the paper gives none.",
+         the gains of NABFC are this project\u{2019}s own, for the paper gives none.{}",
         env!("CARGO_PKG_VERSION"),
         grid.step() * 1e3,
-        grid.stop()
+        grid.stop(),
+        arguments.instruments.sentence()
     )
 }
 

@@ -4,6 +4,7 @@ mod compare;
 mod completions;
 mod fmus;
 mod info;
+mod instruments;
 mod json;
 mod package;
 mod printable;

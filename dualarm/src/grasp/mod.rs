@@ -2,8 +2,10 @@
 //!
 //! * [`scenarios`] are compiled in: what is run with the parts;
 //! * [`systems`] are SSP archives of the plant with each controller;
+//! * [`instruments`] are sensors and actuators between plant and controller;
 //! * [`metrics`] judge a run.
 
+pub mod instruments;
 pub mod metrics;
 pub mod scenarios;
 pub mod systems;
@@ -80,12 +82,14 @@ pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<Stri
     unused.map(remark).collect()
 }
 
-/// The component whose output drives the first motor; `None` if nothing does, or there is no motor.
+/// The component whose output drives the first motor, through actuators or not; `None` if nothing does, or there is no
+/// motor.
 #[must_use]
 pub fn controller<'a>(components: &'a [(String, Fmu)], wires: &[Wire]) -> Option<&'a str> {
     let is_motor =
         |wire: &&Wire| components[wire.to.component].1.description().variables[wire.to.variable].name == "tau1_cmd";
-    wires.iter().find(is_motor).map(|wire| components[wire.from.component].0.as_str())
+    let is_controller = |wire: &&Wire| !instruments::ACTUATORS.is(&components[wire.from.component].1);
+    wires.iter().filter(is_motor).find(is_controller).map(|wire| components[wire.from.component].0.as_str())
 }
 
 /// Output limits of the plant's two motors and of the actuator at the object, from its parameters: `k_l·(k_m − m_l)`

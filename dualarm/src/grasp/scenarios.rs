@@ -60,6 +60,8 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "change-of-reference",
     "stiff-arms",
     "wrong-stiffness",
+    "noise",
+    "delay",
 ];
 
 impl BuiltIn {

@@ -10,9 +10,12 @@
 //! * `OMSimulator` 2 stops at `<SystemGeometry>` and wants identifiers as names. The drawing needs no canvas of its own:
 //!   all connections are straight lines between the two boxes.
 
+mod instrumented;
+
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::grasp::instruments::{ACTUATORS, INSTRUMENTS};
 use crate::grasp::scenarios::{BuiltIn, UnknownScenario};
 use crate::grasp::{self, Controller};
 use fmi2_cosim::files::{FileSet, WriteError};
@@ -39,20 +42,30 @@ pub struct Grasp {
     step: f64,
     /// Variants with other parameters: name of the variant and of the [built-in scenario](BuiltIn) they come from.
     presets: &'static [(&'static str, &'static str)],
+    /// Whether there is a variant with sensors and actuators. They sample at 1 kHz, at which PD and PDS with the paper's gains
+    /// are unstable.
+    instrumented: bool,
 }
 
 /// All grasps.
 pub const GRASPS: [Grasp; 3] = [
-    Grasp { controller: grasp::NABFC, step: 1e-4, presets: &[(PRELOAD, "preload"), ("Fast", "nabfc-fast")] },
-    Grasp { controller: grasp::PDS, step: 1e-4, presets: &[(PRELOAD, "preload")] },
+    Grasp {
+        controller: grasp::NABFC,
+        step: 1e-4,
+        presets: &[(PRELOAD, "preload"), ("Fast", "nabfc-fast")],
+        instrumented: true,
+    },
+    Grasp { controller: grasp::PDS, step: 1e-4, presets: &[(PRELOAD, "preload")], instrumented: false },
     // With 0.1 ms and a delay, the hub gain excites the arms' higher bending modes.
-    Grasp { controller: grasp::PD, step: 5e-5, presets: &[(PRELOAD, "preload")] },
+    Grasp { controller: grasp::PD, step: 5e-5, presets: &[(PRELOAD, "preload")], instrumented: false },
 ];
 
 /// The variant with references and disturbances as inputs of the system and contact forces as outputs.
 pub const DRIVEN: &str = "Driven";
 /// The variant that starts with a small contact force.
 pub const PRELOAD: &str = "Preload";
+/// The variant with sensors and actuators between plant and controller.
+pub const INSTRUMENTED: &str = "Instruments";
 /// Name of the parameter sets that the default structure binds to its components.
 pub const PAPER: &str = "paper";
 
@@ -107,6 +120,8 @@ const TOLERANCE: f64 = 1e-4;
 /// Names of the two components.
 const PLANT: &str = "plant";
 const CONTROLLER: &str = "controller";
+/// Both, in the order of their descriptions.
+const COMPONENTS: [&str; 2] = [PLANT, CONTROLLER];
 
 /// Outputs that are shown though no component needs them.
 const SHOWN: [&str; 2] = ["contact_force1", "contact_force2"];
@@ -129,12 +144,12 @@ pub fn write_packages(folder: &Path) -> Result<Vec<PathBuf>, ComposeError> {
     for grasp in GRASPS {
         let mut fmus = Vec::new();
         let mut descriptions = Vec::new();
-        for file in [grasp::PLANT, grasp.controller.fmu] {
+        for file in grasp.fmus() {
             let path = folder.join(file);
             descriptions.push(Fmu::read_description(&path)?);
             fmus.push((file.to_owned(), read_file(&path)?));
         }
-        let texts = grasp.describe([&descriptions[0], &descriptions[1]])?;
+        let texts = grasp.describe(&descriptions.iter().collect::<Vec<_>>())?;
         let path = folder.join(format!("{}.ssp", grasp.name()));
         let bytes = archive(&texts, &fmus).map_err(|source| WriteError { path: path.clone(), source })?;
         packages.write(&path, bytes)?;
@@ -155,11 +170,10 @@ pub fn describe_packages(folder: &Path) -> Result<Vec<TextFile>, ComposeError> {
         let bytes = read_file(&path)?;
         ModelDescription::from_bytes(&bytes).map_err(|source| ComposeError::Description { path, source })
     };
-    let plant = description(grasp::PLANT)?;
     let mut texts = Vec::new();
     for grasp in GRASPS {
-        let controller = description(grasp.controller.fmu)?;
-        let files = grasp.describe([&plant, &controller])?;
+        let descriptions = grasp.fmus().into_iter().map(description).collect::<Result<Vec<_>, _>>()?;
+        let files = grasp.describe(&descriptions.iter().collect::<Vec<_>>())?;
         texts.extend(files.into_iter().map(|(path, text)| (format!("{}/{path}", grasp.name()), text)));
     }
     Ok(texts)
@@ -183,8 +197,15 @@ impl Grasp {
         format!("DualArmGrasp-{}", self.controller.title)
     }
 
-    /// The structures and parameter sets, from the descriptions of the plant and of the controller.
-    fn describe(&self, descriptions: [&ModelDescription; 2]) -> Result<Vec<TextFile>, ComposeError> {
+    /// Files of the FMUs that it needs: plant and controller, sensors and actuators.
+    fn fmus(&self) -> Vec<&'static str> {
+        let between = [INSTRUMENTS.fmu, ACTUATORS.fmu].into_iter().filter(|_| self.instrumented);
+        [grasp::PLANT, self.controller.fmu].into_iter().chain(between).collect()
+    }
+
+    /// The structures and parameter sets, from the descriptions of those FMUs.
+    fn describe(&self, all: &[&ModelDescription]) -> Result<Vec<TextFile>, ComposeError> {
+        let descriptions = &all[..COMPONENTS.len()];
         let closed = self.structure(descriptions)?;
         let mut files = Vec::new();
         let mut add_structure = |variant: &str, mut structure: SystemStructure, set: Option<ParameterSet>| {
@@ -205,9 +226,18 @@ impl Grasp {
             let mut structure = closed.clone();
             structure.name = format!("{}_{variant}", closed.name);
             structure.description = Some(scenario.title.clone());
-            add_structure(variant, structure, Some(settings_set(variant, &scenario, descriptions)?));
+            add_structure(variant, structure, Some(settings_set(variant, &scenario, &COMPONENTS, descriptions)?));
         }
-        for (component, description) in closed.system.components.iter().zip(descriptions) {
+        let mut components = closed.system.components.clone();
+        if self.instrumented {
+            let scenario = BuiltIn::find(instrumented::SCENARIO)?.scenario()?;
+            let structure = instrumented::structure(closed, &scenario, all);
+            let is_between = |component: &&Component| !COMPONENTS.contains(&component.name.as_str());
+            components.extend(structure.system.components.iter().filter(is_between).cloned());
+            let set = settings_set(INSTRUMENTED, &scenario, &instrumented::COMPONENTS, all)?;
+            add_structure(INSTRUMENTED, structure, Some(set));
+        }
+        for (component, description) in components.iter().zip(all) {
             let set = paper_set(description, &component.connectors);
             files.push((paper_set_path(description), write::parameter_set(&set)));
         }
@@ -216,10 +246,10 @@ impl Grasp {
     }
 
     /// The default structure: two components, connected by equal names.
-    fn structure(&self, descriptions: [&ModelDescription; 2]) -> Result<SystemStructure, ComposeError> {
+    fn structure(&self, descriptions: &[&ModelDescription]) -> Result<SystemStructure, ComposeError> {
         let scenario = BuiltIn::find(self.controller.key)?.scenario()?;
-        let names = [PLANT, CONTROLLER];
-        let named = [(names[0], descriptions[0]), (names[1], descriptions[1])];
+        let names = COMPONENTS;
+        let named: Vec<_> = names.into_iter().zip(descriptions.iter().copied()).collect();
         let connections: Vec<Connection> = wire_by_name(&named)?
             .wires
             .iter()
@@ -315,7 +345,7 @@ fn connector(variable: &Variable) -> Option<Connector> {
 
 /// The variant in which all inputs that the components leave open are inputs of the system, and the shown outputs its
 /// outputs; with the start values of those inputs.
-fn driven(closed: SystemStructure, descriptions: [&ModelDescription; 2]) -> (SystemStructure, ParameterSet) {
+fn driven(closed: SystemStructure, descriptions: &[&ModelDescription]) -> (SystemStructure, ParameterSet) {
     let mut structure = closed;
     structure.name = format!("{}_{DRIVEN}", structure.name);
     structure.description =
@@ -364,7 +394,7 @@ fn paper_set(description: &ModelDescription, connectors: &[Connector]) -> Parame
         _ => false,
     };
     set.parameters = description.variables.iter().filter(is_set).filter_map(parameter).collect();
-    set.units = units_of([description, description], &parameter_units(&set));
+    set.units = units_of(&[description], &parameter_units(&set));
     set
 }
 
@@ -384,7 +414,8 @@ fn parameter(variable: &Variable) -> Option<Parameter> {
 fn settings_set(
     variant: &str,
     scenario: &Scenario,
-    descriptions: [&ModelDescription; 2],
+    components: &[&str],
+    descriptions: &[&ModelDescription],
 ) -> Result<ParameterSet, ComposeError> {
     let mut set = ParameterSet {
         name: variant.to_lowercase(),
@@ -394,7 +425,7 @@ fn settings_set(
     for Located { item: setting, .. } in scenario.settings.iter().chain(&scenario.held) {
         let unfit = || ComposeError::Setting { scenario: scenario.title.clone(), setting: setting.clone() };
         let before = set.parameters.len();
-        for (component, model) in [PLANT, CONTROLLER].into_iter().zip(descriptions) {
+        for (component, model) in components.iter().zip(descriptions) {
             let Some(variable) = model.variable(&setting.target) else { continue };
             let text = &setting.value;
             let value = match &variable.kind {
@@ -427,7 +458,7 @@ fn parameter_units(set: &ParameterSet) -> Vec<&str> {
     units.flatten().collect()
 }
 
-fn set_units(structure: &mut SystemStructure, descriptions: [&ModelDescription; 2]) {
+fn set_units(structure: &mut SystemStructure, descriptions: &[&ModelDescription]) {
     let system = &structure.system;
     let connectors = system.components.iter().flat_map(|component| &component.connectors).chain(&system.connectors);
     let used: Vec<_> = connectors.filter_map(|connector| connector.unit.as_deref()).collect();
@@ -435,7 +466,7 @@ fn set_units(structure: &mut SystemStructure, descriptions: [&ModelDescription; 
 }
 
 /// Definitions of the units, sorted by name.
-fn units_of(descriptions: [&ModelDescription; 2], names: &[&str]) -> Vec<Unit> {
+fn units_of(descriptions: &[&ModelDescription], names: &[&str]) -> Vec<Unit> {
     let mut units: Vec<_> = descriptions
         .iter()
         .flat_map(|description| &description.units)

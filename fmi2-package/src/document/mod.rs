@@ -8,7 +8,7 @@ mod text;
 
 use std::fmt::Write as _;
 
-use fmi2_export::packaging::{GENERATION_TOOL, Interface, VariableFacts, interface, number};
+use fmi2_export::packaging::{GENERATION_TOOL, Interface, Kind, VariableFacts, interface, number};
 use fmi2_export::{Description, ExportedModel, Resources};
 use quick_xml::escape::escape;
 use tempfile::TempDir;
@@ -229,7 +229,11 @@ impl Page<'_> {
         if !response.start.is_empty() {
             command.push_str(" --start-values");
             for (name, value) in response.start {
-                let _ = write!(command, " {} {value}", quoted(name));
+                let is_boolean = |variable: &VariableFacts| variable.name == *name && variable.kind == Kind::Boolean;
+                let _ = match self.interface.variables.iter().any(is_boolean) {
+                    true => write!(command, " {} {}", quoted(name), *value != 0.0),
+                    false => write!(command, " {} {value}", quoted(name)),
+                };
             }
         }
         if !run.inputs.is_empty() {

@@ -38,7 +38,7 @@ const FIRMER_GRASP: (&str, Points) = ("lambda1_ref", &[(0.0, -0.5), (0.6, -0.5),
 const COMMANDS: [&str; 6] = ["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p"];
 
 /// All experiments.
-pub const EXPERIMENTS: [Experiment; 4] = [
+pub const EXPERIMENTS: [Experiment; 6] = [
     Experiment {
         model: "DualArmPlant",
         story: "Open loop: the motors of both arms push against each other with 0.1 N.m, which squeezes the object with \
@@ -85,5 +85,26 @@ pub const EXPERIMENTS: [Experiment; 4] = [
         stop: 1.0,
         inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
         outputs: &COMMANDS,
+    },
+    Experiment {
+        model: "GraspInstruments",
+        story: "With its start values a sensor shows its signal as it is: hub 1 turns to and fro, the object moves aside.",
+        stop: 1.0,
+        inputs: Source::Ramps(&[
+            ("theta1", &[(0.0, 0.0), (0.3, 0.05), (0.7, -0.02), (1.0, 0.0)]),
+            ("y_object", &[(0.0, 0.05), (0.5, 0.05), (0.8, 0.048), (1.0, 0.048)]),
+        ]),
+        outputs: &["theta1_measured", "y_object_measured"],
+    },
+    Experiment {
+        model: "GraspActuators",
+        story: "With its start values every command is passed on as it is: the hubs' torques rise, the force has a pulse.",
+        stop: 1.0,
+        inputs: Source::Ramps(&[
+            ("tau1_cmd", &[(0.0, 0.0), (0.2, 0.1), (1.0, 0.1)]),
+            ("tau2_cmd", &[(0.0, 0.0), (0.2, -0.1), (1.0, -0.1)]),
+            ("u_cmd", &[(0.0, 0.0), (0.6, 0.0), (0.65, 0.05), (0.7, 0.0), (1.0, 0.0)]),
+        ]),
+        outputs: &["tau1_cmd_sent", "tau2_cmd_sent", "u_cmd_sent"],
     },
 ];

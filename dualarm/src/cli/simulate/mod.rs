@@ -13,6 +13,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 
 use super::fmus::FmuFolder;
+use super::instruments::InstrumentsChoice;
 use super::progress::Progress;
 use super::{Failure, json, print, print_error, process};
 use crate::grasp::metrics::{self, Metrics};
@@ -39,6 +40,7 @@ Examples:
   dualarm simulate preload                       a scenario that is built in
   dualarm simulate my-grasp.toml -o out.csv      a scenario of your own
   dualarm simulate dist/DualArmGrasp-PD.ssp      a system in one file
+  dualarm simulate --instruments noise,delay     with noisy sensors and late commands
   dualarm simulate --set EI1=0.12                in every FMU that has EI1
   dualarm simulate --set DualArmPlant.EI1=0.12   in the plant only
   dualarm simulate a.fmu b.fmu --stop 2 -o -     any FMUs; rows to the terminal";
@@ -58,6 +60,8 @@ pub struct Arguments {
     #[arg(long, short, value_name = "NAME",
           value_parser = PossibleValuesParser::new(CONTROLLERS.iter().map(|controller| controller.key)))]
     controller: Option<String>,
+    #[command(flatten)]
+    instruments: InstrumentsChoice,
     #[command(flatten)]
     folder: FmuFolder,
     /// How signals are exchanged [default: gauss-seidel]
@@ -125,6 +129,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     }
     Output::check(arguments.output.as_deref(), &[])?;
     let mut system = source::system(&arguments.what, arguments.controller.as_deref(), &arguments.folder.fmus)?;
+    arguments.instruments.put_into(&mut system, &arguments.folder.fmus)?;
     system.experiment.tolerance = arguments.tolerance.or(system.experiment.tolerance);
     Output::check(arguments.output.as_deref(), &source::inputs(&arguments.what, &system))?;
     let run = Run::of(arguments, &system)?;

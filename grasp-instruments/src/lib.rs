@@ -1,0 +1,46 @@
+//! What sensors show of the grasp's signals, and what becomes of the commands on their way to the actuators.
+//!
+//! A [`Sensor`] is a low-pass, a sampler that adds bias and noise, a quantiser and a delay; [`Instruments`] are one for
+//! each signal that a controller measures. A [`CommandPath`] is the inverse of a dead zone, a sampler, a delay, a rate
+//! limit and a lag; an [`Actuation`] is one for each command. With the default settings both pass every signal on to the
+//! bit.
+//!
+//! ```
+//! use grasp_instruments::{Sensor, SensorSettings, Stream};
+//! let settings = SensorSettings { sample_time: 1e-3, lsb: 0.01, ..SensorSettings::OFF };
+//! let mut encoder = Sensor::new(settings, Stream { seed: 1, number: 0 }, 0.0, 0.123);
+//! assert_eq!(encoder.output(0.987), 0.12); // holds what it sampled at the start
+//! encoder.step(0.0, 1e-3, 0.987, 0.0);
+//! assert_eq!(encoder.output(0.0), 0.99);
+//! ```
+//!
+//! **Samples.** Instants are t₀ + k T, whatever the steps: noise has the same spectrum, and the same values, for every step
+//! size. A step from t to t + h takes the samples in (t, t + h], of inputs that are held or ramp over the step.
+//!
+//! **Noise.** The k-th sample of a signal has the deviate Φ⁻¹(u), with u from the k-th block of a counter-based generator
+//! ([`philox`]): a pure function of seed, signal and k. So the only random state is k, a repeated step repeats its noise, and
+//! signals are independent of each other. Nothing depends on the machine: integers, and IEEE arithmetic in a fixed order.
+
+#![allow(clippy::float_cmp)]
+
+pub mod actuation;
+pub mod clock;
+pub mod dead_zone;
+mod delay;
+mod drive;
+pub mod instruments;
+mod lag;
+pub mod normal;
+mod path;
+pub mod philox;
+pub mod profiles;
+mod sensor;
+mod setting;
+
+pub use actuation::{Actuation, ActuationSettings};
+pub use delay::LONGEST_LINE;
+pub use instruments::{InstrumentSettings, Instruments, SIGNALS, Signal, Signals};
+pub use normal::Stream;
+pub use path::{CommandPath, CommandSettings, MOST_SAMPLES, StepError};
+pub use sensor::{Sensor, SensorSettings};
+pub use setting::{Field, SettingError};
