@@ -90,7 +90,7 @@ def test_units(name: str, row: Variable, fmus: dict[str, Fmu]) -> None:
     }
     expected = base_units(row.unit)
     if not row.unit.startswith("rad"):
-        # Whether a torque per angle carries rad is a matter of taste; whether an angle does is not.
+        # A torque per angle may carry rad or not; an angle must.
         exponents.pop("rad", None)
         expected.pop("rad", None)
     assert exponents == expected

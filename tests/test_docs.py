@@ -1,4 +1,4 @@
-"""What the documents name exists: files, folders, and places in other documents."""
+"""Files, folders and places in other documents that a document names exist."""
 
 from __future__ import annotations
 

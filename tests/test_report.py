@@ -360,7 +360,7 @@ def test_it_fits_a_phone(report: Report, browser: Browser, width: int) -> None:
         page = opened.page
         page.eval_on_selector_all("details", "all => all.forEach(one => { one.open = true })")
         assert page.evaluate("document.documentElement.scrollWidth") <= width
-        # What a thumb shall hit is large enough for it, and playback leaves most of the screen to the page.
+        # Buttons are large enough for a thumb, and playback leaves most of the screen to the page.
         heights = page.eval_on_selector_all(
             "button, select", "all => all.map(one => one.getBoundingClientRect().height)"
         )

@@ -37,7 +37,7 @@ def _rows(causality: str, unit: str | None, names: str, start: float | None = No
     return [Variable(name, causality, unit, start) for name in names.split()]
 
 
-# What the plant measures is what every controller gets.
+# The plant measures these, and every controller gets them.
 MEASURED = {
     "theta1": "rad",
     "theta2": "rad",
@@ -56,7 +56,7 @@ MEASURED = {
 # What GraspInstruments shows a controller.
 SHOWN = {**MEASURED, "root_moment1_dot": "N.m/s", "root_moment2_dot": "N.m/s"}
 
-# What a controller commands is what the plant takes.
+# A controller commands these, and the plant takes them.
 COMMANDS = {"tau1_cmd": "N.m", "tau2_cmd": "N.m", "u_cmd": "N"}
 
 _PLANT = [

@@ -15,7 +15,7 @@ TARGET = ROOT / os.environ.get("CARGO_TARGET_DIR", "target")
 
 
 def helper(name: str) -> Path:
-    """What `cargo xtask test` builds before the Python tests, or a failure that says so."""
+    """A file that `cargo xtask test` builds before the Python tests, or a failure that says how to build it."""
     path = TARGET / "helpers" / name
     if not path.exists():
         pytest.fail(f"{path} does not exist: run `cargo xtask test --python`", pytrace=False)

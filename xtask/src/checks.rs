@@ -1,4 +1,4 @@
-//! What can be said of the code without running it.
+//! Checks that read the code and do not run it.
 
 use crate::python;
 use crate::steps::{Outcome, Runner, run};

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-/// What stands below the commands in `cargo xtask --help`.
+/// The text below the commands in `cargo xtask --help`.
 const AFTER_HELP: &str = "\
 Environment:
   PYTHON            the interpreter that makes the Python environment (default: python3); 3.9 or newer
@@ -35,7 +35,7 @@ pub enum Command {
     Test(Test),
     /// Run the code checks only: formatting, lints, documentation, workflow files
     ///
-    /// What needs a toolchain component that is not installed is skipped, and said so.
+    /// Skips a check whose program is not installed, and says so.
     Check,
     /// Renew modelDescription/ after a change of an FMU's variables
     ///

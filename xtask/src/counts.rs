@@ -11,7 +11,7 @@ use chrono::{DateTime, Utc};
 use crate::steps::Outcome;
 use crate::tree::Tree;
 
-/// What `step_cost` knows, the columns of the history.
+/// The cases that `step_cost` knows: the columns of the history.
 const CASES: [&str; 6] = ["plant", "nabfc", "pds", "pd", "coupled", "master"];
 
 /// How much more a step may cost than the last time it was recorded.

@@ -1,4 +1,4 @@
-//! What the Python tests need and cargo builds: made before they run, so that no test waits for a compiler.
+//! Builds what the Python tests need from cargo before they run: no test waits for a compiler.
 
 use std::fs;
 use std::path::Path;
@@ -61,7 +61,7 @@ fn from_template(tree: &Tree, folder: &Path) -> Outcome {
             .current_dir(&path)
             .env("CARGO_TARGET_DIR", tree.target.join("template"))
             .env("CARGO_NET_OFFLINE", "true");
-        // How well the compiler optimises is not what is tested: compile fast.
+        // The tests do not look at how well the compiler optimises, so it may compile fast.
         for profile in ["RELEASE", "FMU"] {
             command.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "1");
             command.env(format!("CARGO_PROFILE_{profile}_LTO"), "off");

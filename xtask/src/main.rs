@@ -70,7 +70,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
     steps.finish()
 }
 
-/// `cargo xtask check`: what can be said of the code without running it.
+/// `cargo xtask check`: the checks that do not run the code.
 fn check(tree: &Tree) -> ExitCode {
     let mut steps = Runner::new(1 + checks::COUNT);
     steps.step("Python environment", || python::prepare(tree));
