@@ -1,25 +1,28 @@
 //! An FMI 2.0 importer for co-simulation: opens any `.fmu`, reads its description, loads its library, runs instances.
 //!
 //! * [`Fmu`] opens the archive and hands out instances;
-//! * [`ModelDescription`] is what `modelDescription.xml` says;
+//! * [`ModelDescription`] is what `modelDescription.xml` says, [`Variable`] what it says about a variable;
 //! * [`Instance`] is one running slave, behind safe calls whose errors carry the slave's own messages;
-//! * [`library`] is the C interface itself;
+//! * [`Value`] is a value of any variable;
 //! * [`archive`] and [`document`] read files of strangers within limits.
 //!
 //! ```no_run
 //! use fmi2_import::{Experiment, Fmu};
 //!
-//! let fmu = Fmu::open("dist/DualArmPlant.fmu")?;
-//! let theta1 = fmu.description().variable("theta1").expect("the plant has hub angles").value_reference;
-//! let mut plant = fmu.instantiate("plant")?;
-//! plant.setup_experiment(Experiment::default())?;
-//! plant.enter_initialization_mode()?;
-//! plant.exit_initialization_mode()?;
-//! plant.do_step(0.0, 1e-4)?;
-//! let mut angle = [0.0];
-//! plant.get_real(&[theta1], &mut angle)?;
+//! let fmu = Fmu::open("model.fmu")?;
+//! let output = fmu.description().variable("y").ok_or("the model has no output y")?;
+//! let mut slave = fmu.instantiate("slave")?;
+//! slave.setup_experiment(Experiment { stop: Some(1.0), ..Experiment::default() })?;
+//! slave.enter_initialization_mode()?;
+//! slave.exit_initialization_mode()?;
+//! for step in 0..100 {
+//!     slave.do_step(f64::from(step) * 0.01, 0.01)?;
+//! }
+//! println!("y = {}", slave.get(output)?);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
+#![deny(clippy::undocumented_unsafe_blocks)]
 
 pub mod archive;
 mod binary;
@@ -28,7 +31,7 @@ pub mod document;
 mod error;
 mod fmu;
 mod instance;
-pub mod library;
+mod library;
 mod platform;
 mod value;
 #[doc(hidden)]
@@ -38,6 +41,6 @@ pub use description::{Causality, DescriptionError, Initial, ModelDescription, Va
 pub use error::{CallError, FmuError};
 pub use fmu::{Contents, Fmu, Unpacked};
 pub use instance::{Experiment, Instance, LogMessage, SavedState};
-pub use library::{Status, ValueReference};
+pub use library::{LibraryError, Status, ValueReference};
 pub use platform::platform;
 pub use value::{Mismatch, Value};

@@ -75,8 +75,8 @@ pub struct CallbackFunctions {
 #[non_exhaustive]
 pub enum LibraryError {
     /// The system's loader refuses it.
-    #[error("the system cannot load it: {}", root_cause(.0))]
-    Load(#[source] libloading::Error),
+    #[error("the system cannot load it: {0}")]
+    Load(String),
     /// Nothing is in it.
     #[error("it is empty")]
     Empty,
@@ -116,8 +116,8 @@ pub enum LibraryError {
 }
 
 /// What the system says: libloading's own words are only "dlopen failed".
-fn root_cause(error: &dyn std::error::Error) -> &dyn std::error::Error {
-    std::iter::successors(Some(error), |error| error.source()).last().unwrap_or(error)
+fn root_cause(error: &dyn std::error::Error) -> String {
+    std::iter::successors(Some(error), |error| error.source()).last().unwrap_or(error).to_string()
 }
 
 macro_rules! functions {
@@ -230,7 +230,9 @@ impl Functions {
 fn open(path: &Path) -> Result<Library, LibraryError> {
     use libloading::os::unix::{Library as UnixLibrary, RTLD_LOCAL, RTLD_NOW};
     // SAFETY: loading runs the library's initialisers; the user asked for this FMU to be run.
-    unsafe { UnixLibrary::open(Some(path), RTLD_NOW | RTLD_LOCAL) }.map(Into::into).map_err(LibraryError::Load)
+    unsafe { UnixLibrary::open(Some(path), RTLD_NOW | RTLD_LOCAL) }
+        .map(Into::into)
+        .map_err(|error| LibraryError::Load(root_cause(&error)))
 }
 
 /// Looks for the library's dependencies in its own folder.
@@ -240,7 +242,7 @@ fn open(path: &Path) -> Result<Library, LibraryError> {
     // SAFETY: loading runs the library's initialisers; the user asked for this FMU to be run.
     unsafe { WindowsLibrary::load_with_flags(path, LOAD_WITH_ALTERED_SEARCH_PATH) }
         .map(Into::into)
-        .map_err(LibraryError::Load)
+        .map_err(|error| LibraryError::Load(root_cause(&error)))
 }
 
 /// A C string of the library as text.

@@ -1,11 +1,14 @@
 //! The importer against small FMUs compiled from C.
 
+#[path = "../examples/step.rs"]
+#[allow(dead_code)] // its main
+mod step;
 mod support;
 
 use std::fs;
 use std::path::PathBuf;
 
-use fmi2_import::{CallError, Experiment, Fmu, Instance, Status};
+use fmi2_import::{CallError, Experiment, Fmu, Instance, Status, Value};
 use support::{archive, description, package, package_as};
 
 fn start(fmu: &Fmu) -> Instance {
@@ -46,6 +49,45 @@ fn every_kind_of_value_goes_in_and_out() {
     assert_eq!(lag.get_string(0).unwrap(), "größer");
     assert!(matches!(lag.set_string(0, "a\0b"), Err(CallError::ZeroByte { .. })));
     assert_eq!(lag.get_real(&[], &mut []).unwrap(), Status::Ok);
+}
+
+#[test]
+fn any_variable_is_read_and_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package(folder.path(), "Lag") else { return };
+    let fmu = Fmu::open(path).unwrap();
+    let variable = |name: &str| fmu.description().variable(name).unwrap();
+    let mut lag = fmu.instantiate("lag").unwrap();
+    for (name, given, expected) in [
+        ("T", Value::Integer(2), Value::Real(2.0)),
+        ("T", Value::from("0.5"), Value::Real(0.5)),
+        ("trouble", Value::from("discard"), Value::Integer(2)),
+        ("trouble", Value::Real(4.0), Value::Integer(4)),
+        ("u_on", Value::from("1"), Value::Boolean(true)),
+        ("u_on", Value::Boolean(false), Value::Boolean(false)),
+        ("label", Value::Integer(3), Value::from("3")),
+    ] {
+        lag.set(variable(name), &given).unwrap();
+        assert_eq!(lag.get(variable(name)).unwrap(), expected, "{name}");
+    }
+    for (name, given, expected) in [
+        ("trouble_at", Value::from("soon"), "lag: trouble_at needs a number in s, not \"soon\""),
+        ("trouble", Value::Integer(9), "lag: trouble needs one of warning, discard, error, fatal, not \"9\""),
+        ("u_on", Value::Real(0.5), "lag: u_on needs true or false, not \"0.5\""),
+    ] {
+        assert_eq!(lag.set(variable(name), &given).unwrap_err().to_string(), expected);
+    }
+    assert_eq!(variable("trouble").with_name(Value::Integer(2)), Value::from("discard"));
+    assert_eq!(variable("T").start(), Some(Value::Real(1.0)));
+}
+
+#[test]
+fn the_example_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package(folder.path(), "Lag") else { return };
+    let outputs = step::run(&path).unwrap();
+    let steps = outputs.iter().find(|(name, _)| name == "steps").unwrap();
+    assert_eq!(steps.1, Value::Integer(20), "2 s in steps of 0.1 s, as the description suggests");
 }
 
 #[test]
