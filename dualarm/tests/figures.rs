@@ -6,8 +6,9 @@ use dualarm::grasp;
 use dualarm::grasp::metrics::{Limits, Metrics};
 use dualarm::report::figures::text::{missing, width};
 use dualarm::report::figures::{self, Outcome, raster};
-use dualarm::report::parameters::{ModelParameters, Parameter, Value};
+use dualarm::report::parameters::{ModelParameters, Parameter};
 use fmi2_cosim::record::{Column, Sink, Table};
+use fmi2_import::Value;
 use roxmltree::{Document, Node};
 
 /// Second-order responses with the settling times known from the paper, a fast ripple on the force, clipped commands.

@@ -4,9 +4,10 @@ use dualarm::grasp::metrics::Metrics;
 use dualarm::grasp::{self, Controller};
 use dualarm::report::figures::Outcome;
 use dualarm::report::html::{self, Page};
-use dualarm::report::parameters::{ModelParameters, Parameter, Value};
+use dualarm::report::parameters::{ModelParameters, Parameter};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::record::{Column, Sink, Table};
+use fmi2_import::Value;
 
 const HOSTILE: &str = "</script><script>alert(1)</script>{{data}}<!--<img src=x onerror='alert(\"2\")'>";
 

@@ -8,14 +8,13 @@ use crate::grid::TimeGrid;
 use crate::settings::Place;
 use crate::signal::Signal;
 use fmi2_import::description::BaseType;
-use fmi2_import::{CallError, Instance, ModelDescription};
+use fmi2_import::{CallError, Instance, ModelDescription, Value, Variable};
 
 /// One input and the signal it follows.
 pub(crate) struct Drive {
     pub component: usize,
     pub variable: usize,
-    reference: u32,
-    base: BaseType,
+    described: Variable,
     interpolates: bool,
     signal: Signal,
     /// What the FMU was told last; `None` if it has to be told again.
@@ -24,11 +23,10 @@ pub(crate) struct Drive {
 
 impl Drive {
     pub fn new((component, variable): Place, description: &ModelDescription, signal: Signal) -> Self {
-        let (reference, base) =
-            (description.variables[variable].value_reference, description.variables[variable].base_type());
-        let interpolates = base == BaseType::Real
+        let described = description.variables[variable].clone();
+        let interpolates = described.base_type() == BaseType::Real
             && description.co_simulation.as_ref().is_some_and(|interface| interface.can_interpolate_inputs);
-        Self { component, variable, reference, base, interpolates, signal, told: None }
+        Self { component, variable, described, interpolates, signal, told: None }
     }
 
     /// Fits the signal to the communication points. Returns what a user should know about that.
@@ -57,21 +55,12 @@ impl Drive {
         };
         let changed = self.told != Some(value);
         if changed {
-            let references = [self.reference];
-            match self.base {
-                BaseType::Boolean => instance.set_boolean(&references, &[value != 0.0])?,
-                BaseType::Integer | BaseType::Enumeration => {
-                    #[allow(clippy::cast_possible_truncation)] // a scenario's values are checked when it is read
-                    let value = value.round() as i32;
-                    instance.set_integer(&references, &[value])?
-                }
-                _ => instance.set_real(&references, &[value])?,
-            };
+            instance.set(&self.described, &Value::Real(value))?;
         }
         if slope == 0.0 {
             self.told = Some(value);
         } else {
-            instance.set_input_derivatives(&[self.reference], &[1], &[slope])?;
+            instance.set_input_derivatives(&[self.described.value_reference], &[1], &[slope])?;
             self.told = None; // at the end of the step the input stands elsewhere
         }
         Ok(changed || slope != 0.0)

@@ -16,7 +16,7 @@
 //!
 //! let fmus = [Fmu::open("dist/DualArmPlant.fmu")?, Fmu::open("dist/PdController.fmu")?];
 //! let mut master = Master::new(&fmus, Coupling::GaussSeidel)?;
-//! master.apply(&Setting::new("kp", "12"))?;
+//! master.apply(&Setting::new("kp", 12.0))?;
 //! let grid = TimeGrid::new(0.0, 5.0, 1e-4)?;
 //! master.initialize(&grid)?;
 //! let mut table = Table::new(master.record(|name| name == "contact_force1"));
@@ -38,7 +38,9 @@ use crate::signal::Signal;
 use crate::system::is_tolerance;
 use crate::wiring::{Terminal, Wire, Wiring, WiringError, wire_by_name};
 use fmi2_import::description::BaseType;
-use fmi2_import::{CallError, Causality, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status};
+use fmi2_import::{
+    CallError, Causality, Experiment, Fmu, Instance, LogMessage, ModelDescription, Status, Value, Variable,
+};
 
 /// How components exchange their signals.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -123,16 +125,16 @@ fn seconds(time: f64) -> String {
 }
 
 /// A value that was set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Applied<'a> {
     /// The component.
     pub component: &'a str,
     /// Its model.
     pub model: &'a str,
     /// The variable.
-    pub name: &'a str,
-    /// The value as written.
-    pub value: &'a str,
+    pub variable: &'a Variable,
+    /// The value it got.
+    pub value: &'a Value,
 }
 
 /// FMUs that run together.
@@ -142,7 +144,7 @@ pub struct Master {
     coupling: Coupling,
     buses: Buses,
     drives: Vec<Drive>,
-    settings: Vec<(Place, String)>,
+    settings: Vec<(Place, Value)>,
     /// What whoever connected the components noticed.
     remarks: Vec<String>,
     warnings: Vec<String>,
@@ -243,8 +245,8 @@ impl Master {
     /// When there is no such variable, it is not the user's to set, the value does not fit or the FMU refuses it.
     pub fn apply(&mut self, setting: &Setting) -> Result<(), SettingError> {
         let set = settings::apply(setting, &mut self.components)?;
-        self.drives.retain(|drive| !set.contains(&(drive.component, drive.variable)));
-        self.settings.extend(set.into_iter().map(|place| (place, setting.value.clone())));
+        self.drives.retain(|drive| !set.iter().any(|(place, _)| *place == (drive.component, drive.variable)));
+        self.settings.extend(set);
         Ok(())
     }
 
@@ -253,8 +255,7 @@ impl Master {
         self.settings.iter().map(|((component, variable), value)| {
             let Component { name: component, instance, .. } = &self.components[*component];
             let description = instance.description();
-            let (model, name) = (description.model_name.as_str(), description.variables[*variable].name.as_str());
-            Applied { component, model, name, value }
+            Applied { component, model: &description.model_name, variable: &description.variables[*variable], value }
         })
     }
 

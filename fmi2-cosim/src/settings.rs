@@ -6,15 +6,15 @@ use std::str::FromStr;
 use crate::names::{closest, suggestion};
 use crate::signal::Signal;
 use fmi2_import::description::BaseType;
-use fmi2_import::{CallError, Causality, Instance, ModelDescription, Variability, Variable};
+use fmi2_import::{CallError, Causality, Instance, Mismatch, ModelDescription, Value, Variability};
 
-/// A value for a variable, still as text: its meaning depends on the variable's type.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A value for a variable.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Setting {
     /// `name` (in every component that has it) or `Component.name`.
     pub target: String,
-    /// Number, `true`/`false`, text, or the name of an enumeration's item.
-    pub value: String,
+    /// What it gets. A text from the command line stands for whatever the variable's type makes of it.
+    pub value: Value,
 }
 
 /// Why a setting cannot be applied.
@@ -69,14 +69,14 @@ pub enum SettingError {
         /// The setting.
         setting: Setting,
         /// What the FMU says.
-        source: CallError,
+        source: Box<CallError>,
     },
 }
 
 impl Setting {
     /// A setting.
     #[must_use]
-    pub fn new(target: impl Into<String>, value: impl Into<String>) -> Self {
+    pub fn new(target: impl Into<String>, value: impl Into<Value>) -> Self {
         Self { target: target.into(), value: value.into() }
     }
 }
@@ -110,13 +110,11 @@ pub(crate) trait Target {
 /// A variable of a component: indices.
 pub(crate) type Place = (usize, usize);
 
-/// Applies a setting to every component it means and returns where. Only valid before initialisation.
-pub(crate) fn apply<T: Target>(setting: &Setting, targets: &mut [T]) -> Result<Vec<Place>, SettingError> {
+/// Applies a setting to every component it means and returns where, and as which value. Only valid before initialisation.
+pub(crate) fn apply<T: Target>(setting: &Setting, targets: &mut [T]) -> Result<Vec<(Place, Value)>, SettingError> {
     let meant = meant(&setting.target, targets, obstacle_to_setting)?;
-    for &(target, variable) in &meant {
-        set(&mut targets[target], variable, setting)?;
-    }
-    Ok(meant)
+    let set = |place: Place| Ok((place, set(&mut targets[place.0], place.1, setting)?));
+    meant.into_iter().map(set).collect()
 }
 
 /// Every variable a user means with `name` or `Component.name` and to which there is no obstacle.
@@ -191,54 +189,18 @@ pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &
     }
 }
 
-fn set<T: Target>(target: &mut T, index: usize, setting: &Setting) -> Result<(), SettingError> {
+fn set<T: Target>(target: &mut T, index: usize, setting: &Setting) -> Result<Value, SettingError> {
     let variable = target.description().variables[index].clone();
-    let text = setting.value.as_str();
-    let wrong = |expected: String, target: &T| SettingError::Value {
+    let value = variable.value(&setting.value).map_err(|Mismatch { value, expected }| SettingError::Value {
         component: target.name().to_owned(),
         name: variable.name.clone(),
-        value: text.to_owned(),
+        value,
         expected,
-    };
-    let references = [variable.value_reference];
-    let result = match variable.base_type() {
-        BaseType::Real => match text.parse::<f64>() {
-            Ok(value) if !value.is_nan() => target.instance().set_real(&references, &[value]),
-            _ => return Err(wrong(format!("a number{}", in_unit(&variable)), target)),
-        },
-        BaseType::Integer => match text.parse() {
-            Ok(value) => target.instance().set_integer(&references, &[value]),
-            Err(_) => return Err(wrong("an integer".into(), target)),
-        },
-        BaseType::Boolean => match text {
-            "true" | "1" => target.instance().set_boolean(&references, &[true]),
-            "false" | "0" => target.instance().set_boolean(&references, &[false]),
-            _ => return Err(wrong("true or false".into(), target)),
-        },
-        BaseType::String => target.instance().set_string(variable.value_reference, text),
-        BaseType::Enumeration => {
-            let items = variable.items();
-            let item = items
-                .iter()
-                .find(|item| item.name == text || item.value.to_string() == text)
-                .map(|item| item.value)
-                // Without a list of items any number may be right.
-                .or_else(|| text.parse().ok().filter(|_| items.is_empty()));
-            let Some(value) = item else {
-                let names: Vec<_> = items.iter().map(|item| item.name.as_str()).collect();
-                return Err(wrong(format!("one of {}", names.join(", ")), target));
-            };
-            target.instance().set_integer(&references, &[value])
-        }
-    };
-    match result {
-        Ok(_) => Ok(()),
-        Err(source) => Err(SettingError::Refused { setting: setting.clone(), source }),
+    })?;
+    match target.instance().set(&variable, &value) {
+        Ok(_) => Ok(value),
+        Err(source) => Err(SettingError::Refused { setting: setting.clone(), source: Box::new(source) }),
     }
-}
-
-fn in_unit(variable: &Variable) -> String {
-    variable.unit().map(|unit| format!(" in {unit}")).unwrap_or_default()
 }
 
 /// What to say about a name that no component has.

@@ -380,7 +380,7 @@ fn faulty_parameters_are_named_with_their_line() {
     assert_eq!(result, None);
     for (from, to, said) in [
         ("value=\"2\"", "value=\"two\"", "a.ssv: line 5: value=\"two\" is not a number"),
-        ("value=\"2\"", "value=\"-2\"", "a.ssv:4: lag.T=-2.0 is refused"),
+        ("value=\"2\"", "value=\"-2\"", "a.ssv:4: lag.T=-2 is refused"),
         ("unit=\"s\"", "unit=\"h\"", "a.ssv: line 4: there is no unit \"h\" in the document"),
         ("ssv:Real", "ssv:Binary", "line 5: the binary parameter"),
         ("<ssv:Real value=\"2\" unit=\"s\"/>", "", "line 4: <Parameter> lacks a value"),

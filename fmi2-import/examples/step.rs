@@ -7,6 +7,9 @@ use std::path::Path;
 use fmi2_import::{Causality, Experiment, Fmu, Value};
 
 /// The outputs at the stop time, by name.
+///
+/// # Errors
+/// When the FMU cannot be opened, or refuses a call.
 pub fn run(path: &Path) -> Result<Vec<(String, Value)>, Box<dyn Error>> {
     let fmu = Fmu::open(path)?;
     let suggested = fmu.description().default_experiment;

@@ -148,7 +148,7 @@ pub enum CallError {
         /// The variable.
         variable: String,
         /// What was given and what is needed.
-        source: Mismatch,
+        source: Box<Mismatch>,
     },
     /// A saved state of another instance.
     #[error("{instance}: this saved state belongs to another instance")]

@@ -14,7 +14,7 @@ use crate::grasp::metrics::Limits;
 use fmi2_cosim::master::Applied;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::wiring::Wire;
-use fmi2_import::{Fmu, Instance};
+use fmi2_import::{Fmu, Instance, Value};
 
 /// File name of the plant.
 pub const PLANT: &str = "DualArmPlant.fmu";
@@ -71,12 +71,15 @@ pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<Stri
     const NO_GAINS: [&str; 7] = ["preset", "EI1", "EI2", "l", "L", "lambda1_ref", "theta1_ref"];
     let settings: Vec<_> = settings.filter(|setting| NABFC.fmu.strip_suffix(".fmu") == Some(setting.model)).collect();
     let is_fast = |component: &str| {
-        let mut presets = settings.iter().rev().filter(|setting| setting.name == "preset");
+        let mut presets = settings.iter().rev().filter(|setting| setting.variable.name == "preset");
         let preset = presets.find(|setting| setting.component == component);
-        preset.is_some_and(|preset| ["fast", "2"].contains(&preset.value)) // the item's name or its number
+        preset.is_some_and(|preset| preset.variable.with_name(preset.value.clone()) == Value::from("fast"))
     };
-    let unused = settings.iter().filter(|setting| !NO_GAINS.contains(&setting.name) && is_fast(setting.component));
-    let remark = |Applied { component, name, .. }: &Applied| {
+    let unused = settings
+        .iter()
+        .filter(|setting| !NO_GAINS.contains(&setting.variable.name.as_str()) && is_fast(setting.component));
+    let remark = |Applied { component, variable, .. }: &Applied| {
+        let name = &variable.name;
         format!("{component}.{name} is not used: preset=fast has gains of its own (preset=parameters uses yours)")
     };
     unused.map(remark).collect()

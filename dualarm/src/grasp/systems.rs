@@ -427,20 +427,20 @@ fn settings_set(
         let before = set.parameters.len();
         for (component, model) in components.iter().zip(descriptions) {
             let Some(variable) = model.variable(&setting.target) else { continue };
-            let text = &setting.value;
-            let value = match &variable.kind {
-                VariableType::Real(real) => text.parse().ok().map(|value| Value::Real(value, real.unit.clone())),
-                VariableType::Integer { .. } => text.parse().ok().map(Value::Integer),
-                VariableType::Boolean { .. } => text.parse().ok().map(Value::Boolean),
-                VariableType::String { .. } => Some(Value::String(text.clone())),
-                VariableType::Enumeration { declared_type, .. } => {
+            let fitted = variable.value(&setting.value).map_err(|_| unfit())?;
+            let value = match (&variable.kind, variable.with_name(fitted)) {
+                (VariableType::Real(real), fmi2_import::Value::Real(value)) => Value::Real(value, real.unit.clone()),
+                (VariableType::Enumeration { declared_type, .. }, item) => {
                     let kind = declared_type.map(|index| &model.types[index]);
                     set.enumerations.extend(kind.map(|kind| (kind.name.clone(), kind.items.clone())));
-                    Some(Value::Enumeration(text.clone(), kind.map(|kind| kind.name.clone())))
+                    Value::Enumeration(item.to_string(), kind.map(|kind| kind.name.clone()))
                 }
+                (_, fmi2_import::Value::Integer(value)) => Value::Integer(value),
+                (_, fmi2_import::Value::Boolean(value)) => Value::Boolean(value),
+                (_, other) => Value::String(other.to_string()),
             };
             let name = format!("{component}.{}", variable.name);
-            set.parameters.push(Parameter { name, value: value.ok_or_else(unfit)?, line: Line::default() });
+            set.parameters.push(Parameter { name, value, line: Line::default() });
         }
         if set.parameters.len() == before {
             return Err(unfit());

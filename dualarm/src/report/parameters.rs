@@ -1,7 +1,6 @@
 //! The values an FMU's parameters have in a run: what the report states of plant and controllers.
 
-use fmi2_import::description::BaseType;
-use fmi2_import::{CallError, Causality, Instance, Variable};
+use fmi2_import::{CallError, Causality, Instance, Value, Variable};
 
 /// A model's name and all of its parameters.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -19,21 +18,12 @@ pub struct ModelParameters {
 pub struct Parameter {
     /// Name.
     pub name: String,
-    /// Value the instance works with.
+    /// Value the instance works with; an enumeration's is the name of its item.
     pub value: Value,
     /// Unit, if it has one.
     pub unit: Option<String>,
     /// What the model says about it.
     pub description: String,
-}
-
-/// A parameter's value.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    /// A real number.
-    Real(f64),
-    /// Anything else, as a user would write it.
-    Text(String),
 }
 
 impl ModelParameters {
@@ -55,36 +45,15 @@ impl ModelParameters {
     pub fn real(&self, name: &str) -> Option<f64> {
         self.parameters.iter().find(|parameter| parameter.name == name).and_then(|parameter| match parameter.value {
             Value::Real(value) => Some(value),
-            Value::Text(_) => None,
+            _ => None,
         })
     }
 }
 
 fn parameter(instance: &mut Instance, variable: &Variable) -> Result<Parameter, CallError> {
-    let reference = [variable.value_reference];
-    let value = match variable.base_type() {
-        BaseType::Real => {
-            let mut value = [0.0];
-            instance.get_real(&reference, &mut value)?;
-            Value::Real(value[0])
-        }
-        BaseType::Integer | BaseType::Enumeration => {
-            let mut value = [0];
-            instance.get_integer(&reference, &mut value)?;
-            let items = variable.items();
-            let item = items.iter().find(|item| item.value == value[0]);
-            Value::Text(item.map_or_else(|| value[0].to_string(), |item| item.name.clone()))
-        }
-        BaseType::Boolean => {
-            let mut value = [false];
-            instance.get_boolean(&reference, &mut value)?;
-            Value::Text(value[0].to_string())
-        }
-        BaseType::String => Value::Text(instance.get_string(variable.value_reference)?),
-    };
     Ok(Parameter {
         name: variable.name.clone(),
-        value,
+        value: variable.with_name(instance.get(variable)?),
         unit: variable.unit().map(str::to_owned),
         description: variable.description.clone().unwrap_or_default(),
     })

@@ -5,6 +5,7 @@ use super::oracle::{self, MONOLITH, Pole, elements, entries, number};
 use super::plant::pole_checks;
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
+use fmi2_cosim::settings::Setting;
 
 /// Limit of a quantity as the step goes to zero, from its values at steps that are halved: the diagonal of Richardson's
 /// scheme, for an error of whole powers of the step. The second number is how far the last two diagonals are apart.
@@ -89,7 +90,7 @@ pub fn against_monolith(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
         let controller = fmus.controller(case["controller"].as_str().unwrap_or_default())?;
         let mut values: Settings = settings(entries(&case["settings"]).map(|(name, value)| (name, number(value))));
         values.extend(settings(["lambda1_ref", "theta1_ref"].map(|name| (name, number(&case[name])))));
-        values.push(("order".into(), number(&case["order"]).to_string()));
+        values.push(Setting::new("order", number(&case["order"])));
         let names = OUTPUTS.map(|(name, _)| name);
         let exact: Vec<Vec<f64>> =
             elements(&case["at"]).map(|row| names.iter().map(|name| number(&row[*name])).collect()).collect();

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::oracle;
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
+use fmi2_cosim::settings::Setting;
 
 fn check(what: &str, exact: &str, found: String, error: f64, bound: f64, unit: &'static str) -> Check {
     Check { subject: Subject::Conservation, what: what.into(), exact: exact.into(), found, error, bound, unit }
@@ -95,7 +96,7 @@ fn energy_with_uncertainties(fmus: &Fmus, plant: &str, name: &str) -> Result<Che
         ("delta_F", -0.1),
     ]));
     values.extend(settings([("theta1_0", 0.02), ("theta2_0", -0.01), ("y_object_0", 0.051)]));
-    values.push(("order".into(), "6".into()));
+    values.push(Setting::new("order", 6));
     let mut rig = Rig::new(&[&fmus.plant], &values, STEP)?;
     let names: Vec<&str> = FORCES.into_iter().chain(SPEEDS).collect();
     let (signals, energy) = (rig.port(0, &names)?, rig.port(0, &["energy", "supplied_energy"])?);
@@ -151,7 +152,7 @@ fn momentum(fmus: &Fmus) -> Result<Check, VerifyError> {
         ("tau2_cmd", loads[1]),
         ("u_cmd", loads[2]),
     ]);
-    values.push(("actuator_model".into(), "ideal".into()));
+    values.push(Setting::new("actuator_model", "ideal"));
     // ∫ξ p(ξ) dξ over [0, 1] from values at eleven points: exact for the powers 0 to 10.
     let node = |i: usize| i as f64 / 10.0;
     #[allow(clippy::cast_possible_truncation, clippy::cast_possible_wrap)] // 0 to 10

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 use serde_json::Value;
 
 use super::rig::{Settings, settings};
+use fmi2_cosim::settings::Setting;
 
 /// Eigenvalues and step responses of the exact model: `python -m tests.oracle`.
 pub static EXACT: LazyLock<Value> = LazyLock::new(|| parse(include_str!("../../../tests/oracle/values.json")));
@@ -57,8 +58,8 @@ pub fn plant(name: &str, uncertainties: bool, order: u32) -> Settings {
     for name in ["root_uncertainty", "tip_uncertainty"] {
         values.extend(settings([(name, if uncertainties { number(&plant[name]) } else { 0.0 })]));
     }
-    values.push(("order".to_owned(), order.to_string()));
-    values.push(("actuator_model".to_owned(), "ideal".to_owned()));
+    values.push(Setting::new("order", f64::from(order)));
+    values.push(Setting::new("actuator_model", "ideal"));
     values
 }
 
@@ -70,6 +71,6 @@ mod tests {
     fn the_compiled_in_values_are_there() {
         assert!(poles("paper_free").len() > 10);
         assert_eq!(entries(&MONOLITH["cases"]).count(), 6);
-        assert!(plant("unequal", true, 8).iter().any(|(name, value)| name == "EI2" && value == "0.2"));
+        assert!(plant("unequal", true, 8).iter().any(|setting| *setting == Setting::new("EI2", 0.2)));
     }
 }

@@ -10,11 +10,11 @@ use fmi2_import::{Fmu, ValueReference};
 const LONG_ENOUGH: f64 = 1e6;
 
 /// Start values by name.
-pub type Settings = Vec<(String, String)>;
+pub type Settings = Vec<Setting>;
 
 /// Names and values as settings.
 pub fn settings<'a>(values: impl IntoIterator<Item = (&'a str, f64)>) -> Settings {
-    values.into_iter().map(|(name, value)| (name.to_owned(), format!("{value:?}"))).collect()
+    values.into_iter().map(|(name, value)| Setting::new(name, value)).collect()
 }
 
 /// FMUs that run together, Gauss–Seidel in their order, stepped with one step size.
@@ -36,8 +36,8 @@ impl Rig {
     fn prepare(fmus: &[&Fmu], settings: &Settings) -> Result<Master, VerifyError> {
         let fmus: Vec<Fmu> = fmus.iter().map(|&fmu| fmu.clone()).collect();
         let mut master = Master::new(&fmus, Coupling::GaussSeidel)?;
-        for (name, value) in settings {
-            master.apply(&Setting::new(name.as_str(), value.as_str()))?;
+        for setting in settings {
+            master.apply(setting)?;
         }
         Ok(master)
     }

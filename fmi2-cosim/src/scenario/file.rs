@@ -16,6 +16,7 @@ use crate::names::{closest, suggestion};
 use crate::settings::Setting;
 use crate::signal::{Shape, Signal};
 use crate::system::{Experiment, Located, is_tolerance};
+use fmi2_import::Value;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -27,7 +28,7 @@ struct File {
     #[serde(default)]
     experiment: ExperimentTable,
     #[serde(default)]
-    parameters: BTreeMap<String, Spanned<Value>>,
+    parameters: BTreeMap<String, Spanned<Constant>>,
     #[serde(default)]
     inputs: BTreeMap<String, Spanned<Input>>,
 }
@@ -50,11 +51,11 @@ enum CouplingName {
     Jacobi,
 }
 
-/// A constant, as the text that a [`Setting`] takes.
-struct Value(String);
+/// A number, a truth value or a text.
+struct Constant(Value);
 
 enum Input {
-    Constant(String),
+    Constant(Value),
     Varying(Signal),
 }
 
@@ -148,29 +149,35 @@ fn with_suggestion(message: &str) -> String {
 /// What a nested table under a name most likely was meant to be.
 const DOTTED: &str = "a value (write \"Component.name\" with its quotation marks)";
 
-impl<'de> Deserialize<'de> for Value {
+impl<'de> Deserialize<'de> for Constant {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Constant;
-        impl Visitor<'_> for Constant {
-            type Value = Value;
+        struct Any;
+        impl Visitor<'_> for Any {
+            type Value = Constant;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str(DOTTED)
             }
-            fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
-                Ok(Value(value.to_string()))
+            fn visit_bool<E>(self, value: bool) -> Result<Constant, E> {
+                Ok(Constant(value.into()))
             }
-            fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
-                Ok(Value(value.to_string()))
+            fn visit_i64<E>(self, value: i64) -> Result<Constant, E> {
+                Ok(Constant(integer(value)))
             }
-            fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
-                Ok(Value(value.to_string()))
+            fn visit_f64<E>(self, value: f64) -> Result<Constant, E> {
+                Ok(Constant(value.into()))
             }
-            fn visit_str<E>(self, value: &str) -> Result<Value, E> {
-                Ok(Value(value.to_owned()))
+            fn visit_str<E>(self, value: &str) -> Result<Constant, E> {
+                Ok(Constant(value.into()))
             }
         }
-        deserializer.deserialize_any(Constant)
+        deserializer.deserialize_any(Any)
     }
+}
+
+/// A whole number; one that no FMI integer can be may still be a real.
+#[allow(clippy::cast_precision_loss)] // as a real has it
+fn integer(value: i64) -> Value {
+    i32::try_from(value).map_or(Value::Real(value as f64), Value::Integer)
 }
 
 impl<'de> Deserialize<'de> for Number {
@@ -205,16 +212,16 @@ impl<'de> Deserialize<'de> for Input {
                 f.write_str("a value, or steps or linear with a list of [time, value]")
             }
             fn visit_bool<E>(self, value: bool) -> Result<Input, E> {
-                Ok(Input::Constant(value.to_string()))
+                Ok(Input::Constant(value.into()))
             }
             fn visit_i64<E>(self, value: i64) -> Result<Input, E> {
-                Ok(Input::Constant(value.to_string()))
+                Ok(Input::Constant(integer(value)))
             }
             fn visit_f64<E>(self, value: f64) -> Result<Input, E> {
-                Ok(Input::Constant(value.to_string()))
+                Ok(Input::Constant(value.into()))
             }
             fn visit_str<E>(self, value: &str) -> Result<Input, E> {
-                Ok(Input::Constant(value.to_owned()))
+                Ok(Input::Constant(value.into()))
             }
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Input, A::Error> {
                 const SHAPES: &[&str] = &["steps", "linear"];

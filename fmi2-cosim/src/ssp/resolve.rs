@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::error::{DocumentError, SspError};
 use super::package::{BoundSet, Package};
-use super::parameters::{Parameter, Value};
+use super::parameters::{Parameter, Value as Given};
 use super::structure::{Component, Connection, Connector, End, Kind, Line};
 use crate::names::best;
 use crate::settings::Setting;
@@ -13,7 +13,7 @@ use crate::system::Located;
 use crate::units::{Conversion, Units};
 use crate::wiring::{Misfit, Terminal, Wire, fit};
 use fmi2_import::description::BaseType;
-use fmi2_import::{Causality, ModelDescription, Variable, VariableType};
+use fmi2_import::{Causality, ModelDescription, Value, Variable, VariableType};
 
 /// Parameters that the bindings of a package may apply, each counted as often as it is bound.
 const MAX_APPLIED: usize = 10_000_000;
@@ -335,14 +335,14 @@ impl<'a> Resolver<'a> {
         Ok(())
     }
 
-    /// A parameter's value as text, in the unit of the variable.
-    fn value(&self, parameter: &Parameter, linear: Linear, units: &Units, terminal: Terminal) -> Result<String> {
+    /// A parameter's value in the unit of the variable.
+    fn value(&self, parameter: &Parameter, linear: Linear, units: &Units, terminal: Terminal) -> Result<Value> {
         let (mut number, unit) = match (&parameter.value, linear) {
-            (Value::Real(number, unit), _) => (*number, unit.as_deref()),
-            (Value::Integer(number), Some(_)) => (f64::from(*number), None),
-            (Value::Integer(number), None) => return Ok(number.to_string()),
-            (Value::Boolean(value), _) => return Ok(value.to_string()),
-            (Value::String(text) | Value::Enumeration(text, _), _) => return Ok(text.clone()),
+            (Given::Real(number, unit), _) => (*number, unit.as_deref()),
+            (Given::Integer(number), Some(_)) => (f64::from(*number), None),
+            (Given::Integer(number), None) => return Ok(Value::Integer(*number)),
+            (Given::Boolean(value), _) => return Ok(Value::Boolean(*value)),
+            (Given::String(text) | Given::Enumeration(text, _), _) => return Ok(Value::Text(text.clone())),
         };
         let line = parameter.line.0;
         let variable = self.described(terminal);
@@ -363,7 +363,7 @@ impl<'a> Resolver<'a> {
         if let Some((factor, offset)) = linear {
             number = factor * number + offset;
         }
-        Ok(if variable.base_type() == BaseType::Real { format!("{number:?}") } else { number.to_string() })
+        Ok(Value::Real(number))
     }
 }
 

@@ -110,6 +110,24 @@ impl Instance {
             .collect()
     }
 
+    /// `fmi2SetDebugLogging`: whether the slave logs more than its complaints, and in which of the categories of
+    /// [`ModelDescription::log_categories`]; without any, in all.
+    ///
+    /// # Errors
+    /// When the slave refuses, or a category has a zero byte inside.
+    pub fn set_debug_logging(&mut self, on: bool, categories: &[&str]) -> Result<Status> {
+        let c_string = |text: &&str| {
+            CString::new(*text)
+                .map_err(|_| CallError::ZeroByte { instance: self.name.clone(), text: (*text).to_owned() })
+        };
+        let categories = categories.iter().map(c_string).collect::<Result<Vec<_>>>()?;
+        let pointers: Vec<_> = categories.iter().map(|category| category.as_ptr()).collect();
+        let set = self.functions().set_debug_logging;
+        // SAFETY: living component, as many C strings as stated, which live until the end of this function.
+        let status = unsafe { set(self.component.as_ptr(), c_int::from(on), pointers.len(), pointers.as_ptr()) };
+        self.check("fmi2SetDebugLogging", status)
+    }
+
     /// `fmi2SetupExperiment`: start and stop time.
     ///
     /// # Errors

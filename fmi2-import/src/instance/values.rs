@@ -47,7 +47,7 @@ impl Instance {
         let fitted = variable.value(value).map_err(|source| CallError::Value {
             instance: self.name.clone(),
             variable: variable.name.clone(),
-            source,
+            source: Box::new(source),
         })?;
         let reference = [variable.value_reference];
         match fitted {

@@ -6,7 +6,8 @@ use super::markup::escape;
 use crate::grasp::metrics::{EffortMetrics, ForceMetrics};
 use crate::report::figures::Outcome;
 use crate::report::figures::text::number;
-use crate::report::parameters::{ModelParameters, Parameter, Value};
+use crate::report::parameters::{ModelParameters, Parameter};
+use fmi2_import::Value;
 
 /// A group of rows of the metrics table.
 struct Group {
@@ -107,7 +108,7 @@ pub fn parameters(outcomes: &[Outcome]) -> String {
             for Parameter { name, value, unit, description } in &model.parameters {
                 let value = match value {
                     Value::Real(value) => real(*value),
-                    Value::Text(text) => text.clone(),
+                    other => other.to_string(),
                 };
                 let unit = unit.as_deref().unwrap_or_default();
                 let cells = [value.as_str(), unit, description].map(|cell| format!("<td>{}</td>", escape(cell)));
