@@ -1,6 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![deny(clippy::undocumented_unsafe_blocks)]
 
+// The macros say `::fmi2_export`, which in the documentation's and this crate's own tests is this crate.
+extern crate self as fmi2_export;
+
 mod access;
 mod builder;
 mod categories;
@@ -33,6 +36,7 @@ mod xml;
 pub use access::Scalar;
 pub use builder::VariableBuilder;
 pub use enumeration::Enumeration;
+pub use fmi2_export_derive::{Declare, model};
 pub use info::{DefaultExperiment, Info};
 pub use layout::DeclarationError;
 #[doc(hidden)]

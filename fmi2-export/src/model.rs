@@ -7,6 +7,9 @@ use crate::resources::Resources;
 use crate::variables::Variables;
 
 /// What the outside sees of a model: what the FMU is, and its variables.
+///
+/// Written by hand where a model has parts, or tables of parameters. Where each variable is a field of one struct,
+/// [`derive(Declare)`](macro@crate::Declare) writes it.
 pub trait Declare: Sized {
     /// Name, version and the like.
     const INFO: Info;
@@ -51,6 +54,13 @@ pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send
     /// # Errors
     /// [`Failure::Discard`] if a smaller step could succeed, [`Failure::Error`] otherwise.
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure>;
+
+    /// Computes outputs and local variables from the state, the parameters and the inputs: the evaluation of those that
+    /// [`derive(Declare)`](macro@crate::Declare) declares. Not needed for fields that the step keeps up to date.
+    fn outputs(&mut self) {}
+
+    /// Computes the time derivatives of outputs, as [`outputs`](Self::outputs) the outputs.
+    fn rates(&mut self) {}
 
     /// Hears where the files are that the archive carries below `resources/`, before anything else: when an instance is made or
     /// reset, and, for a state read from bytes, before [`restored`](Model::restored). Read them here, or keep `resources` in a

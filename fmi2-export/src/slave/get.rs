@@ -31,7 +31,9 @@ impl<M: Model> Get for Slave<M> {
         }
         self.evaluate(wanted)?;
         let (reals, model) = (self.layout.reals.as_slice(), &mut self.state.model);
-        values.write(references.iter().map(|reference| *(reals[*reference as usize].lens)(model)));
+        // All are there: a loop without a branch that panics is some instructions per variable shorter.
+        let present = references.iter().map_while(|reference| reals.get(*reference as usize));
+        values.write(present.map(|real| *(real.lens)(model)));
         Ok(())
     }
 
