@@ -54,7 +54,7 @@ def test_vendor_validator_accepts_it(tmp_path: Path) -> None:
 def test_files_keep_to_the_rules(name: str, fmus: dict[str, Fmu]) -> None:
     folder, fmu = released(name), fmus[name]
     platform, tool, version = folder.parts[-4:-1]
-    assert platform in ("linux64", "linux32", "win64", "win32", "darwin64")
+    assert platform in ("linux64", "linux32", "win64", "win32", "darwin64", "aarch64-linux", "aarch64-darwin")
     assert f"{tool} {version}" == fmu.description.generationTool
     files = {f"{name}.fmu", f"{name}_in.csv", f"{name}_ref.csv", f"{name}_ref.opt", "README.md"}
     assert {path.name for path in folder.iterdir()} == files

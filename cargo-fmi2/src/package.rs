@@ -13,6 +13,7 @@ const FEATURE: &str = "package";
 #[command(after_help = "Examples:\n  \
     cargo fmi2 package                           dist/NAME.fmu for each model of the crate in this folder\n  \
     cargo fmi2 package -p plant -o out           of the workspace's crate plant, into out/\n  \
+    cargo fmi2 package --require linux64,win64   only if it runs on both\n  \
     cargo fmi2 package --describe descriptions   only the XML, to look at or to check in")]
 /// Arguments of `cargo fmi2 package`.
 pub struct Arguments {
@@ -25,9 +26,19 @@ pub struct Arguments {
     /// Folder for the .fmu files [default: dist]
     #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Package this built library (.so, .dll, .dylib) instead of building it
+    /// Build for these platforms, e.g. linux64,win64 [default: this machine's, and linux64 and win64 where their toolchains are
+    /// installed]
+    #[arg(long, value_name = "NAMES")]
+    platform: Option<String>,
+    /// Fail if one of these platforms is missing in the end
+    #[arg(long, value_name = "NAMES")]
+    require: Option<String>,
+    /// Take the libraries for further platforms from this .fmu, which was built elsewhere from the same description
     #[arg(long, value_name = "FILE")]
-    library: Option<PathBuf>,
+    merge: Vec<PathBuf>,
+    /// Package this built library (.so, .dll, .dylib) instead of building it; once for each platform
+    #[arg(long, value_name = "FILE", conflicts_with = "platform")]
+    library: Vec<PathBuf>,
     /// Only write each model's description as FOLDER/NAME.xml
     #[arg(long, value_name = "FOLDER")]
     describe: Option<PathBuf>,
@@ -36,9 +47,12 @@ pub struct Arguments {
 impl Arguments {
     /// Those for the packaging program.
     fn forwarded(&self) -> Vec<OsString> {
-        let paths = [("--out", &self.out), ("--library", &self.library), ("--describe", &self.describe)];
-        let given = paths.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?)));
-        given.flat_map(|(option, path)| [option.into(), path.into()]).collect()
+        let names = [("--platform", &self.platform), ("--require", &self.require)];
+        let names = names.into_iter().filter_map(|(option, names)| Some((option, names.as_ref()?.into())));
+        let paths = [("--out", self.out.as_slice()), ("--describe", self.describe.as_slice())];
+        let paths = paths.into_iter().chain([("--merge", &*self.merge), ("--library", &*self.library)]);
+        let paths = paths.flat_map(|(option, paths)| paths.iter().map(move |path| (option, path.into())));
+        names.chain(paths).flat_map(|(option, value): (&str, OsString)| [option.into(), value]).collect()
     }
 }
 

@@ -17,9 +17,13 @@ macro_rules! export {
         );
 
         /// The models this library serves.
-        pub static FMUS: $crate::Library = $crate::Library::new(&[
+        pub static FMUS: $crate::Library = $crate::Library::new(::core::env!("CARGO_PKG_NAME"), &[
             $({
-                static EXPORTED: $crate::Exported<$model> = $crate::Exported::new();
+                static EXPORTED: $crate::Exported<$model> = $crate::Exported::new($crate::fixed_guid(
+                    // Set by the packaging: see `identity`.
+                    ::core::option_env!("FMI2_EXPORT_GUIDS"),
+                    <$model as $crate::Declare>::INFO.name,
+                ));
                 &EXPORTED
             }),+
         ]);

@@ -12,6 +12,7 @@ mod export;
 #[doc(hidden)]
 pub mod ffi;
 mod handles;
+mod identity;
 mod info;
 mod interface;
 mod layout;
@@ -37,6 +38,8 @@ pub use access::Scalar;
 pub use builder::VariableBuilder;
 pub use enumeration::Enumeration;
 pub use fmi2_export_derive::{Declare, model};
+#[doc(hidden)]
+pub use identity::fixed as fixed_guid;
 pub use info::{DefaultExperiment, Info};
 pub use layout::DeclarationError;
 #[doc(hidden)]

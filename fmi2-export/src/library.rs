@@ -41,6 +41,8 @@ pub(crate) mod sealed {
 
 /// A model of a library: see [`export!`](crate::export).
 pub struct Exported<M> {
+    /// As the packaging had it compiled in.
+    fixed: Option<&'static str>,
     guid: OnceLock<[u8; GUID_LENGTH]>,
     layout: Mutex<Weak<Layout<M>>>,
 }
@@ -48,9 +50,8 @@ pub struct Exported<M> {
 impl<M> Exported<M> {
     /// For a static.
     #[must_use]
-    #[allow(clippy::new_without_default)]
-    pub const fn new() -> Self {
-        Self { guid: OnceLock::new(), layout: Mutex::new(Weak::new()) }
+    pub const fn new(guid: Option<&'static str>) -> Self {
+        Self { fixed: guid, guid: OnceLock::new(), layout: Mutex::new(Weak::new()) }
     }
 }
 
@@ -74,6 +75,9 @@ impl<M: Model> ExportedModel for Exported<M> {
 
 impl<M: Model> sealed::Internal for Exported<M> {
     fn guid(&'static self) -> Result<&'static str, DeclarationError> {
+        if let Some(guid) = self.fixed {
+            return Ok(guid);
+        }
         let bytes = if let Some(bytes) = self.guid.get() {
             bytes
         } else {
@@ -109,6 +113,7 @@ impl<M: Model> sealed::Internal for Exported<M> {
 
 /// A loaded library: the models it serves and the states saved by `fmi2GetFMUstate`.
 pub struct Library {
+    package: &'static str,
     pub(crate) models: &'static [&'static dyn ExportedModel],
     pub(crate) states: Handles,
 }
@@ -116,8 +121,14 @@ pub struct Library {
 impl Library {
     /// For a static.
     #[must_use]
-    pub const fn new(models: &'static [&'static dyn ExportedModel]) -> Self {
-        Self { models, states: Handles::new() }
+    pub const fn new(package: &'static str, models: &'static [&'static dyn ExportedModel]) -> Self {
+        Self { package, models, states: Handles::new() }
+    }
+
+    /// Name of the crate that it is of.
+    #[must_use]
+    pub fn package(&self) -> &'static str {
+        self.package
     }
 
     /// The models this library serves.

@@ -3,6 +3,7 @@
 //! Hidden from the documentation, since only `fmi2-package` of the very same version uses it; it may change with any.
 
 pub use crate::access::EnumerationKind;
+pub use crate::identity::VARIABLE;
 pub use crate::interface::{Interface, Kind, VariableFacts, number};
 pub use crate::unit::{BASE_UNITS, DisplayUnit};
 pub use crate::xml::GENERATION_TOOL;

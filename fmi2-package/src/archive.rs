@@ -1,12 +1,13 @@
 //! The zip archive that an `.fmu` file is (FMI 2.0.4, section 2.3).
 
-use std::io::{Cursor, Write};
+use std::fs::File;
+use std::io::{Cursor, Read, Write};
 use std::path::Path;
 
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
-use crate::PackageError;
+use crate::{PackageError, document};
 
 /// An archive in the making. The same content always gives the same bytes: entries carry no time of day.
 #[derive(Clone, Debug, Default)]
@@ -67,18 +68,50 @@ impl Archive {
     }
 }
 
-/// Folder below `binaries/` for libraries of the platform this program was compiled for.
+/// The files of an archive.
 ///
 /// # Errors
-/// If FMI 2.0 names none.
-pub fn platform_folder() -> Result<&'static str, PackageError> {
-    use std::env::consts::{ARCH, OS};
-    Ok(match (OS, ARCH) {
-        ("linux", "x86_64") => "linux64",
-        ("linux", "x86") => "linux32",
-        ("windows", "x86_64") => "win64",
-        ("windows", "x86") => "win32",
-        ("macos", _) => "darwin64",
-        (os, arch) => return Err(PackageError::Platform { os, arch }),
-    })
+/// If it cannot be read.
+pub fn read(path: &Path) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
+    let failed = |source: std::io::Error| PackageError::file("read", path)(source);
+    let mut zip = ZipArchive::new(File::open(path).map_err(failed)?).map_err(|error| failed(error.into()))?;
+    let mut files = Vec::new();
+    for i in 0..zip.len() {
+        let mut entry = zip.by_index(i).map_err(|error| failed(error.into()))?;
+        let name = entry.name().map_err(|error| failed(error.into()))?.into_owned();
+        let mut content = Vec::new();
+        entry.read_to_end(&mut content).map_err(failed)?;
+        files.push((name, content));
+    }
+    Ok(files)
+}
+
+/// Refuses to replace the archive of a model of another crate, and one whose name differs in small and capital letters only.
+///
+/// # Errors
+/// If there is one in the folder.
+pub fn check_target(folder: &Path, model: &str, package: &str) -> Result<(), PackageError> {
+    let wanted = format!("{model}.fmu");
+    let entries = std::fs::read_dir(folder).map_err(PackageError::file("read", folder))?;
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        if !name.eq_ignore_ascii_case(&wanted) {
+            continue;
+        }
+        // What is no archive, or does not say whose it is, was there before and may go.
+        let files = read(&path).unwrap_or_default();
+        let page =
+            files.iter().find(|(name, _)| name == document::INDEX).map(|(_, page)| String::from_utf8_lossy(page));
+        match page.as_deref().and_then(document::crate_of) {
+            Some(other) if other != package => {
+                return Err(PackageError::Taken { whose: format!("of the crate {other}"), path });
+            }
+            _ if name != wanted => {
+                let whose = format!("not {wanted}, but some systems take both names for the same");
+                return Err(PackageError::Taken { whose, path });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
 }

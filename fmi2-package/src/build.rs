@@ -1,9 +1,11 @@
-//! Builds the library of the crate whose packaging program runs.
+//! Asks cargo about the crate whose packaging program runs, and for its library.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::Value;
+
+use crate::platform::Platform;
 
 /// The profile that libraries are built with, where the workspace has it.
 const PROFILE: &str = "fmu";
@@ -24,41 +26,92 @@ pub enum BuildError {
         source: std::io::Error,
     },
     /// Cargo failed; it has said why on standard error.
-    #[error("cargo could not build the library")]
-    Failed,
+    #[error("cargo could not build the library for {0}")]
+    Failed(&'static str),
+    /// Cargo does not know the crate.
+    #[error("cargo metadata: {0}")]
+    Metadata(String),
     /// The crate has no such library.
     #[error("the crate's library is no cdylib: say crate-type = [\"cdylib\", \"rlib\"] under [lib] in Cargo.toml")]
     NoLibrary,
 }
 
-/// Builds the library and tells where it is: with the profile `fmu` if the workspace has one, otherwise with `release`.
-/// Cargo reports the path itself.
-pub fn library() -> Result<PathBuf, BuildError> {
-    let variable = |name| std::env::var(name).map_err(|_| BuildError::NoCargo(name));
-    let cargo = variable("CARGO")?;
-    let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR")?).join("Cargo.toml");
-    let run = |arguments: &[&str]| {
-        let mut command = Command::new(&cargo);
-        command.args(arguments).arg("--manifest-path").arg(&manifest).stderr(Stdio::inherit());
-        let output = command.output().map_err(|source| BuildError::Start { program: cargo.clone(), source })?;
-        if output.status.success() { Ok(output.stdout) } else { Err(BuildError::Failed) }
-    };
-    let metadata = run(&["metadata", "--no-deps", "--format-version", "1"])?;
-    let metadata: Value = serde_json::from_slice(&metadata).unwrap_or_default();
-    let root = Path::new(metadata["workspace_root"].as_str().unwrap_or_default()).join("Cargo.toml");
-    let has_profile = std::fs::read_to_string(root).is_ok_and(|text| has_table(&text, &format!("profile.{PROFILE}")));
-    let profile = if has_profile { PROFILE } else { "release" };
-    let messages = run(&["build", "--lib", "--profile", profile, "--message-format=json-render-diagnostics"])?;
-    let same_manifest =
-        |message: &Value| message["manifest_path"].as_str().is_some_and(|path| Path::new(path) == manifest);
-    String::from_utf8_lossy(&messages)
-        .lines()
-        .filter_map(|line| serde_json::from_str::<Value>(line).ok())
-        .filter(|message| message["reason"] == "compiler-artifact" && same_manifest(message))
-        .flat_map(|message| message["filenames"].as_array().cloned().unwrap_or_default())
-        .filter_map(|file| file.as_str().map(PathBuf::from))
-        .find(|file| file.extension().is_some_and(|e| e == std::env::consts::DLL_EXTENSION))
-        .ok_or(BuildError::NoLibrary)
+/// The crate whose packaging program runs.
+pub struct Crate {
+    cargo: String,
+    manifest: PathBuf,
+}
+
+impl Crate {
+    /// As `cargo run` names it.
+    pub fn find() -> Result<Self, BuildError> {
+        let variable = |name| std::env::var(name).map_err(|_| BuildError::NoCargo(name));
+        let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR")?).join("Cargo.toml");
+        Ok(Self { cargo: variable("CARGO")?, manifest })
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(&self.cargo);
+        command.args(arguments).arg("--manifest-path").arg(&self.manifest);
+        command
+    }
+
+    fn start(&self, source: std::io::Error) -> BuildError {
+        BuildError::Start { program: self.cargo.clone(), source }
+    }
+
+    /// The licences of what the library is linked from.
+    pub fn licenses(&self) -> Result<String, BuildError> {
+        let platform = Platform::here().map_or_else(Vec::new, |platform| vec!["--filter-platform", platform.target]);
+        let metadata = self.metadata(&platform)?;
+        let packages = metadata["packages"].as_array().into_iter().flatten();
+        let own = packages
+            .filter(|package| package["manifest_path"].as_str().is_some_and(|path| Path::new(path) == self.manifest))
+            .find_map(|package| package["id"].as_str());
+        let own = own.ok_or_else(|| BuildError::Metadata(format!("no crate {}", self.manifest.display())))?;
+        Ok(crate::licenses::text(&metadata, own))
+    }
+
+    fn metadata(&self, arguments: &[&str]) -> Result<Value, BuildError> {
+        let mut command = self.command(&["metadata", "--format-version", "1"]);
+        let output = command.args(arguments).output().map_err(|source| self.start(source))?;
+        if !output.status.success() {
+            return Err(BuildError::Metadata(String::from_utf8_lossy(&output.stderr).trim().to_owned()));
+        }
+        serde_json::from_slice(&output.stdout).map_err(|error| BuildError::Metadata(error.to_string()))
+    }
+
+    /// The profile for the library: `fmu` if the workspace has one, otherwise `release`.
+    fn profile(&self) -> Result<&'static str, BuildError> {
+        let metadata = self.metadata(&["--no-deps"])?;
+        let root = Path::new(metadata["workspace_root"].as_str().unwrap_or_default()).join("Cargo.toml");
+        let text = std::fs::read_to_string(root).unwrap_or_default();
+        Ok(if has_table(&text, &format!("profile.{PROFILE}")) { PROFILE } else { "release" })
+    }
+
+    /// Builds the library with these GUIDs in it and tells where it is. Cargo reports the path itself.
+    pub fn library(&self, platform: &'static Platform, guids: &str) -> Result<PathBuf, BuildError> {
+        let mut command =
+            self.command(&["build", "--lib", "--profile", self.profile()?, "--message-format=json-render-diagnostics"]);
+        if Platform::here() != Some(platform) {
+            command.args(["--target", platform.target]);
+        }
+        command.env(fmi2_export::packaging::VARIABLE, guids).envs(platform.linker());
+        let output = command.stderr(Stdio::inherit()).output().map_err(|source| self.start(source))?;
+        if !output.status.success() {
+            return Err(BuildError::Failed(platform.folder));
+        }
+        let ours =
+            |message: &Value| message["manifest_path"].as_str().is_some_and(|path| Path::new(path) == self.manifest);
+        String::from_utf8_lossy(&output.stdout)
+            .lines()
+            .filter_map(|line| serde_json::from_str::<Value>(line).ok())
+            .filter(|message| message["reason"] == "compiler-artifact" && ours(message))
+            .flat_map(|message| message["filenames"].as_array().cloned().unwrap_or_default())
+            .filter_map(|file| file.as_str().map(PathBuf::from))
+            .find(|file| file.extension().is_some_and(|extension| extension == platform.extension()))
+            .ok_or(BuildError::NoLibrary)
+    }
 }
 
 /// Whether a TOML file has a table of this name.

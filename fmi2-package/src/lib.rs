@@ -4,6 +4,9 @@ mod archive;
 mod arguments;
 mod build;
 mod document;
+mod licenses;
+mod platform;
+mod program;
 mod response;
 
 use std::path::{Path, PathBuf};
@@ -12,11 +15,12 @@ use std::process::ExitCode;
 use fmi2_export::{DeclarationError, Description};
 use fmi2_export::{ExportedModel, Library};
 
-pub use archive::{Archive, platform_folder};
+pub use archive::Archive;
 pub use build::BuildError;
 pub use response::{OfTime, Panel, Response, ResponseError};
 
-use arguments::{Command, HELP, parse};
+use document::Origin;
+use platform::Platform;
 
 /// What a model's author says of it besides its declarations. Every part is optional.
 #[derive(Clone, Copy, Debug)]
@@ -108,13 +112,40 @@ pub enum PackageError {
         /// Why.
         source: std::io::Error,
     },
-    /// FMI 2.0 has no name for binaries of this platform.
-    #[error("FMI 2.0 names no folder for binaries of {os} on {arch}")]
-    Platform {
-        /// Operating system.
-        os: &'static str,
-        /// Processor architecture.
-        arch: &'static str,
+    /// A platform has no name in FMI 2.0, or cannot be built for here.
+    #[error("{0}")]
+    Platform(String),
+    /// A file is no library for these models.
+    #[error("{}: {problem}", path.display())]
+    Library {
+        /// Which one.
+        path: PathBuf,
+        /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// An archive cannot be merged.
+    #[error("cannot merge {}: {problem}", path.display())]
+    Merge {
+        /// Which one.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
+    /// Two models want the same file.
+    #[error("two models are called {one} and {other}, so that one's archive would replace the other's: rename one")]
+    SameName {
+        /// One model.
+        one: &'static str,
+        /// The other one.
+        other: &'static str,
+    },
+    /// An archive of that name is there, and another model's.
+    #[error("{} is {whose}: choose another folder (--out), or remove it", path.display())]
+    Taken {
+        /// Where.
+        path: PathBuf,
+        /// Of what.
+        whose: String,
     },
 }
 
@@ -128,67 +159,13 @@ impl PackageError {
 /// The packaging program: parses the command line, does what it says, reports errors. See `--help`.
 #[must_use]
 pub fn main(library: &'static Library, documents: &[Document<'_>]) -> ExitCode {
-    match run(library, documents) {
+    match program::run(library, documents) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(if matches!(error, PackageError::Usage(_)) { 2 } else { 1 })
         }
     }
-}
-
-fn run(library: &'static Library, documents: &[Document<'_>]) -> Result<(), PackageError> {
-    let command = parse()?;
-    if matches!(command, Command::Help) {
-        print!("{HELP}");
-        return Ok(());
-    }
-    let models = library.models();
-    let descriptions: Vec<Description> = models.iter().map(|model| model.description()).collect::<Result<_, _>>()?;
-    check_names(documents, &descriptions)?;
-    match command {
-        Command::Help => {}
-        Command::Describe { out } => {
-            create(&out)?;
-            for description in &descriptions {
-                let path = out.join(format!("{}.xml", description.name));
-                std::fs::write(&path, &description.xml).map_err(PackageError::file("write", &path))?;
-                println!("{}", path.display());
-            }
-        }
-        Command::Package { out, library } => {
-            // First what can be wrong with the documents: building takes longer.
-            let none = Document::new();
-            let document = |name| documents.iter().find(|document| document.model == name).unwrap_or(&none);
-            let extras = models
-                .iter()
-                .zip(&descriptions)
-                .map(|(model, description)| document::files(*model, description, document(description.name)));
-            let extras = extras.collect::<Result<Vec<_>, _>>()?;
-            let library = match library {
-                Some(path) => path,
-                None => build::library()?,
-            };
-            let binary = std::fs::read(&library).map_err(PackageError::file("read", &library))?;
-            create(&out)?;
-            for (description, files) in descriptions.iter().zip(&extras) {
-                println!("{}", assemble(description, &binary, files, &out)?.display());
-            }
-        }
-    }
-    Ok(())
-}
-
-fn check_names(documents: &[Document<'_>], descriptions: &[Description]) -> Result<(), PackageError> {
-    let known: Vec<&'static str> = descriptions.iter().map(|description| description.name).collect();
-    match documents.iter().find(|document| !known.contains(&document.model)) {
-        Some(stray) => Err(PackageError::NoSuchModel { model: stray.model.to_owned(), known }),
-        None => Ok(()),
-    }
-}
-
-fn create(folder: &Path) -> Result<(), PackageError> {
-    std::fs::create_dir_all(folder).map_err(PackageError::file("create", folder))
 }
 
 /// Writes `NAME.fmu` into a folder. The file appears under its name only when it is complete. The same library, model and
@@ -203,24 +180,14 @@ pub fn write(
     document: &Document<'_>,
     folder: &Path,
 ) -> Result<PathBuf, PackageError> {
-    assemble(description, binary, &document::files(model, description, document)?, folder)
-}
-
-fn assemble(
-    description: &Description,
-    binary: &[u8],
-    files: &[(String, Vec<u8>)],
-    folder: &Path,
-) -> Result<PathBuf, PackageError> {
-    let path = folder.join(format!("{}.fmu", description.name));
-    let extension = std::env::consts::DLL_EXTENSION;
-
+    let here = Platform::here().ok_or_else(|| PackageError::Platform("FMI 2.0 does not name this platform".into()))?;
     let mut archive = Archive::new();
     archive.add("modelDescription.xml", description.xml.as_bytes());
-    archive.add(format!("binaries/{}/{}.{extension}", platform_folder()?, description.name), binary);
-    for (path, content) in files {
-        archive.add(path, content);
+    archive.add(program::library_path(here, description.name), binary);
+    for (path, content) in document::files(model, description, document, &Origin::new("", vec![here]))? {
+        archive.add(path, &content);
     }
+    let path = folder.join(format!("{}.fmu", description.name));
     archive.write(&path)?;
     Ok(path)
 }

@@ -6,7 +6,7 @@
 
 pub mod crosscheck;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -110,19 +110,8 @@ pub fn package(
     let folder = tempfile::Builder::new().prefix(".dualarm-").tempdir_in(out).map_err(write)?;
     for Built { model, library, program } in &built {
         progress(&format!("packaging {model}"));
-        let output = Command::new(program)
-            .arg("--library")
-            .arg(library)
-            .arg("--out")
-            .arg(folder.path())
-            .stdin(Stdio::null())
-            .output()
-            .map_err(|source| PackageError::Start { program: program.display().to_string(), source })?;
-        if !output.status.success() {
-            let message = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-            let message = if message.is_empty() { output.status.to_string() } else { message };
-            return Err(PackageError::Packager { model: model.clone(), message });
-        }
+        let arguments = [OsStr::new("--library"), library.as_os_str(), OsStr::new("--out"), folder.path().as_os_str()];
+        run(&root.join(model), program, &arguments)?;
     }
 
     let mut fmus = Vec::new();
@@ -142,8 +131,9 @@ pub fn package(
     Ok(fmus)
 }
 
-/// The libraries with the profile `fmu`, without what packaging needs; the programs with the profile of this tool, which has
-/// compiled most of what they need. Selecting the whole workspace gives dependencies the features they have there.
+/// The programs with the profile of this tool, which has compiled most of what they need (selecting the whole workspace gives
+/// dependencies the features they have there); then, with the GUIDs that these say, the libraries with the profile `fmu` and
+/// without what packaging needs.
 fn build(root: &Path, quiet: bool) -> Result<Vec<Built>, PackageError> {
     let mut libraries = vec!["--profile", "fmu", "--lib"];
     let mut programs = vec!["--release", "--workspace"];
@@ -152,15 +142,51 @@ fn build(root: &Path, quiet: bool) -> Result<Vec<Built>, PackageError> {
         libraries.extend(["--package", *model]);
         programs.extend(["--bin", *model, "--features", feature.as_str()]);
     }
-    let messages = cargo_build(root, quiet, &libraries)? + &cargo_build(root, quiet, &programs)?;
-    MODELS.iter().map(|model| find_built(&messages, model)).collect()
+    let messages = cargo_build(root, quiet, &programs, "")?;
+    let programs: Vec<PathBuf> =
+        MODELS.iter().map(|model| find_program(&messages, model)).collect::<Result<_, PackageError>>()?;
+    let mut guids = Vec::new();
+    for (model, program) in MODELS.iter().zip(&programs) {
+        guids.push(run(&root.join(model), program, &[OsStr::new("--guids")])?);
+    }
+    let messages = cargo_build(root, quiet, &libraries, &guids.join(";"))?;
+    let built = MODELS.iter().zip(programs).map(|(model, program)| {
+        Ok(Built { model: (*model).to_owned(), library: find_library(&messages, model)?, program })
+    });
+    built.collect()
+}
+
+/// Runs a model's packaging program, with what `cargo run` would tell it of its crate; what it prints.
+fn run(home: &Path, program: &Path, arguments: &[&OsStr]) -> Result<String, PackageError> {
+    let output = Command::new(program)
+        .args(arguments)
+        .env("CARGO", cargo())
+        .env("CARGO_MANIFEST_DIR", home)
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|source| PackageError::Start { program: program.display().to_string(), source })?;
+    if !output.status.success() {
+        let message = String::from_utf8_lossy(&output.stderr).trim().to_owned();
+        let message = if message.is_empty() { output.status.to_string() } else { message };
+        let model = home.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        return Err(PackageError::Packager { model, message });
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+}
+
+fn cargo() -> OsString {
+    std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
 }
 
 /// Runs `cargo build`; its messages, one JSON object per line.
-fn cargo_build(root: &Path, quiet: bool, arguments: &[&str]) -> Result<String, PackageError> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"));
+fn cargo_build(root: &Path, quiet: bool, arguments: &[&str], guids: &str) -> Result<String, PackageError> {
+    let cargo = cargo();
     let mut command = Command::new(&cargo);
     command.current_dir(root).args(["build", "--message-format=json-render-diagnostics"]).args(arguments);
+    if !guids.is_empty() {
+        // Compiled into the libraries: which descriptions they belong to.
+        command.env("FMI2_EXPORT_GUIDS", guids);
+    }
     if quiet {
         command.arg("--quiet");
     }
@@ -175,33 +201,36 @@ fn cargo_build(root: &Path, quiet: bool, arguments: &[&str]) -> Result<String, P
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Finds a crate's library and program in cargo's messages, one JSON object per line.
-fn find_built(messages: &str, model: &str) -> Result<Built, PackageError> {
-    let artifacts: Vec<Value> = messages
+/// What cargo says it has built for a crate, in its messages, one JSON object per line.
+fn artifacts(messages: &str, model: &str, kind: &str) -> Vec<Value> {
+    messages
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok())
         .filter(|message: &Value| {
+            let target = &message["target"];
             message["reason"] == "compiler-artifact"
-                && message["target"]["name"].as_str().is_some_and(|name| name.replace('_', "-") == model)
+                && target["name"].as_str().is_some_and(|name| name.replace('_', "-") == model)
+                && target["kind"].as_array().is_some_and(|kinds| kinds.iter().any(|found| found == kind))
         })
-        .collect();
-    let is_of_kind = |artifact: &&Value, kind: &str| {
-        artifact["target"]["kind"].as_array().is_some_and(|kinds| kinds.iter().any(|found| found == kind))
-    };
-    let missing = |what| PackageError::NotBuilt { model: model.to_owned(), what };
-    let library = artifacts
+        .collect()
+}
+
+fn find_library(messages: &str, model: &str) -> Result<PathBuf, PackageError> {
+    artifacts(messages, model, "cdylib")
         .iter()
-        .filter(|artifact| is_of_kind(artifact, "cdylib"))
         .flat_map(|artifact| artifact["filenames"].as_array().into_iter().flatten())
         .filter_map(Value::as_str)
         .find(|name| name.ends_with(std::env::consts::DLL_SUFFIX))
-        .ok_or_else(|| missing("shared library"))?;
-    let program = artifacts
+        .map(PathBuf::from)
+        .ok_or_else(|| PackageError::NotBuilt { model: model.to_owned(), what: "shared library" })
+}
+
+fn find_program(messages: &str, model: &str) -> Result<PathBuf, PackageError> {
+    artifacts(messages, model, "bin")
         .iter()
-        .filter(|artifact| is_of_kind(artifact, "bin"))
         .find_map(|artifact| artifact["executable"].as_str())
-        .ok_or_else(|| missing("packaging program"))?;
-    Ok(Built { model: model.to_owned(), library: library.into(), program: program.into() })
+        .map(PathBuf::from)
+        .ok_or_else(|| PackageError::NotBuilt { model: model.to_owned(), what: "packaging program" })
 }
 
 #[cfg(test)]
@@ -218,10 +247,10 @@ not json
 {{"reason":"compiler-artifact","target":{{"kind":["bin"],"name":"plant-fmu"}},"filenames":["t/plant-fmu"],"executable":"t/plant-fmu"}}
 {{"reason":"build-finished","success":true}}"#
         );
-        let built = find_built(&messages, "plant-fmu").unwrap();
-        assert_eq!(built.library, Path::new(&format!("t/libplant_fmu{suffix}")));
-        assert_eq!(built.program, Path::new("t/plant-fmu"));
-        let message = find_built(&messages, "controller-fmu").unwrap_err().to_string();
+        let library = PathBuf::from(format!("t/libplant_fmu{suffix}"));
+        assert_eq!(find_library(&messages, "plant-fmu").unwrap(), library);
+        assert_eq!(find_program(&messages, "plant-fmu").unwrap(), Path::new("t/plant-fmu"));
+        let message = find_library(&messages, "controller-fmu").unwrap_err().to_string();
         assert_eq!(message, "cargo built no shared library for controller-fmu");
     }
 

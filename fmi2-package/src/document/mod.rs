@@ -14,16 +14,50 @@ use quick_xml::escape::escape;
 use tempfile::TempDir;
 
 use self::chart::Chart;
+use crate::platform::{PLATFORMS, Platform};
 use crate::response::{self, Run};
-use crate::{Document, File, PackageError, Response, platform_folder};
+use crate::{Document, File, PackageError, Response};
 
-const INDEX: &str = "documentation/index.html";
+pub const INDEX: &str = "documentation/index.html";
 const ICON: &str = "model.png";
 const LICENSE: &str = "documentation/licenses/license.txt";
 const RESULTS: &str = "documentation/response.csv";
 const INPUTS: &str = "documentation/response_in.csv";
+/// The licences of the crates that the library is linked from.
+pub const LINKED_LICENSES: &str = "documentation/licenses/linked-crates.txt";
 /// Where else the archive has files, which are not the author's.
-const OURS: [&str; 3] = ["modelDescription.xml", "binaries/", "sources/"];
+const OURS: [&str; 4] = ["modelDescription.xml", "binaries/", "sources/", LINKED_LICENSES];
+
+/// Where an archive comes from and what it is for.
+pub struct Origin {
+    package: &'static str,
+    platforms: Vec<&'static Platform>,
+}
+
+impl Origin {
+    /// The crate of the models, and the platforms that the archive has libraries for.
+    pub fn new(package: &'static str, mut platforms: Vec<&'static Platform>) -> Self {
+        platforms.sort_by_key(|platform| PLATFORMS.iter().position(|known| known == *platform));
+        platforms.dedup();
+        Self { package, platforms }
+    }
+
+    fn folders(&self) -> String {
+        self.platforms.iter().map(|platform| platform.folder).collect::<Vec<_>>().join(", ")
+    }
+
+    /// An attribute of the page by which a later packaging knows whose archive it would replace.
+    fn mark(&self) -> String {
+        if self.package.is_empty() { String::new() } else { format!(" {MARK}\"{}\"", escape(self.package)) }
+    }
+}
+
+const MARK: &str = "data-crate=";
+
+/// The crate that a page is from, if it says so.
+pub fn crate_of(page: &str) -> Option<&str> {
+    page.split_once(MARK)?.1.split('"').nth(1)
+}
 
 /// The files of an archive besides description and library.
 ///
@@ -33,6 +67,7 @@ pub fn files(
     model: &'static dyn ExportedModel,
     description: &Description,
     document: &Document<'_>,
+    origin: &Origin,
 ) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
     let interface = interface(model)?;
     let wrong = |problem| PackageError::Document { model: description.name, problem };
@@ -63,7 +98,7 @@ pub fn files(
         }
         files.push((ICON.into(), document.icon.to_vec()));
     }
-    let page = Page { interface: &interface, description, document, text: &text, run: run.as_ref() };
+    let page = Page { interface: &interface, description, document, origin, text: &text, run: run.as_ref() };
     files.push((INDEX.into(), page.to_html().map_err(wrong)?.into_bytes()));
     if !document.license.is_empty() {
         files.push((LICENSE.into(), document.license.into()));
@@ -108,6 +143,7 @@ struct Page<'a> {
     interface: &'a Interface,
     description: &'a Description,
     document: &'a Document<'a>,
+    origin: &'a Origin,
     text: &'a text::Text,
     run: Option<&'a (Response<'a>, Run<'a>)>,
 }
@@ -115,8 +151,9 @@ struct Page<'a> {
 impl Page<'_> {
     fn to_html(&self) -> Result<String, String> {
         let name = escape(self.description.name);
+        let crate_name = self.origin.mark();
         let mut html = format!(
-            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+            "<!DOCTYPE html>\n<html lang=\"en\"{crate_name}>\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <meta name=\"generator\" content=\"{GENERATION_TOOL}\"/>\n<title>{name}</title>\n\
              <style>\n{}</style>\n</head>\n<body>\n",
@@ -230,10 +267,9 @@ impl Page<'_> {
             command.push_str(" --start-values");
             for (name, value) in response.start {
                 let is_boolean = |variable: &VariableFacts| variable.name == *name && variable.kind == Kind::Boolean;
-                let _ = match self.interface.variables.iter().any(is_boolean) {
-                    true => write!(command, " {} {}", quoted(name), *value != 0.0),
-                    false => write!(command, " {} {value}", quoted(name)),
-                };
+                let is_boolean = self.interface.variables.iter().any(is_boolean);
+                let value = if is_boolean { (*value != 0.0).to_string() } else { value.to_string() };
+                let _ = write!(command, " {} {value}", quoted(name));
             }
         }
         if !run.inputs.is_empty() {
@@ -260,7 +296,7 @@ impl Page<'_> {
             rows.push(("Relative tolerance", number(tolerance)));
         }
         rows.extend(tables::capabilities(self.interface));
-        rows.push(("Binary for", platform_folder().unwrap_or_default().to_owned()));
+        rows.push(("Binary for", self.origin.folders()));
         rows.push(("Generation tool", GENERATION_TOOL.to_owned()));
         let command = if self.document.command.is_empty() { "cargo fmi2 package" } else { self.document.command };
         rows.push(("Made by", command.to_owned()));

@@ -1,0 +1,268 @@
+//! Platforms: what FMI 2.0.4 (section 2.3) calls the folders below `binaries/`, what a library for them looks like, and what it
+//! takes to build one. For all but the first six the standard refers to the platform tuples of FMI 3.0.
+
+use std::path::Path;
+use std::process::Command;
+
+use object::{Architecture, BinaryFormat, Object, ObjectKind};
+
+/// A platform that an archive can have a library for.
+#[derive(Debug, PartialEq, Eq)]
+pub struct Platform {
+    /// Its folder below `binaries/`.
+    pub folder: &'static str,
+    os: &'static str,
+    arch: &'static str,
+    /// What cargo calls it.
+    pub target: &'static str,
+    /// The linker that cargo starts if it is not the machine's own, and the package that has it.
+    linker: Option<(&'static str, &'static str)>,
+}
+
+const fn platform(folder: &'static str, os: &'static str, arch: &'static str, target: &'static str) -> Platform {
+    Platform { folder, os, arch, target, linker: None }
+}
+
+/// All of them.
+pub const PLATFORMS: [Platform; 8] = [
+    platform("linux64", "linux", "x86_64", "x86_64-unknown-linux-gnu"),
+    Platform {
+        linker: Some(("x86_64-w64-mingw32-gcc", "mingw-w64")),
+        ..platform("win64", "windows", "x86_64", "x86_64-pc-windows-gnu")
+    },
+    platform("darwin64", "macos", "x86_64", "x86_64-apple-darwin"),
+    platform("linux32", "linux", "x86", "i686-unknown-linux-gnu"),
+    Platform {
+        linker: Some(("i686-w64-mingw32-gcc", "mingw-w64")),
+        ..platform("win32", "windows", "x86", "i686-pc-windows-gnu")
+    },
+    Platform {
+        linker: Some(("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu")),
+        ..platform("aarch64-linux", "linux", "aarch64", "aarch64-unknown-linux-gnu")
+    },
+    platform("aarch64-darwin", "macos", "aarch64", "aarch64-apple-darwin"),
+    platform("aarch64-windows", "windows", "aarch64", "aarch64-pc-windows-msvc"),
+];
+
+/// Those that are built where their toolchains are, besides the machine's own.
+const USUAL: [&str; 2] = ["linux64", "win64"];
+
+/// Every function that an FMU for co-simulation has to export.
+const FUNCTIONS: [&str; 31] = [
+    "fmi2CancelStep",
+    "fmi2DeSerializeFMUstate",
+    "fmi2DoStep",
+    "fmi2EnterInitializationMode",
+    "fmi2ExitInitializationMode",
+    "fmi2FreeFMUstate",
+    "fmi2FreeInstance",
+    "fmi2GetBoolean",
+    "fmi2GetBooleanStatus",
+    "fmi2GetDirectionalDerivative",
+    "fmi2GetFMUstate",
+    "fmi2GetInteger",
+    "fmi2GetIntegerStatus",
+    "fmi2GetReal",
+    "fmi2GetRealOutputDerivatives",
+    "fmi2GetRealStatus",
+    "fmi2GetStatus",
+    "fmi2GetString",
+    "fmi2GetStringStatus",
+    "fmi2GetTypesPlatform",
+    "fmi2GetVersion",
+    "fmi2Instantiate",
+    "fmi2Reset",
+    "fmi2SerializeFMUstate",
+    "fmi2SerializedFMUstateSize",
+    "fmi2SetBoolean",
+    "fmi2SetDebugLogging",
+    "fmi2SetFMUstate",
+    "fmi2SetInteger",
+    "fmi2SetReal",
+    "fmi2Terminate",
+];
+
+impl Platform {
+    /// The one this program runs on.
+    #[must_use]
+    pub fn here() -> Option<&'static Self> {
+        use std::env::consts::{ARCH, OS};
+        PLATFORMS.iter().find(|platform| (platform.os, platform.arch) == (OS, ARCH))
+    }
+
+    /// The one of this folder.
+    ///
+    /// # Errors
+    /// If there is none; the message names those there are.
+    pub fn named(folder: &str) -> Result<&'static Self, String> {
+        PLATFORMS.iter().find(|platform| platform.folder == folder).ok_or_else(|| {
+            format!("there is no platform {folder:?}, but {}", PLATFORMS.map(|platform| platform.folder).join(", "))
+        })
+    }
+
+    /// How its libraries' names end.
+    #[must_use]
+    pub fn extension(&self) -> &'static str {
+        match self.os {
+            "windows" => "dll",
+            "macos" => "dylib",
+            _ => "so",
+        }
+    }
+
+    /// The one that a file is an FMU's library for.
+    ///
+    /// # Errors
+    /// If it is none; the message says what it is instead.
+    pub fn of(library: &[u8]) -> Result<&'static Self, String> {
+        let file = object::File::parse(library).map_err(|error| format!("it is no shared library: {error}"))?;
+        let os = match file.format() {
+            BinaryFormat::Elf => "linux",
+            BinaryFormat::Pe => "windows",
+            BinaryFormat::MachO => "macos",
+            other => return Err(format!("its format is {other:?}, not that of a shared library")),
+        };
+        let arch = match file.architecture() {
+            Architecture::X86_64 => "x86_64",
+            Architecture::I386 => "x86",
+            Architecture::Aarch64 => "aarch64",
+            other => return Err(format!("FMI 2.0 names no folder for binaries of {os} on {other:?}")),
+        };
+        if file.kind() != ObjectKind::Dynamic {
+            return Err(format!("it is no shared library, but {:?}", file.kind()));
+        }
+        let exports = file.exports().map_err(|error| format!("its exported symbols cannot be read: {error}"))?;
+        // Mach-O puts an underscore before the names of C.
+        let names = exports.iter().map(|export| export.name().strip_prefix(b"_").unwrap_or(export.name()));
+        let names: std::collections::HashSet<&[u8]> = names.collect();
+        if let Some(missing) = FUNCTIONS.iter().find(|function| !names.contains(function.as_bytes())) {
+            return Err(format!(
+                "it does not export {missing}: is it the cdylib of a crate with fmi2_export::export!?"
+            ));
+        }
+        PLATFORMS
+            .iter()
+            .find(|platform| (platform.os, platform.arch) == (os, arch))
+            .ok_or_else(|| format!("FMI 2.0 names no folder for binaries of {os} on {arch}"))
+    }
+
+    /// What is missing to build for it here, as what to do about it. `None` if nothing is.
+    #[must_use]
+    pub fn missing(&self) -> Option<String> {
+        if Self::here() == Some(self) {
+            return None;
+        }
+        let mut todo = Vec::new();
+        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let libraries = Command::new(rustc).args(["--print", "target-libdir", "--target", self.target]).output();
+        let has_std = libraries.is_ok_and(|output| {
+            let folder = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+            output.status.success()
+                && std::fs::read_dir(Path::new(&folder)).is_ok_and(|mut files| files.next().is_some())
+        });
+        if !has_std {
+            todo.push(format!("rustup target add {}", self.target));
+        }
+        let linker_variable = format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace('-', "_"));
+        match self.linker {
+            // Apple's tools are on Apple's machines only.
+            None if self.os == "macos" && !cfg!(target_os = "macos") => todo.push("a Mac".to_owned()),
+            Some((linker, package)) if std::env::var_os(linker_variable).is_none() && !on_path(linker) => {
+                todo.push(format!("{linker} (package {package})"));
+            }
+            _ => {}
+        }
+        (!todo.is_empty()).then(|| todo.join(" and "))
+    }
+
+    /// The program that links for it, if cargo has to be told.
+    #[must_use]
+    pub fn linker(&self) -> Option<(String, &'static str)> {
+        let (linker, _) = self.linker.filter(|_| Self::here() != Some(self))?;
+        let variable = format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace('-', "_"));
+        std::env::var_os(&variable).is_none().then_some((variable, linker))
+    }
+}
+
+fn on_path(program: &str) -> bool {
+    let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
+    std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(&name).is_file()))
+}
+
+/// Platforms to build for, and others with what they lack.
+pub type Selection = (Vec<&'static Platform>, Vec<(&'static Platform, String)>);
+
+/// The platforms to build for, and those left out with what they lack. `wanted` are the ones to build and no others; where there
+/// are none, that is the machine's own, and the usual ones whose toolchains are there.
+///
+/// # Errors
+/// If one that is wanted or required cannot be built, with what to do.
+pub fn select(wanted: &[&'static Platform], required: &[&'static Platform]) -> Result<Selection, String> {
+    let lacking =
+        |platform: &Platform, what: &str| format!("{} cannot be built here: it needs {what}", platform.folder);
+    if !wanted.is_empty() {
+        if let Some(absent) = required.iter().find(|platform| !wanted.contains(platform)) {
+            return Err(format!("{} is required, but not among the platforms to build", absent.folder));
+        }
+        return match wanted.iter().find_map(|platform| Some((platform, platform.missing()?))) {
+            Some((platform, what)) => Err(lacking(platform, &what)),
+            None => Ok((wanted.to_vec(), Vec::new())),
+        };
+    }
+    let (mut built, mut left_out) = (Vec::new(), Vec::new());
+    for platform in &PLATFORMS {
+        let is_required = required.contains(&platform);
+        if !(is_required || USUAL.contains(&platform.folder) || Platform::here() == Some(platform)) {
+            continue;
+        }
+        match platform.missing() {
+            None => built.push(platform),
+            Some(what) if is_required => return Err(lacking(platform, &what)),
+            Some(what) => left_out.push((platform, what)),
+        }
+    }
+    if built.is_empty() {
+        use std::env::consts::{ARCH, OS};
+        return Err(format!("FMI 2.0 names no folder for binaries of {OS} on {ARCH}"));
+    }
+    Ok((built, left_out))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_platforms_are_the_same() {
+        for (i, platform) in PLATFORMS.iter().enumerate() {
+            assert_eq!(Platform::named(platform.folder), Ok(platform));
+            for other in &PLATFORMS[..i] {
+                assert!(platform.target != other.target && (platform.os, platform.arch) != (other.os, other.arch));
+            }
+        }
+        let message = Platform::named("linux").unwrap_err();
+        assert!(message.contains("linux64") && message.contains("aarch64-darwin"), "{message}");
+    }
+
+    #[test]
+    fn what_is_no_library_is_refused_with_what_it_is() {
+        for junk in [&b""[..], b"no library", b"\x7fELF", b"MZ"] {
+            assert!(Platform::of(junk).unwrap_err().contains("no shared library"));
+        }
+        let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
+        assert!(Platform::of(&program).is_err(), "a program");
+    }
+
+    #[test]
+    fn the_machines_own_platform_needs_nothing() {
+        let here = Platform::here().unwrap();
+        assert_eq!(here.missing(), None);
+        let (built, _) = select(&[], &[]).unwrap();
+        assert!(built.contains(&here));
+        assert_eq!(select(&[here], &[here]).unwrap().0, [here]);
+        let elsewhere = PLATFORMS.iter().find(|platform| platform.missing().is_some()).unwrap();
+        for refused in [select(&[elsewhere], &[]), select(&[], &[elsewhere]), select(&[here], &[elsewhere])] {
+            assert!(refused.unwrap_err().starts_with(elsewhere.folder));
+        }
+    }
+}
