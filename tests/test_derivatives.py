@@ -26,6 +26,7 @@ INPUT_SIZES = {
     **{"theta1": 0.05, "theta2": 0.05, "theta1_dot": 0.5, "theta2_dot": 0.5, "y_object": 0.05, "y_object_dot": 0.1},
     **{"root_moment1": 0.1, "root_moment2": 0.1, "tip_shear1": 0.5, "tip_shear2": 0.5},
     **{"tip_shear1_dot": 10.0, "tip_shear2_dot": 10.0, "lambda1_ref": 0.5, "theta1_ref": 0.05},
+    **{"root_moment1_dot": 1.0, "root_moment2_dot": 1.0},
 }
 SIZES = {**INPUT_SIZES, "root_moment1_dot": 5.0, "root_moment2_dot": 5.0}
 NETWORKS_OFF = {"a1": 0.0, "a31": 0.0, "a32": 0.0}
@@ -55,6 +56,11 @@ CASES = [
     Case(PLANT, {"actuator_model": "raw", "kelvin_voigt": 1e-3}, size=30.0),
     Case("PdController", {"EI2": 0.3}),
     Case("PdsController", {"EI2": 0.3}),
+    Case("PdController", {"ki": 300.0, "ki1": 20.0, "rate_source": "estimated"}),
+    Case("NabfcController", {"law": "root_strain", "EI2": 0.3}),
+    Case("NabfcController", {"law": "root_strain", "r_strain_rate_bandwidth": 0.0}, size=0.1),
+    Case("NabfcController", {"law": "root_strain", "rate_source": "estimated"}),
+    Case("NabfcController", {"rate_source": "estimated", "shear_rate_bandwidth": 0.0}),
     Case("NabfcController", {}),  # sat and tanh saturated
     Case("NabfcController", {}, size=1e-3),  # both near zero
     Case("NabfcController", {**NETWORKS_OFF, "shear_rate_bandwidth": 0.0}, size=0.1),
@@ -82,7 +88,7 @@ class Point:
 
 def operating_points(case: Case, fmu: Fmu) -> Iterator[Point]:
     """The instance in several states, by random inputs over steps of several sizes."""
-    random = np.random.default_rng(2024)
+    random = np.random.default_rng(2025)
     names = fmu.names("input", "Real")
     sizes = case.size * np.array([SIZES[name] for name in names])
 

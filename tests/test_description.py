@@ -13,7 +13,18 @@ import pytest
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from .support.contract import COMMANDS, CONTRACT, CONTROLLERS, DIRECT, EXPORTS, FMUS, MEASURED, PLANT, Variable
+from .support.contract import (
+    COMMANDS,
+    CONTRACT,
+    CONTROLLERS,
+    DIRECT,
+    EXPORTS,
+    FMUS,
+    MEASURED,
+    MOMENT_RATES,
+    PLANT,
+    Variable,
+)
 from .support.harness import Fmu
 from .support.paths import description, fmu_path
 from .support.units import base_units
@@ -161,8 +172,8 @@ def test_every_signal_a_controller_needs_has_one_name(fmus: dict[str, Fmu]) -> N
     outputs = set(fmus[PLANT].names("output"))
     references = {"lambda1_ref", "theta1_ref"}
     for controller in CONTROLLERS:
-        assert set(fmus[controller].names("input")) == set(MEASURED) | references
-        assert set(MEASURED) <= outputs
+        assert set(fmus[controller].names("input")) == set(MEASURED) | references | set(MOMENT_RATES)
+        assert set(MEASURED) | set(MOMENT_RATES) <= outputs
         assert set(COMMANDS) <= set(fmus[controller].names("output"))
         assert not outputs & set(fmus[controller].names("output"))  # nothing ambiguous when wired by name
 

@@ -53,7 +53,8 @@ def test_files_are_where_the_standard_wants_them(name: str) -> None:
     assert 100 <= height <= 512
     assert content["documentation/licenses/license.txt"] == (ROOT / "LICENSE").read_bytes()
     assert content[INDEX].lower().startswith(b"<!doctype html>")
-    assert fmu_path(name).stat().st_size < 700_000
+    # NABFC, the largest, holds two laws.
+    assert fmu_path(name).stat().st_size < 750_000
 
 
 @each_fmu

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from .conftest import ClosedLoop
-from .support.contract import COMMANDS, CONTROLLERS, MEASURED, PLANT
+from .support.contract import COMMANDS, CONTROLLERS, MEASURED, MOMENT_RATES, PLANT
 from .support.harness import Fmu
 from .support.paths import ROOT
 
@@ -46,6 +46,6 @@ def test_the_guide_shows_the_ports_in_their_order() -> None:
 
 def test_the_modelica_text_connects_everything() -> None:
     connected = re.findall(r"connect\((\w+)\.(\w+), (\w+)\.(\w+)\);", GUIDE)
-    expected = [("plant", name, "controller", name) for name in MEASURED]
+    expected = [("plant", name, "controller", name) for name in (*MEASURED, *MOMENT_RATES)]
     expected += [("controller", name, "plant", name) for name in COMMANDS]
     assert connected == expected

@@ -111,7 +111,7 @@ def test_connectors_and_connections_are_those_of_the_fmus(title: str, fmus: dict
         for source, target in (("plant", "controller"), ("controller", "plant"))
         for name in outputs[source] & inputs[target]
     }
-    assert len(wanted) == 15  # twelve measured signals, three commands
+    assert len(wanted) == 17  # fourteen measured signals, three commands
     ends = ("startElement", "startConnector", "endElement", "endConnector")
     for file, structure in structures(title).items():
         units = {unit.get("name"): unit[0].attrib for unit in find(structure, "ssd:Units/ssc:Unit")}

@@ -42,10 +42,11 @@ def vibration_dies_out(closed_loop: ClosedLoop, controller: str, coupling: str, 
 @pytest.mark.parametrize("coupling", COUPLINGS)
 @pytest.mark.parametrize("controller", ["PdController", "PdsController"])
 def test_limits_of_the_stiff_loops(controller: str, coupling: str, closed_loop: ClosedLoop) -> None:
-    """Stable just below, unstable a little above: the numbers are rounded down, by 3 % at most."""
+    """Stable just below, unstable well above. Near the limit a mode grows so slowly that 3 s do not show it; the sharp
+    limits are those of spectral radii in grasp-control/tests/sampling.rs."""
     limit = limits()[controller, coupling]
     assert vibration_dies_out(closed_loop, controller, coupling, 0.98 * limit)
-    assert not vibration_dies_out(closed_loop, controller, coupling, 1.06 * limit)
+    assert not vibration_dies_out(closed_loop, controller, coupling, 1.15 * limit)
 
 
 @pytest.mark.parametrize("coupling", COUPLINGS)

@@ -53,6 +53,8 @@ const MOTION: &[(&str, OfTime)] = &[
     ("tip_shear2", |t| shear(1) * done(t)),
     ("tip_shear1_dot", |t| shear(0) * done_rate(t)),
     ("tip_shear2_dot", |t| shear(1) * done_rate(t)),
+    ("root_moment1_dot", |t| moment(0) * done_rate(t)),
+    ("root_moment2_dot", |t| moment(1) * done_rate(t)),
 ];
 
 const COMMANDS: [Panel<'_>; 4] = [

@@ -31,21 +31,21 @@ fn instance(guid: &str) -> Component {
 
 /// Inputs that move, ramps, two step sizes, the outputs and their derivatives.
 fn run(c: Component, outputs: &[u32], steps: std::ops::Range<u32>, time: &mut f64) {
-    let inputs: [u32; 14] = std::array::from_fn(|i| u32::try_from(i).unwrap());
+    let inputs: [u32; 16] = std::array::from_fn(|i| u32::try_from(i).unwrap());
     let mut values = [0.0; 64];
     let values = &mut values[..outputs.len()];
     // The commands, targets and errors have time derivatives.
-    let (derived, orders) = (&outputs[..10], [1; 14]);
+    let (derived, orders) = (&outputs[..10], [1; 16]);
     for step in steps {
         let size = if step % 3 == 0 { 5e-5 } else { 1e-4 };
-        let signals: [f64; 14] = std::array::from_fn(|i| 0.01 * (f64::from(step) * 0.1 + i as f64).sin());
+        let signals: [f64; 16] = std::array::from_fn(|i| 0.01 * (f64::from(step) * 0.1 + i as f64).sin());
         // SAFETY: as a host does.
         unsafe {
-            assert_eq!(calls::set_real(c, inputs.as_ptr(), 14, signals.as_ptr()), Status::Ok);
+            assert_eq!(calls::set_real(c, inputs.as_ptr(), 16, signals.as_ptr()), Status::Ok);
             assert_eq!(calls::get_real(c, outputs.as_ptr(), outputs.len(), values.as_mut_ptr()), Status::Ok);
             if step % 4 == 0 {
                 let (orders, slopes) = (orders.as_ptr(), signals.as_ptr());
-                assert_eq!(calls::set_real_input_derivatives(c, inputs.as_ptr(), 14, orders, slopes), Status::Ok);
+                assert_eq!(calls::set_real_input_derivatives(c, inputs.as_ptr(), 16, orders, slopes), Status::Ok);
             }
             assert_eq!(calls::do_step(c, *time, size, 1), Status::Ok);
             assert_eq!(calls::get_real(c, outputs.as_ptr(), outputs.len(), values.as_mut_ptr()), Status::Ok);
@@ -66,8 +66,8 @@ fn costs_of_memory() {
 fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
     for model in controller_fmu::FMUS.models() {
         let description = model.description().unwrap();
-        // 14 inputs come first, then 10 outputs; NABFC has 12 more.
-        let outputs: Vec<u32> = (14..if description.name == "NabfcController" { 36 } else { 24 }).collect();
+        // 16 inputs come first, then 10 outputs; NABFC has 12 more.
+        let outputs: Vec<u32> = (16..if description.name == "NabfcController" { 38 } else { 26 }).collect();
         let c = instance(&description.guid);
         let mut time = 0.0;
         run(c, &outputs, 0..3, &mut time);
@@ -82,7 +82,7 @@ fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
 fn an_instance_is_small_and_leaves_nothing_behind() {
     for model in controller_fmu::FMUS.models() {
         let description = model.description().unwrap();
-        let outputs: Vec<u32> = (14..24).collect();
+        let outputs: Vec<u32> = (16..26).collect();
         let create = || {
             let mut component = null_mut();
             let held = measure(|| {

@@ -5,16 +5,17 @@ use grasp_control::{Arms, Inputs, Law, Measurements, References};
 use grasp_plant::{Measured, Parameters, Plant};
 
 /// What the plant measures, as the controller reads it: the names and units are the same.
-fn read(measured: &Measured) -> Measurements {
-    let Measured { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } = *measured;
-    Measurements { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot }
+fn read(plant: &Plant) -> Measurements {
+    let Measured { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } = plant.measured();
+    let root_moment_dot = plant.uncertainty().root_moment_dot;
+    Measurements { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot, root_moment_dot }
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut plant = Plant::new(Parameters::default())?;
     let mut law = Nabfc::new(Arms::default(), Gains::default())?;
     let step = 1e-4; // s
-    let mut seen = Inputs { measured: read(&plant.measured()), reference: References::default() };
+    let mut seen = Inputs { measured: read(&plant), reference: References::default() };
     law.initialize(&seen);
     for i in 0..=5000_u32 {
         let commands = law.commands(&seen);
@@ -26,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         law.step(step, &seen, &Inputs::HELD)?;
         plant.step(step, &inputs, &grasp_plant::Inputs::ZERO)?;
-        seen.measured = read(&plant.measured());
+        seen.measured = read(&plant);
     }
     Ok(())
 }

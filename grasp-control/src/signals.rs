@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Number of inputs of every controller: twelve measurements and two references.
-pub const INPUTS: usize = 14;
+/// Number of inputs of every controller: fourteen measurements and two references.
+pub const INPUTS: usize = 16;
 
 /// Names of the inputs, in the order of [`Inputs::to_array`] and of every Jacobian row.
 pub const INPUT_NAMES: [&str; INPUTS] = [
@@ -19,6 +19,8 @@ pub const INPUT_NAMES: [&str; INPUTS] = [
     "tip_shear2",
     "tip_shear1_dot",
     "tip_shear2_dot",
+    "root_moment1_dot",
+    "root_moment2_dot",
     "lambda1_ref",
     "theta1_ref",
 ];
@@ -32,8 +34,9 @@ pub(crate) mod column {
     pub const ROOT_MOMENT: usize = 6;
     pub const TIP_SHEAR: usize = 8;
     pub const TIP_SHEAR_DOT: usize = 10;
-    pub const LAMBDA1_REF: usize = 12;
-    pub const THETA1_REF: usize = 13;
+    pub const ROOT_MOMENT_DOT: usize = 12;
+    pub const LAMBDA1_REF: usize = 14;
+    pub const THETA1_REF: usize = 15;
 }
 
 /// The measured signals; index 0 of an array is arm 1.
@@ -55,6 +58,8 @@ pub struct Measurements {
     pub tip_shear: [f64; 2],
     /// Rates of the shear forces at the tips, Q̇ᵢ \[N/s\].
     pub tip_shear_dot: [f64; 2],
+    /// Rates of the bending moments at the roots, Ṁᵢ(0) \[N·m/s\].
+    pub root_moment_dot: [f64; 2],
 }
 
 /// The two references from which all targets follow, eq. (16).
@@ -79,7 +84,7 @@ impl Default for References {
 /// [`Inputs::HELD`] are the rates of inputs that are held constant.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Inputs {
-    /// The twelve measured signals.
+    /// The fourteen measured signals.
     pub measured: Measurements,
     /// The two references.
     pub reference: References,
@@ -97,8 +102,16 @@ impl Inputs {
     /// The inputs as one array, ordered like [`INPUT_NAMES`].
     #[must_use]
     pub const fn to_array(&self) -> [f64; INPUTS] {
-        let Measurements { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } =
-            self.measured;
+        let Measurements {
+            theta,
+            theta_dot,
+            y_object,
+            y_object_dot,
+            root_moment,
+            tip_shear,
+            tip_shear_dot,
+            root_moment_dot,
+        } = self.measured;
         [
             theta[0],
             theta[1],
@@ -112,6 +125,8 @@ impl Inputs {
             tip_shear[1],
             tip_shear_dot[0],
             tip_shear_dot[1],
+            root_moment_dot[0],
+            root_moment_dot[1],
             self.reference.lambda1_ref,
             self.reference.theta1_ref,
         ]
@@ -133,6 +148,8 @@ impl Inputs {
             tip_shear2,
             tip_shear1_dot,
             tip_shear2_dot,
+            root_moment1_dot,
+            root_moment2_dot,
             lambda1_ref,
             theta1_ref,
         ] = values;
@@ -145,6 +162,7 @@ impl Inputs {
                 root_moment: [root_moment1, root_moment2],
                 tip_shear: [tip_shear1, tip_shear2],
                 tip_shear_dot: [tip_shear1_dot, tip_shear2_dot],
+                root_moment_dot: [root_moment1_dot, root_moment2_dot],
             },
             reference: References { lambda1_ref, theta1_ref },
         }

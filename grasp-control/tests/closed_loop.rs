@@ -53,7 +53,17 @@ impl Plant {
     fn measure(&self, reference: References) -> Inputs {
         let Measured { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } =
             self.plant.measured();
-        let measured = Measurements { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot };
+        let root_moment_dot = self.plant.uncertainty().root_moment_dot;
+        let measured = Measurements {
+            theta,
+            theta_dot,
+            y_object,
+            y_object_dot,
+            root_moment,
+            tip_shear,
+            tip_shear_dot,
+            root_moment_dot,
+        };
         Inputs { measured, reference }
     }
 

@@ -9,7 +9,7 @@ use grasp_control::Law;
 use grasp_control::laws::nabfc::Gains;
 use grasp_control::laws::nabfc::Nabfc;
 use grasp_control::laws::pd::{Pd, PdGains};
-use grasp_control::laws::pds::{Pds, PdsGains};
+use grasp_control::laws::pds::{Limits, Pds, PdsGains};
 use grasp_control::{INPUT_NAMES, INPUTS, Inputs};
 use proptest::prelude::*;
 
@@ -129,8 +129,8 @@ proptest! {
     #[test]
     fn pd_and_pds_jacobians(inputs in grasp_inputs()) {
         let arms = unequal_arms();
-        assert_jacobian(&mut Pds::new(arms, PdsGains::default()).unwrap(), &inputs);
-        assert_jacobian(&mut Pd::new(arms, PdGains::default()).unwrap(), &inputs);
+        assert_jacobian(&mut Pds::new(arms, PdsGains::default(), Limits::default()).unwrap(), &inputs);
+        assert_jacobian(&mut Pd::new(arms, PdGains::default(), Limits::default()).unwrap(), &inputs);
     }
 
     /// The time derivative against what the commands do over a very short step, forwards and second order:

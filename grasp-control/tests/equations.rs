@@ -10,7 +10,7 @@ use grasp_control::Law;
 use grasp_control::laws::nabfc::Gains;
 use grasp_control::laws::nabfc::Nabfc;
 use grasp_control::laws::pd::{Pd, PdGains};
-use grasp_control::laws::pds::{Pds, PdsGains};
+use grasp_control::laws::pds::{Limits, Pds, PdsGains};
 use grasp_control::{Commands, Inputs, Measurements, References};
 use proptest::prelude::*;
 
@@ -183,8 +183,8 @@ proptest! {
         let x = paper.signals(&inputs);
         let shear: f64 = inputs.measured.tip_shear.iter().sum();
         let moment = inputs.measured.root_moment;
-        let pds = Pds::new(arms, PdsGains::default()).unwrap().commands(&inputs);
-        let pd = Pd::new(arms, PdGains::default()).unwrap().commands(&inputs);
+        let pds = Pds::new(arms, PdsGains::default(), Limits::default()).unwrap().commands(&inputs);
+        let pd = Pd::new(arms, PdGains::default(), Limits::default()).unwrap().commands(&inputs);
         let expected_pds = [
             -35.0 * x.e[0] - 15.0 * x.e_dot[0] - 10.0 * arms.ei[0] * x.q2_0[0] + moment[0],
             -35.0 * x.e[1] - 15.0 * x.e_dot[1] - 10.0 * arms.ei[1] * x.q2_0[1] + moment[1],
@@ -227,8 +227,8 @@ fn at_the_target_the_commands_are_the_static_loads() {
     let mut laws: [Box<dyn Law>; 4] = [
         Box::new(Nabfc::new(arms, Gains::default()).unwrap()),
         Box::new(Nabfc::new(arms, Gains::fast()).unwrap()),
-        Box::new(Pds::new(arms, PdsGains::default()).unwrap()),
-        Box::new(Pd::new(arms, PdGains::default()).unwrap()),
+        Box::new(Pds::new(arms, PdsGains::default(), Limits::default()).unwrap()),
+        Box::new(Pd::new(arms, PdGains::default(), Limits::default()).unwrap()),
     ];
     for law in &mut laws {
         law.initialize(&inputs);

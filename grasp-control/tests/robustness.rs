@@ -28,8 +28,8 @@ proptest! {
     /// Every magnitude from 1e-300 to the largest accepted one, every sign.
     #[test]
     fn extreme_inputs_give_finite_results(
-        exponents in prop::array::uniform14(-300.0..49.5_f64),
-        signs in prop::array::uniform14(prop::bool::ANY),
+        exponents in prop::array::uniform16(-300.0..49.5_f64),
+        signs in prop::array::uniform16(prop::bool::ANY),
         h in 1e-9..1e3,
     ) {
         let inputs = Inputs::from_array(std::array::from_fn(|i| {
@@ -134,9 +134,9 @@ fn bad_gains_are_named() {
     }
     names.extend(refused_names(&Gains::PARAMETERS, "", |gains, _| gains));
     names.extend(refused_names(&RbfLayout::PARAMETERS, "", |gains, _| &mut gains.rbf));
-    let expected = "eta k mu_bar c1 epsilon1 a1 a2 gamma1 gamma2 b1 b2 m_hat_0 \
-        xi1 k1 mu1 c31 epsilon21 a31 a41 zeta11 zeta21 g11 g21 J1_hat_0 \
-        xi2 k2 mu2 c32 epsilon22 a32 a42 zeta12 zeta22 g12 g22 J2_hat_0 sat_limit shear_rate_bandwidth";
+    let expected = "eta k mu_bar c1 epsilon1 a1 a2 W_max gamma1 gamma2 b1 b2 m_hat_0 \
+        xi1 k1 mu1 c31 epsilon21 a31 a41 U1_max zeta11 zeta21 g11 g21 J1_hat_0 \
+        xi2 k2 mu2 c32 epsilon22 a32 a42 U2_max zeta12 zeta22 g12 g22 J2_hat_0 sat_limit shear_rate_bandwidth";
     for name in expected.split_whitespace() {
         assert_eq!(names.iter().filter(|n| *n == name).count(), 1, "{name}");
     }
@@ -153,4 +153,30 @@ fn presets_are_valid() {
     for gains in [Gains::default(), Gains::fast(), Gains::baseline(), Gains::default().without_networks()] {
         gains.validate().unwrap();
     }
+}
+
+/// The projection keeps the weights in the ball of Lemma 3, whatever drives them, and lets them back from its surface.
+#[test]
+fn weights_stay_in_their_ball() {
+    let mut gains = Gains::default();
+    gains.object.w_max = 0.2;
+    gains.posture[0].u_max = 0.3;
+    let mut law = Nabfc::new(Arms::default(), gains).unwrap();
+    let mut values = [0.01; INPUTS];
+    let push = Inputs::from_array(values);
+    law.initialize(&push);
+    for _ in 0..2000 {
+        law.step(1e-3, &push, &Inputs::HELD).unwrap();
+        let estimates = law.estimates();
+        assert!(estimates.w_norm <= 0.2 * (1.0 + 1e-12) && estimates.u_norm[0] <= 0.3 * (1.0 + 1e-12));
+    }
+    let full = law.estimates();
+    assert!(full.u_norm[0] > 0.299 && full.u_norm[1] > full.u_norm[0], "only the bounded network is held: {full:?}");
+    assert_eq!(law.estimate_rates(&push).u_norm[0], 0.0);
+    values[0] = 0.06;
+    let back = Inputs::from_array(values);
+    for _ in 0..50 {
+        law.step(1e-3, &back, &Inputs::HELD).unwrap();
+    }
+    assert!(law.estimates().u_norm[0] < full.u_norm[0]);
 }

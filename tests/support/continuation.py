@@ -45,7 +45,7 @@ AMPLITUDES = {
         "theta": 0.05,
         "y_object_dot": 0.1,
     },
-    **{"y_object": 0.02, "root_moment": 0.1, "tip_shear1_dot": 10.0, "tip_shear2_dot": 10.0, "tip_shear": 0.5},
+    **{"y_object": 0.02, "root_moment1_dot": 1.0, "root_moment2_dot": 1.0, "root_moment": 0.1, "tip_shear1_dot": 10.0, "tip_shear2_dot": 10.0, "tip_shear": 0.5},
     **{"lambda1_ref": 0.5},
 }
 

@@ -53,8 +53,11 @@ MEASURED = {
     "tip_shear2_dot": "N/s",
 }
 
+# What the plant outputs too and NABFC's root-strain law measures, after the references.
+MOMENT_RATES = {"root_moment1_dot": "N.m/s", "root_moment2_dot": "N.m/s"}
+
 # What GraspInstruments shows a controller.
-SHOWN = {**MEASURED, "root_moment1_dot": "N.m/s", "root_moment2_dot": "N.m/s"}
+SHOWN = {**MEASURED, **MOMENT_RATES}
 
 # A controller commands these, and the plant takes them.
 COMMANDS = {"tau1_cmd": "N.m", "tau2_cmd": "N.m", "u_cmd": "N"}
@@ -63,7 +66,7 @@ _PLANT = [
     *(Variable(name, "input", unit) for name, unit in COMMANDS.items()),
     *_rows("input", "N.m", "delta_f1 delta_f2"),
     *_rows("input", "N", "delta_F"),
-    *(Variable(name, "output", unit) for name, unit in MEASURED.items()),
+    *(Variable(name, "output", unit) for name, unit in (MEASURED | MOMENT_RATES).items()),
     *_rows("output", "N", "lambda1 lambda2 contact_force1 contact_force2 u"),
     *_rows("output", "N.m", "tau1 tau2"),
     *_rows("output", "m", "tip_deflection1 tip_deflection2 constraint1 constraint2"),
@@ -101,6 +104,7 @@ _CONTROLLER = [
     *(Variable(name, "input", unit) for name, unit in MEASURED.items()),
     *_rows("input", "N", "lambda1_ref", -0.5),
     *_rows("input", "rad", "theta1_ref", math.radians(3)),
+    *(Variable(name, "input", unit) for name, unit in MOMENT_RATES.items()),
     *(Variable(name, "output", unit) for name, unit in COMMANDS.items()),
     *_rows("output", "rad", "theta1_d theta2_d e1 e2"),
     *_rows("output", "m", "y_object_d p"),
@@ -120,6 +124,17 @@ def _gains(kp: float, kv: float, kp_hub: float, kv_hub: float) -> list[Variable]
     ]
 
 
+_ACTUATION = [
+    *_rows("parameter", "N.m", "tau_limit", 2.0),
+    *_rows("parameter", "N", "u_limit", 0.3),
+    *_rows("parameter", "kg.m2", "observer_inertia1 observer_inertia2", 0.0073),
+    *_rows("parameter", "kg", "observer_mass", 0.5),
+    *_rows("parameter", "rad/s", "observer_bandwidth", 300.0),
+    Variable("rate_source", "parameter", type="Enumeration", items=("measured", "estimated")),
+]
+
+_INTEGRALS = [*_rows("parameter", "N/(m.s)", "ki", 0.0), *_rows("parameter", "N.m/(rad.s)", "ki1 ki2", 0.0)]
+
 _PER_ARM = ("xi", "k", "mu", "c3", "epsilon2", "a3", "a4", "zeta1", "zeta2", "g1", "g2")
 
 _NABFC = [
@@ -136,6 +151,12 @@ _NABFC = [
     *_rows("parameter", "kg.m2", "J1_hat_0 J2_hat_0"),
     *_rows("parameter", None, "sat_limit"),
     *_rows("parameter", "rad/s", "shear_rate_bandwidth"),
+    *_rows("parameter", "N", "W_max", 0.0),
+    *_rows("parameter", "N.m", "U1_max U2_max", 0.0),
+    Variable("law", "parameter", type="Enumeration", items=("paper", "root_strain")),
+    *_rows("parameter", None, "r_slope r_reach r_strain r_slope1 r_reach1 r_strain1 r_slope2 r_reach2 r_strain2"),
+    *_rows("parameter", "kg", "r_mass_0 r_mass_min r_mass_max"),
+    *_ACTUATION,
 ]
 
 # A signal's own unit is None here.
@@ -184,6 +205,12 @@ _ACTUATORS = [
 CONTRACT: dict[str, list[Variable]] = {
     "DualArmPlant": _PLANT,
     "NabfcController": [*_CONTROLLER, *_NABFC],
+    "PdsController": [
+        *(*_CONTROLLER, *_gains(40, 35, 35, 15), *_INTEGRALS, *_ACTUATION),
+        *_rows("parameter", "", "ks1 ks2", 10),
+    ],
+    "PdController": [*_CONTROLLER, *_gains(10, 9, 60, 55), *_INTEGRALS, *_ACTUATION],
+
     "PdsController": [*_CONTROLLER, *_gains(40, 35, 35, 15), *_rows("parameter", "", "ks1 ks2", 10)],
     "PdController": [*_CONTROLLER, *_gains(10, 9, 60, 55)],
     INSTRUMENTS: _INSTRUMENTS,

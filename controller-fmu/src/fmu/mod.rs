@@ -1,6 +1,7 @@
 //! The controllers as FMUs: one interface, three laws.
 
 use fmi2_export::{Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, Variables};
+use grasp_control::blocks::observer::RateSource;
 use grasp_control::{Arms, Commands, Errors, Inputs, InvalidParameter, Law, Targets, inner};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -12,6 +13,24 @@ mod variables;
 pub use nabfc_controller::NabfcController;
 pub use pd_controller::PdController;
 pub use pds_controller::PdsController;
+
+fmi2_export::enumeration! {
+    /// Where the rates of angles, position and strain come from
+    pub enum Rates {
+        #[default]
+        Measured = "measured": "From the inputs whose names end in _dot",
+        Estimated = "estimated": "From observers of angles, position and strain; the inputs whose names end in _dot are not used",
+    }
+}
+
+impl From<Rates> for RateSource {
+    fn from(rates: Rates) -> Self {
+        match rates {
+            Rates::Measured => Self::Measured,
+            Rates::Estimated => Self::Estimated,
+        }
+    }
+}
 
 /// The longest step a controller takes \[s\], some thirty years: the products of step size and state stay finite. Far
 /// longer ones would end in NaN.
@@ -30,6 +49,8 @@ pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'st
     const DESCRIPTION: &'static str;
     /// Measurements that `u_cmd` depends on, besides the position, the velocity and the shears of all laws.
     const FORCE_ALSO_DEPENDS_ON: &'static [&'static str] = &[];
+    /// Measurements that each `tau{}_cmd` depends on, besides the angle, its rate and the root moment of all laws.
+    const TORQUE_ALSO_DEPENDS_ON: &'static [&'static str] = &[];
 
     /// The law with these settings, in its initial state.
     ///
@@ -67,8 +88,8 @@ pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'st
     }
 
     /// Change of the extra outputs along a direction of the inputs.
-    fn extra_derivative(&self, direction: &Inputs) -> Self::Extra {
-        let _ = direction;
+    fn extra_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Self::Extra {
+        let _ = (inputs, direction);
         Self::Extra::default()
     }
 }
@@ -225,7 +246,7 @@ impl<L: FmuLaw> Model for Controller<L> {
         (direction.outputs.targets, direction.outputs.errors) = target_change(&self.arms, &direction.inputs);
         if let Some(law) = &mut self.law {
             direction.outputs.commands = law.jacobian(&self.inputs).apply(&direction.inputs);
-            direction.outputs.extra = law.extra_derivative(&direction.inputs);
+            direction.outputs.extra = law.extra_derivative(&self.inputs, &direction.inputs);
         }
     }
 }

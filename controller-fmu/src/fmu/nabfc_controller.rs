@@ -1,14 +1,25 @@
 //! `NabfcController.fmu`.
 
 use fmi2_export::{Evaluation, Variables};
+use grasp_control::laws::encoders::{Actuation, Encoders};
 use grasp_control::laws::nabfc::{Estimates, Gains, Nabfc, ObjectGains, PostureGains, RbfLayout, Surfaces};
-use grasp_control::{Arms, Inputs, InvalidParameter, inner};
+use grasp_control::laws::root_strain::{self, RootStrain, RootStrainGains};
+use grasp_control::{Arms, CommandJacobian, Commands, Inputs, InvalidParameter, Law, StepError, inner};
 use serde::{Deserialize, Serialize};
 
-use super::{Controller, FmuLaw};
+use super::{Controller, FmuLaw, Rates};
 
 /// `NabfcController.fmu`.
-pub type NabfcController = Controller<Nabfc>;
+pub type NabfcController = Controller<NabfcLaw>;
+
+fmi2_export::enumeration! {
+    /// Which law commands the grasp
+    pub enum Choice {
+        #[default]
+        Paper = "paper": "Equations (31)-(39) and (49)-(57) of the paper",
+        RootStrain = "root_strain": "Root strain in the posture surface, disturbances learnt from prediction errors, estimated mass; its parameters begin with r_",
+    }
+}
 
 fmi2_export::enumeration! {
     /// Where the gains of the law come from
@@ -16,14 +27,19 @@ fmi2_export::enumeration! {
         #[default]
         Parameters = "parameters": "As the gain parameters say; their start values are tuned for robustness",
         Fast = "fast": "A built-in set with the shortest settling time; the gain parameters are not used",
+        NoiseProof = "noise_proof": "A built-in set that bears sensor noise; for the law root_strain its start values",
     }
 }
 
 /// What the user can set.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Settings {
+    choice: Choice,
     preset: Preset,
+    rates: Rates,
     gains: Gains,
+    root_strain: RootStrainGains,
+    actuation: Actuation,
 }
 
 impl Settings {
@@ -31,7 +47,67 @@ impl Settings {
         match self.preset {
             Preset::Parameters => self.gains,
             Preset::Fast => Gains::fast(),
+            Preset::NoiseProof => Gains::noise_proof(),
         }
+    }
+
+    fn root_strain(&self) -> RootStrainGains {
+        match self.preset {
+            Preset::Parameters => self.root_strain,
+            Preset::Fast => RootStrainGains::fast(),
+            Preset::NoiseProof => RootStrainGains::default(),
+        }
+    }
+}
+
+/// One of the two laws.
+#[derive(Clone, Serialize, Deserialize)]
+pub enum NabfcLaw {
+    /// The paper's.
+    Paper(Box<Encoders<Nabfc>>),
+    /// With root strain in the posture surface.
+    RootStrain(Box<RootStrain>),
+}
+
+impl NabfcLaw {
+    fn law(&self) -> &dyn Law {
+        match self {
+            Self::Paper(law) => &**law,
+            Self::RootStrain(law) => &**law,
+        }
+    }
+
+    fn law_mut(&mut self) -> &mut dyn Law {
+        match self {
+            Self::Paper(law) => &mut **law,
+            Self::RootStrain(law) => &mut **law,
+        }
+    }
+}
+
+impl Law for NabfcLaw {
+    fn arms(&self) -> &Arms {
+        self.law().arms()
+    }
+
+    fn initialize(&mut self, inputs: &Inputs) {
+        self.law_mut().initialize(inputs);
+    }
+
+    fn commands(&mut self, inputs: &Inputs) -> Commands {
+        self.law_mut().commands(inputs)
+    }
+
+    fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        self.law_mut().step(h, inputs, rates)
+    }
+
+    fn jacobian(&mut self, inputs: &Inputs) -> CommandJacobian {
+        self.law_mut().jacobian(inputs)
+    }
+
+    fn command_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Commands {
+        self.law_mut().command_rates(inputs, rates)
     }
 }
 
@@ -42,7 +118,16 @@ pub struct Extra {
     estimates: Estimates,
 }
 
-impl FmuLaw for Nabfc {
+/// Change of the paper's sliding variables, which are linear in what the law sees, along a direction of that.
+fn paper_surfaces(law: &Nabfc, direction: &Inputs) -> Surfaces {
+    let (jacobian, direction) = (law.surface_jacobian(), direction.to_array());
+    Surfaces {
+        object: inner(&jacobian.object, &direction),
+        posture: jacobian.posture.map(|row| inner(&row, &direction)),
+    }
+}
+
+impl FmuLaw for NabfcLaw {
     type Settings = Settings;
     type Extra = Extra;
 
@@ -50,20 +135,44 @@ impl FmuLaw for Nabfc {
     const DESCRIPTION: &'static str =
         "Neuro-adaptive boundary force control (NABFC) of the dual-arm grasp, eqs. (31)-(39) and (49)-(57)";
     const FORCE_ALSO_DEPENDS_ON: &'static [&'static str] = &["tip_shear1_dot", "tip_shear2_dot"];
+    const TORQUE_ALSO_DEPENDS_ON: &'static [&'static str] = &["root_moment{}_dot"];
 
     fn create(arms: Arms, settings: &Settings) -> Result<Self, InvalidParameter> {
-        Self::new(arms, settings.gains())
+        // Both are checked, so that a parameter's range does not depend on another parameter.
+        let paper = Nabfc::new(arms, settings.gains())?;
+        let (rates, actuation) = (settings.rates.into(), settings.actuation);
+        let root_strain = RootStrain::new(arms, settings.root_strain(), actuation, rates)?;
+        Ok(match settings.choice {
+            Choice::Paper => Self::Paper(Box::new(Encoders::new(paper, rates, actuation)?)),
+            Choice::RootStrain => Self::RootStrain(Box::new(root_strain)),
+        })
     }
 
     fn retune(&mut self, settings: &Settings) -> Result<(), InvalidParameter> {
-        self.set_gains(settings.gains())
+        settings.gains().validate()?;
+        settings.root_strain().validate()?;
+        match self {
+            Self::Paper(law) => {
+                settings.actuation.validate()?;
+                law.law_mut().set_gains(settings.gains())?;
+                law.set_actuation(settings.actuation)
+            }
+            Self::RootStrain(law) => law.set_gains(settings.root_strain(), settings.actuation),
+        }
     }
 
     fn is_like(&self, other: &Self) -> bool {
-        self.has_settings_of(other)
+        match (self, other) {
+            (Self::Paper(law), Self::Paper(other)) => {
+                law.has_settings_of(other) && law.law().has_settings_of(other.law())
+            }
+            (Self::RootStrain(law), Self::RootStrain(other)) => law.has_settings_of(other),
+            _ => false,
+        }
     }
 
     fn declare_settings(variables: &mut Variables<NabfcController>) {
+        variables.parameter("law", |m| &mut m.settings.choice).description("Which law commands the grasp");
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
         variables.tunables(ObjectGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.object);
         variables.tunable_family(PostureGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.posture);
@@ -80,6 +189,17 @@ impl FmuLaw for Nabfc {
             .parameter("rbf_rings_object", |m| &mut m.settings.gains.rbf.rings_object)
             .range(f64::from(*object.start()), f64::from(*object.end()))
             .description("Nodes of the object network on each side of the centre along each of its seven axes");
+        variables
+            .tunables(root_strain::ObjectGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain.object);
+        variables
+            .tunable_family(root_strain::HubGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain.hub);
+        variables.tunables(root_strain::MassGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain.mass);
+        variables.tunables(RootStrainGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain);
+        variables.parameters(root_strain::MassGains::FIXED.map(Into::into), |m| &mut m.settings.root_strain.mass);
+        variables
+            .parameter("rate_source", |m| &mut m.settings.rates)
+            .description("Where the rates of angles, position and strain come from");
+        variables.tunables(Actuation::PARAMETERS.map(Into::into), |m| &mut m.settings.actuation);
     }
 
     fn declare_extra(variables: &mut Variables<NabfcController>, rates: Evaluation) {
@@ -89,19 +209,32 @@ impl FmuLaw for Nabfc {
     }
 
     fn extra(&self, inputs: &Inputs) -> Extra {
-        Extra { surfaces: self.surfaces(inputs), estimates: self.estimates() }
+        match self {
+            Self::Paper(law) => {
+                let (seen, law) = (law.seen(inputs), law.law());
+                Extra { surfaces: law.surfaces(&seen), estimates: law.estimates() }
+            }
+            Self::RootStrain(law) => Extra { surfaces: law.surfaces(inputs), estimates: law.estimates() },
+        }
     }
 
     fn extra_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Extra {
-        // The sliding variables are linear in the inputs and depend on nothing else.
-        Extra { estimates: self.estimate_rates(inputs), ..self.extra_derivative(rates) }
+        match self {
+            Self::Paper(law) => {
+                let (seen, seen_rates) = (law.seen(inputs), law.seen_rates(inputs, rates));
+                let surfaces = paper_surfaces(law.law(), &seen_rates);
+                Extra { surfaces, estimates: law.law_mut().estimate_rates(&seen) }
+            }
+            Self::RootStrain(law) => {
+                Extra { surfaces: law.surface_rates(inputs, rates), estimates: law.estimate_rates(inputs) }
+            }
+        }
     }
 
-    fn extra_derivative(&self, direction: &Inputs) -> Extra {
-        let (jacobian, direction) = (self.surface_jacobian(), direction.to_array());
-        let surfaces = Surfaces {
-            object: inner(&jacobian.object, &direction),
-            posture: jacobian.posture.map(|row| inner(&row, &direction)),
+    fn extra_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Extra {
+        let surfaces = match self {
+            Self::Paper(law) => paper_surfaces(law.law(), &law.seen_direction(direction)),
+            Self::RootStrain(law) => law.surface_derivative(inputs, direction),
         };
         // Estimates change with time only.
         Extra { surfaces, estimates: Estimates::default() }
@@ -114,7 +247,7 @@ fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation
         .rate(rates, |m| &mut m.rates.extra.surfaces.object)
         .unit("m/s")
         .depends_on(["y_object", "y_object_dot", "tip_shear1", "tip_shear2", "lambda1_ref", "theta1_ref"])
-        .description("Sliding variable of the object loop, eq. (33)");
+        .description("Sliding variable of the object loop, eq. (33) or its counterpart of the root-strain law");
     for i in 0..2 {
         let n = i + 1;
         let output = variables.output(format!("s{n}"), extra, move |m| &mut m.outputs.extra.surfaces.posture[i]);
@@ -122,9 +255,11 @@ fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation
             .unit("rad/s")
             .display_degrees()
             .rate(rates, move |m| &mut m.rates.extra.surfaces.posture[i])
-            .depends_on([format!("theta{n}"), format!("theta{n}_dot")])
-            .depends_on(["theta1_ref", "lambda1_ref"].into_iter().take(n))
-            .description(&format!("Sliding variable of posture loop {n}, eq. (51)"));
+            .depends_on([format!("theta{n}"), format!("theta{n}_dot"), format!("root_moment{n}")])
+            .depends_on(["theta1_ref", "lambda1_ref"])
+            .description(&format!(
+                "Sliding variable of posture loop {n}, eq. (51) or its counterpart of the root-strain law"
+            ));
     }
 }
 

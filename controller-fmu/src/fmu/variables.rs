@@ -59,6 +59,12 @@ pub(super) fn inputs<L: FmuLaw>(variables: &mut Variables<Controller<L>>) {
         .display_degrees()
         .nominal(0.1)
         .description("Wanted angle of hub 1; all other targets follow from the two references, eq. (16)");
+    // Last, so that all other inputs are where they were before there were these.
+    variables
+        .input_array("root_moment{}_dot", |m| &mut m.inputs.measured.root_moment_dot)
+        .ramp_array(|m| &mut m.input_rates.measured.root_moment_dot)
+        .unit("N.m/s")
+        .description("Measured rate of the bending moment at the root of arm {}");
 }
 
 pub(super) fn commands<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates: Evaluation) {
@@ -68,6 +74,7 @@ pub(super) fn commands<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rate
         .rate_array(rates, |m| &mut m.rates.commands.tau)
         .unit("N.m")
         .depends_on(["theta{}", "theta{}_dot", "root_moment{}", "lambda1_ref", "theta1_ref"])
+        .depends_on(L::TORQUE_ALSO_DEPENDS_ON.iter().copied())
         .description("Commanded torque on hub {}");
     variables
         .output("u_cmd", commands, |m| &mut m.outputs.commands.u)

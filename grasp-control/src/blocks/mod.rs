@@ -3,5 +3,6 @@
 pub mod adaptation;
 pub mod exponential;
 pub mod lowpass;
+pub mod observer;
 pub mod rbf;
 pub(crate) mod sat;

@@ -1,8 +1,10 @@
 //! The control laws, one module each.
 
+pub mod encoders;
 pub mod nabfc;
 pub mod pd;
 pub mod pds;
+pub mod root_strain;
 
 use grasp_parameter::Range;
 

@@ -8,6 +8,8 @@ use crate::target::Arms;
 use grasp_parameter::{InvalidParameter, Parameter, check, parameter};
 use serde::{Deserialize, Serialize};
 
+pub use crate::laws::pds::Limits;
+
 /// Gains of the PD law; index 0 of an array is arm 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct PdGains {
@@ -15,28 +17,35 @@ pub struct PdGains {
     pub kp: f64,
     /// Object velocity gain kᵥ \[N·s/m\].
     pub kv: f64,
+    /// Object integral gain \[N/(m·s)\]; 0 is the paper's law.
+    pub ki: f64,
     /// Hub angle gains kₚᵢ \[N·m/rad\].
     pub kp_arm: [f64; 2],
     /// Hub velocity gains kᵥᵢ \[N·m·s/rad\]. A sampled loop is stable only for steps below 2J/kᵥᵢ.
     pub kv_arm: [f64; 2],
+    /// Hub integral gains \[N·m/(rad·s)\]; 0 is the paper's law.
+    pub ki_arm: [f64; 2],
 }
 
 impl Default for PdGains {
     /// The values of Section IV, scenario III.
     fn default() -> Self {
-        Self { kp: 10.0, kv: 9.0, kp_arm: [60.0; 2], kv_arm: [55.0; 2] }
+        Self { kp: 10.0, kv: 9.0, ki: 0.0, kp_arm: [60.0; 2], kv_arm: [55.0; 2], ki_arm: [0.0; 2] }
     }
 }
 
 impl PdGains {
     /// The parameters by their names in the interface.
-    pub const PARAMETERS: [Parameter<Self>; 6] = [
+    pub const PARAMETERS: [Parameter<Self>; 9] = [
         parameter!("kp", "N/m", GAIN, "Object position gain", kp),
         parameter!("kv", "N.s/m", GAIN, "Object velocity gain", kv),
+        parameter!("ki", "N/(m.s)", GAIN, "Object integral gain; 0 = the paper's law", ki),
         parameter!("kp1", "N.m/rad", GAIN, "Hub angle gain of arm 1", kp_arm[0]),
         parameter!("kv1", "N.m.s/rad", GAIN, "Hub velocity gain of arm 1", kv_arm[0]),
+        parameter!("ki1", "N.m/(rad.s)", GAIN, "Hub integral gain of arm 1; 0 = the paper's law", ki_arm[0]),
         parameter!("kp2", "N.m/rad", GAIN, "Hub angle gain of arm 2", kp_arm[1]),
         parameter!("kv2", "N.m.s/rad", GAIN, "Hub velocity gain of arm 2", kv_arm[1]),
+        parameter!("ki2", "N.m/(rad.s)", GAIN, "Hub integral gain of arm 2; 0 = the paper's law", ki_arm[1]),
     ];
 
     /// Checks every parameter against its range.
@@ -46,9 +55,26 @@ impl PdGains {
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         check(&Self::PARAMETERS, self)
     }
+
+    /// The preset *tuned*: found by the search and the objective that found the gains of NABFC.
+    #[must_use]
+    pub fn tuned() -> Self {
+        Self { kp: 1005.0, kv: 35.1, ki: 0.0, kp_arm: [95.9; 2], kv_arm: [2.67; 2], ki_arm: [0.0; 2] }
+    }
+
+    /// The preset *pid*: found like *tuned*, with integrals.
+    #[must_use]
+    pub fn pid() -> Self {
+        Self { kp: 1480.0, kv: 46.0, ki: 1750.0, kp_arm: [46.3; 2], kv_arm: [1.09; 2], ki_arm: [35.4; 2] }
+    }
+
+    fn with_strain(self) -> PdsGains {
+        let Self { kp, kv, ki, kp_arm, kv_arm, ki_arm } = self;
+        PdsGains { kp, kv, ki, kp_arm, kv_arm, ks_arm: [0.0; 2], ki_arm }
+    }
 }
 
-/// The PD law: (97) and (98) are (95) and (96) without the strain term. It has no state.
+/// The PD law: (97) and (98) are (95) and (96) without the strain term. With integral gains it is a PID law.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pd {
     gains: PdGains,
@@ -60,17 +86,32 @@ impl Pd {
     ///
     /// # Errors
     /// The first parameter that is not in its range.
-    pub fn new(arms: Arms, gains: PdGains) -> Result<Self, InvalidParameter> {
+    pub fn new(arms: Arms, gains: PdGains, limits: Limits) -> Result<Self, InvalidParameter> {
         gains.validate()?;
-        let PdGains { kp, kv, kp_arm, kv_arm } = gains;
-        let law = Pds::new(arms, PdsGains { kp, kv, kp_arm, kv_arm, ks_arm: [0.0; 2] })?;
-        Ok(Self { gains, law })
+        Ok(Self { gains, law: Pds::new(arms, gains.with_strain(), limits)? })
     }
 
     /// The gains.
     #[must_use]
     pub const fn gains(&self) -> &PdGains {
         &self.gains
+    }
+
+    /// Changes gains and limits while the law runs; the integrals stay.
+    ///
+    /// # Errors
+    /// The first parameter that is not in its range; the law is then as before.
+    pub fn set_gains(&mut self, gains: PdGains, limits: Limits) -> Result<(), InvalidParameter> {
+        gains.validate()?;
+        self.law.set_gains(gains.with_strain(), limits)?;
+        self.gains = gains;
+        Ok(())
+    }
+
+    /// Whether this law has the arms and settings of another one, whatever its state.
+    #[must_use]
+    pub fn has_settings_of(&self, other: &Self) -> bool {
+        self.gains == other.gains && self.law.has_settings_of(&other.law)
     }
 }
 

@@ -273,8 +273,8 @@ pub fn unequal_arms() -> Arms {
 
 /// Inputs of the magnitudes a grasp produces.
 pub fn grasp_inputs() -> impl Strategy<Value = Inputs> {
-    let scales: [f64; INPUTS] = [0.08, 0.08, 0.5, 0.5, 0.01, 0.05, 0.2, 0.2, 1.0, 1.0, 5.0, 5.0, 1.0, 0.1];
-    prop::array::uniform14(-1.0..1.0_f64).prop_map(move |unit| {
+    let scales: [f64; INPUTS] = [0.08, 0.08, 0.5, 0.5, 0.01, 0.05, 0.2, 0.2, 1.0, 1.0, 5.0, 5.0, 1.0, 1.0, 1.0, 0.1];
+    prop::array::uniform16(-1.0..1.0_f64).prop_map(move |unit| {
         let mut values: [f64; INPUTS] = std::array::from_fn(|i| unit[i] * scales[i]);
         values[4] += 0.055;
         Inputs::from_array(values)

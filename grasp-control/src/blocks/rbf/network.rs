@@ -129,6 +129,20 @@ impl<const D: usize> Network<D> {
         total(products(&self.weights, &self.weights)).sqrt()
     }
 
+    /// Ŵ ← Ŵ·radius/‖Ŵ‖ if the weights are outside the ball of this radius: the projection onto Lemma 3's `F_s`.
+    pub fn project(&mut self, radius: f64) {
+        let norm = self.norm();
+        if norm > radius {
+            let factor = radius / norm;
+            for lanes in &mut self.weights {
+                for weight in lanes {
+                    *weight *= factor;
+                }
+            }
+            self.output = None;
+        }
+    }
+
     /// d‖Ŵ‖/dt at the last activation, for weights that follow `law` with the forcing s Y: Ŵᵀ(dŴ/dt)/‖Ŵ‖, and from zero
     /// weights ‖dŴ/dt‖.
     #[must_use]

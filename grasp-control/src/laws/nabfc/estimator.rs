@@ -16,6 +16,8 @@ pub(crate) struct Laws {
     pub bound: LeakyLaw,
     /// Of the inertia, (39) and (57).
     pub inertia: LeakyLaw,
+    /// Radius ω₃ of the ball that holds the weights (Lemma 3); 0 = no bound.
+    pub radius: f64,
 }
 
 /// What drives the estimates at one instant.
@@ -115,11 +117,17 @@ impl<const D: usize> Estimator<D> {
 
     /// Time derivatives of the estimates.
     pub fn rates(&self, drive: &Drive) -> EstimateRates {
-        let Laws { weights, bound, inertia } = &self.laws;
+        let Laws { weights, bound, inertia, radius } = &self.laws;
         let (mut norm, mut output) = (0.0, 0.0);
         if self.has_network {
             norm = self.network.norm_rate(weights, drive.s);
             output = weights.rate(self.network.output(), drive.s * self.network.learning_gain());
+            let length = self.network.norm();
+            // On the sphere, what points outwards is taken away. The scaling puts the weights there up to rounding.
+            if *radius > 0.0 && norm > 0.0 && length >= radius * (1.0 - 1e-12) {
+                output -= self.network.output() * norm / length;
+                norm = 0.0;
+            }
         }
         EstimateRates {
             inertia: inertia.rate(self.inertia, drive.inertia),
@@ -132,7 +140,7 @@ impl<const D: usize> Estimator<D> {
     /// The laws' steps over `h`.
     #[inline]
     fn steps(&mut self, h: f64) -> Steps {
-        let Laws { weights, bound, inertia } = self.laws;
+        let Laws { weights, bound, inertia, .. } = self.laws;
         Steps::of_size(&mut self.steps, h, [weights, bound, inertia])
     }
 
@@ -157,6 +165,9 @@ impl<const D: usize> Estimator<D> {
         self.inertia = inertia.apply(self.inertia, drive.inertia);
         if self.has_network {
             self.network.adapt(weights.decay, weights.weight * drive.s);
+            if self.laws.radius > 0.0 {
+                self.network.project(self.laws.radius);
+            }
         }
     }
 }

@@ -63,6 +63,7 @@ impl Settings {
             weights: LeakyLaw { gain: g.a1, leakage: g.a2 },
             bound: LeakyLaw { gain: g.gamma1, leakage: g.gamma2 },
             inertia: LeakyLaw { gain: g.b1, leakage: g.b2 },
+            radius: g.w_max,
         }
     }
 }

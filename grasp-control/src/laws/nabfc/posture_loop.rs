@@ -34,6 +34,7 @@ impl Settings {
             weights: LeakyLaw { gain: g.a3, leakage: g.a4 },
             bound: LeakyLaw { gain: g.zeta1, leakage: g.zeta2 },
             inertia: LeakyLaw { gain: g.g1, leakage: g.g2 },
+            radius: g.u_max,
         }
     }
 }

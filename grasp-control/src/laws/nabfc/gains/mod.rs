@@ -23,6 +23,8 @@ pub struct ObjectGains {
     pub a1: f64,
     /// Leakage a₂ of the network weights (37) \[m/(N·s)\].
     pub a2: f64,
+    /// Radius ω₃ of the ball that holds the weights Ŵ (Lemma 3) \[N\]; 0 = no bound.
+    pub w_max: f64,
     /// Adaptation gain γ₁ of the bound ε̂ (38) \[N/m\].
     pub gamma1: f64,
     /// Leakage γ₂ of the bound ε̂ (38) \[m/(N·s)\].
@@ -55,6 +57,8 @@ pub struct PostureGains {
     pub a3: f64,
     /// Leakage a₄ᵢ of the network weights (55) \[rad/(N·m·s)\].
     pub a4: f64,
+    /// Radius ω₃ of the ball that holds the weights Ûᵢ (Lemma 3) \[N·m\]; 0 = no bound.
+    pub u_max: f64,
     /// Adaptation gain ζ₁ᵢ of the bound π̂ᵢ (56) \[N·m/rad\].
     pub zeta1: f64,
     /// Leakage ζ₂ᵢ of the bound π̂ᵢ (56) \[rad/(N·m·s)\].

@@ -20,6 +20,7 @@ impl Default for Gains {
             epsilon2: 0.2,
             a3: 10.0,
             a4: 1e-4,
+            u_max: 0.0,
             zeta1: 3.0,
             zeta2: 0.002,
             g1: 0.001,
@@ -34,6 +35,7 @@ impl Default for Gains {
             epsilon1: 1.0,
             a1: 0.4,
             a2: 0.001,
+            w_max: 0.0,
             gamma1: 0.01,
             gamma2: 1.0,
             b1: 3e-4,
@@ -59,6 +61,17 @@ impl Gains {
         Self { posture: [posture; 2], rbf, ..default }
     }
 
+    /// The default with leakages that hold under noise: with one percent of it, 8 mN rms of force error for ten minutes,
+    /// where the default's estimates grow until torques reach their limits after 105 s. Lasting disturbances leave up to
+    /// 0.1 mN.
+    #[must_use]
+    pub fn noise_proof() -> Self {
+        let default = Self::default();
+        let posture = PostureGains { a4: 0.02, zeta2: 0.5, ..default.posture[0] };
+        let object = ObjectGains { a2: 0.05, ..default.object };
+        Self { object, posture: [posture; 2], ..default }
+    }
+
     /// A plain set without networks and without low-pass, and with a stiff object loop; a baseline for comparisons.
     ///
     /// Both contact forces settle within 2 % in 0.43 s, without overshoot. Away from the nominal case (unequal arms or
@@ -74,6 +87,7 @@ impl Gains {
             epsilon2: 0.1,
             a3: 0.0,
             a4: 0.0,
+            u_max: 0.0,
             zeta1: 1.0,
             zeta2: 0.01,
             g1: 0.01,
@@ -88,6 +102,7 @@ impl Gains {
             epsilon1: 0.1,
             a1: 0.0,
             a2: 0.0,
+            w_max: 0.0,
             gamma1: 1.0,
             gamma2: 0.01,
             b1: 1.0,

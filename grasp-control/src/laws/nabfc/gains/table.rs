@@ -11,7 +11,7 @@ const WIDTH: Range = Range::new(*WIDTHS.start(), *WIDTHS.end());
 
 impl ObjectGains {
     /// The gains of the object loop.
-    pub const PARAMETERS: [Parameter<Self>; 11] = [
+    pub const PARAMETERS: [Parameter<Self>; 12] = [
         parameter!("eta", "N.s/m", GAIN, "Switching gain of the object loop, eq. (36)", eta),
         parameter!("k", "N.s/m", GAIN, "Sliding-variable gain of the object loop, eq. (36)", k),
         parameter!("mu_bar", "1/s", GAIN, "Slope of the object loop's sliding surface, eq. (33)", mu_bar),
@@ -19,6 +19,7 @@ impl ObjectGains {
         parameter!("epsilon1", "m/s", DIVISOR, "Width of tanh in the object loop, eqs. (36), (38)", epsilon1),
         parameter!("a1", "N/m", GAIN, "Adaptation gain of the weights W, eq. (37); 0 = network off", a1),
         parameter!("a2", "m/(N.s)", GAIN, "Leakage of the weights W, eq. (37)", a2),
+        parameter!("W_max", "N", GAIN, "Bound of W_norm, the radius of Lemma 3; 0 = no bound", w_max),
         parameter!("gamma1", "N/m", GAIN, "Adaptation gain of epsilon_hat, eq. (38)", gamma1),
         parameter!("gamma2", "m/(N.s)", GAIN, "Leakage of epsilon_hat, eq. (38)", gamma2),
         parameter!("b1", "kg.s2/m2", GAIN, "Adaptation gain of m_hat, eq. (39)", b1),
@@ -31,7 +32,7 @@ impl ObjectGains {
 
 impl PostureGains {
     /// The gains of the posture loop of each arm.
-    pub const PARAMETERS: [Parameter<Self>; 11] = [
+    pub const PARAMETERS: [Parameter<Self>; 12] = [
         parameter!("xi{}", "N.m.s/rad", GAIN, "Switching gain of posture loop {}, eq. (54)", xi),
         parameter!("k{}", "N.m.s/rad", GAIN, "Sliding-variable gain of posture loop {}, eq. (54)", k),
         parameter!("mu{}", "1/s", GAIN, "Slope of the sliding surface of posture loop {}, eq. (51)", mu),
@@ -39,6 +40,7 @@ impl PostureGains {
         parameter!("epsilon2{}", "rad/s", DIVISOR, "Width of tanh in posture loop {}, eqs. (54), (56)", epsilon2),
         parameter!("a3{}", "N.m/rad", GAIN, "Adaptation gain of the weights U{}, eq. (55); 0 = network off", a3),
         parameter!("a4{}", "rad/(N.m.s)", GAIN, "Leakage of the weights U{}, eq. (55)", a4),
+        parameter!("U{}_max", "N.m", GAIN, "Bound of U{}_norm, the radius of Lemma 3; 0 = no bound", u_max),
         parameter!("zeta1{}", "N.m/rad", GAIN, "Adaptation gain of pi{}_hat, eq. (56)", zeta1),
         parameter!("zeta2{}", "rad/(N.m.s)", GAIN, "Leakage of pi{}_hat, eq. (56)", zeta2),
         parameter!("g1{}", "kg.m2.s2/rad2", GAIN, "Adaptation gain of J{}_hat, eq. (57)", g1),

@@ -1,0 +1,126 @@
+//! The parameters by name, with unit and range: what is declared and what is checked.
+
+use super::{HubGains, MassGains, ObjectGains, RootStrainGains};
+use crate::laws::GAIN;
+use crate::laws::encoders::POLES;
+use grasp_parameter::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
+
+/// A share of an inertia.
+const SHARE: Range = Range::new(0.0, 1.0);
+/// Something that divides, of the magnitude of a gain.
+const POSITIVE: Range = Range::new(1e-3, 1e6);
+/// Weights and memories of the sums.
+const EXCITATION: Range = Range::new(1e-12, 1e6);
+/// Masses.
+const MASS: Range = Range::new(1e-6, 1e6);
+
+impl ObjectGains {
+    /// The gains of the object's loop.
+    pub const PARAMETERS: [Parameter<Self>; 6] = [
+        parameter!("r_slope", "1/s", GAIN, "Root-strain law: slope of the object's surface", slope),
+        parameter!("r_reach", "1/s", GAIN, "Root-strain law: rate at which the object's surface is reached", reach),
+        parameter!(
+            "r_strain",
+            "1/s",
+            POSITIVE,
+            "Root-strain law: share of the tip shears in the object's surface",
+            strain
+        ),
+        parameter!("r_feedforward", "1", SHARE, "Root-strain law: share of m_hat that is fed forward", feedforward),
+        parameter!(
+            "r_brake",
+            "1",
+            POSITIVE,
+            "Root-strain law: share of the acceleration u_limit/m_hat at which the object's surface bends",
+            brake
+        ),
+        parameter!("r_observer", "rad/s", POLES, "Root-strain law: poles of the object's observer", observer),
+    ];
+}
+
+impl HubGains {
+    /// The gains of each hub's loop.
+    pub const PARAMETERS: [Parameter<Self>; 5] = [
+        parameter!("r_slope{}", "1/s", GAIN, "Root-strain law: slope of hub {}'s surface", slope),
+        parameter!("r_reach{}", "1/s", GAIN, "Root-strain law: rate at which hub {}'s surface is reached", reach),
+        parameter!(
+            "r_strain{}",
+            "1/s",
+            POSITIVE,
+            "Root-strain law: share of the root strain in hub {}'s surface",
+            strain
+        ),
+        parameter!(
+            "r_feedforward{}",
+            "1",
+            SHARE,
+            "Root-strain law: share of hub {}'s inertia that is fed forward",
+            feedforward
+        ),
+        parameter!("r_observer{}", "rad/s", POLES, "Root-strain law: poles of hub {}'s observer", observer),
+    ];
+}
+
+impl MassGains {
+    /// The settings of the estimator.
+    pub const PARAMETERS: [Parameter<Self>; 6] = [
+        parameter!("r_mass_min", "kg", MASS, "Root-strain law: smallest m_hat", smallest),
+        parameter!("r_mass_max", "kg", MASS, "Root-strain law: largest m_hat", largest),
+        parameter!(
+            "r_mass_filter",
+            "rad/s",
+            POLES,
+            "Root-strain law: bandwidth of the filters of the mass estimate",
+            filter
+        ),
+        parameter!(
+            "r_mass_high_pass",
+            "rad/s",
+            GAIN,
+            "Root-strain law: corner below which forces do not count for the mass estimate",
+            high_pass
+        ),
+        parameter!(
+            "r_mass_prior",
+            "N2.s",
+            EXCITATION,
+            "Root-strain law: excitation that outweighs the mass at the start",
+            prior
+        ),
+        parameter!(
+            "r_mass_memory",
+            "N2.s",
+            EXCITATION,
+            "Root-strain law: excitation after which older one is forgotten",
+            memory
+        ),
+    ];
+    /// The initial estimate, fixed once the law runs.
+    pub const FIXED: [Parameter<Self>; 1] =
+        [parameter!("r_mass_0", "kg", MASS, "Root-strain law: m_hat at the start", initial)];
+}
+
+impl RootStrainGains {
+    /// The gains of the law as a whole.
+    pub const PARAMETERS: [Parameter<Self>; 1] = [parameter!(
+        "r_strain_rate_bandwidth",
+        "rad/s",
+        GAIN,
+        "Root-strain law: bandwidth of the low-pass on the measured rates of moments and shears; 0 = off",
+        strain_rate_bandwidth
+    )];
+
+    /// Checks every parameter against its range.
+    ///
+    /// # Errors
+    /// The first parameter that is not a number in its range; a largest mass below the smallest.
+    pub fn validate(&self) -> Result<(), InvalidParameter> {
+        check(&ObjectGains::PARAMETERS, &self.object)?;
+        check_family(&HubGains::PARAMETERS, &self.hub)?;
+        check(&MassGains::PARAMETERS, &self.mass)?;
+        check(&MassGains::FIXED, &self.mass)?;
+        check(&Self::PARAMETERS, self)?;
+        let least = Range::new(self.mass.smallest, MASS.max);
+        Admissible::Within(least).check("r_mass_max", self.mass.largest)
+    }
+}
