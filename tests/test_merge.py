@@ -70,7 +70,7 @@ def test_systems_hold_the_merged_fmus(platforms: tuple[Path, Path], tmp_path: Pa
     for system in systems:
         with zipfile.ZipFile(system) as archive:
             fmus = [name for name in archive.namelist() if name.endswith(".fmu")]
-            assert len(fmus) == 2
+            assert {"DualArmPlant.fmu"} < {Path(name).name for name in fmus}
             for name in fmus:
                 assert archive.read(name) == (out / Path(name).name).read_bytes()
 
