@@ -31,7 +31,7 @@ from .support.units import base_units
 
 LIBRARY = {
     "Linux": "binaries/linux64/{}.so",
-    "Darwin": "binaries/darwin64/{}.dylib",
+    "Darwin": f"binaries/{'aarch64-darwin' if platform.machine() == 'arm64' else 'darwin64'}/{{}}.dylib",
     "Windows": "binaries/win64/{}.dll",
 }
 
