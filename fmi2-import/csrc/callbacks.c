@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Defined in src/fmi/instance.rs. Must not unwind. */
-void fmi2_import_log(void *environment, int status, const char *category, const char *message);
+/* Defined in src/instance/log.rs. Must not unwind. */
+void fmi2_import_log(void *environment, const char *instance_name, int status, const char *category, const char *message);
 
 enum { SHORT_MESSAGE = 1024 };
 
@@ -13,9 +13,8 @@ void fmi2_import_logger(void *environment, const char *instance_name, int status
                          const char *format, ...) {
     char text[SHORT_MESSAGE];
     char *message = text;
-    (void)instance_name;
     if (format == NULL) {
-        fmi2_import_log(environment, status, category, "");
+        fmi2_import_log(environment, instance_name, status, category, "");
         return;
     }
 
@@ -33,7 +32,7 @@ void fmi2_import_logger(void *environment, const char *instance_name, int status
     va_end(again);
     va_end(arguments);
 
-    fmi2_import_log(environment, status, category, length < 0 ? format : message);
+    fmi2_import_log(environment, instance_name, status, category, length < 0 ? format : message);
     if (message != text) {
         free(message);
     }

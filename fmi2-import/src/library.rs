@@ -193,6 +193,8 @@ functions! {
     }
 }
 
+/// `fmi2DoStepStatus`, a kind of status [`Functions::get_status`] knows.
+pub const DO_STEP_STATUS: c_int = 0;
 /// `fmi2LastSuccessfulTime`, a kind of status [`Functions::get_real_status`] knows.
 pub const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2Terminated`, a kind of status [`Functions::get_boolean_status`] knows.

@@ -108,7 +108,11 @@ fn resources_are_unpacked_and_vanish_with_the_last_user() {
 #[test]
 fn states_are_saved_restored_and_serialised() {
     let folder = tempfile::tempdir().unwrap();
-    let Some(path) = package(folder.path(), "Lag") else { return };
+    let able = |text: String| {
+        let more = r#"canSerializeFMUstate="true" providesDirectionalDerivative="true" canGetAndSetFMUstate="true""#;
+        text.replace(r#"canGetAndSetFMUstate="true""#, more)
+    };
+    let Some(path) = package_as(folder.path(), "Lag", able) else { return };
     let fmu = Fmu::open(path).unwrap();
     let mut lag = start(&fmu);
     let mut other = start(&fmu);
@@ -241,4 +245,19 @@ fn a_library_that_is_cut_off_is_refused_before_it_kills_us() {
         // Debug information belongs to no segment: without it, the test program is whole, but no library.
         assert!(message.contains("it is cut off") || message.contains("cannot load it"), "{message}");
     }
+}
+
+/// The library has the functions, but its description does not say that they may be called.
+#[test]
+fn what_an_fmu_does_not_say_it_can_is_not_asked_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(path) = package_as(folder.path(), "Lag", |text| text.replace(r#" canGetAndSetFMUstate="true""#, ""))
+    else {
+        return;
+    };
+    let mut lag = start(&Fmu::open(path).unwrap());
+    let message = lag.save_state().unwrap_err().to_string();
+    assert_eq!(message, "it: the FMU does not offer fmi2GetFMUstate");
+    assert!(lag.directional_derivative(&[2], &[0], &[2.0], &mut [0.0]).is_err());
+    assert!(lag.set_input_derivatives(&[0], &[1], &[0.0]).is_err());
 }

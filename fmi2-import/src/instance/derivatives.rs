@@ -19,7 +19,10 @@ impl Instance {
         derivative: &mut [f64],
     ) -> Result<Status> {
         assert_eq!((unknowns.len(), knowns.len()), (derivative.len(), seed.len()));
-        let function = self.optional("fmi2GetDirectionalDerivative", self.functions().get_directional_derivative)?;
+        let function =
+            self.optional("fmi2GetDirectionalDerivative", self.functions().get_directional_derivative, |interface| {
+                interface.provides_directional_derivative
+            })?;
         // SAFETY: living component, arrays of the stated lengths.
         let status = unsafe {
             function(
@@ -49,7 +52,10 @@ impl Instance {
         values: &[f64],
     ) -> Result<Status> {
         assert_eq!((references.len(), references.len()), (orders.len(), values.len()));
-        let function = self.optional("fmi2SetRealInputDerivatives", self.functions().set_real_input_derivatives)?;
+        let function =
+            self.optional("fmi2SetRealInputDerivatives", self.functions().set_real_input_derivatives, |interface| {
+                interface.can_interpolate_inputs
+            })?;
         // SAFETY: living component, arrays of the stated length.
         let status = unsafe {
             function(self.component.as_ptr(), references.as_ptr(), references.len(), orders.as_ptr(), values.as_ptr())
@@ -71,7 +77,11 @@ impl Instance {
         values: &mut [f64],
     ) -> Result<Status> {
         assert_eq!((references.len(), references.len()), (orders.len(), values.len()));
-        let function = self.optional("fmi2GetRealOutputDerivatives", self.functions().get_real_output_derivatives)?;
+        let highest = orders.iter().copied().max().map_or(0, i32::unsigned_abs);
+        let function =
+            self.optional("fmi2GetRealOutputDerivatives", self.functions().get_real_output_derivatives, |interface| {
+                interface.max_output_derivative_order >= highest
+            })?;
         // SAFETY: living component, arrays of the stated length.
         let status = unsafe {
             function(

@@ -1,9 +1,11 @@
 //! What a slave logs: the callback that takes it, and its last words as the end of an error message.
+//!
+//! A slave has to hand back the environment it got, and some hand back something else. So the pointer is never followed:
+//! it is looked up among the logs of the living instances.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::ffi::{c_char, c_int, c_void};
-use std::ptr;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::description::{BaseType, ModelDescription};
 use crate::library::{CallbackFunctions, Status, ValueReference, text};
@@ -19,26 +21,75 @@ pub struct LogMessage {
     pub text: String,
 }
 
-/// Messages of a slave, the newest [`Log::CAPACITY`] of them.
+/// Messages of a slave, the newest [`Messages::CAPACITY`] of them.
 #[derive(Default)]
-pub(super) struct Log(Mutex<VecDeque<LogMessage>>);
+struct Messages(Mutex<VecDeque<LogMessage>>);
 
-impl Log {
+impl Messages {
     const CAPACITY: usize = 64;
+    /// Bytes of one message that are kept.
+    const LONGEST: usize = 1 << 20;
 
-    pub(super) fn messages(&self) -> std::sync::MutexGuard<'_, VecDeque<LogMessage>> {
+    fn lock(&self) -> MutexGuard<'_, VecDeque<LogMessage>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What a slave gets to log here. The log must stay where it is for as long as the slave lives.
+    fn push(&self, mut message: LogMessage) {
+        let end = message.text.floor_char_boundary(Self::LONGEST);
+        message.text.truncate(end);
+        let mut messages = self.lock();
+        if messages.len() == Self::CAPACITY {
+            messages.pop_front();
+        }
+        messages.push_back(message);
+    }
+}
+
+/// The logs of living instances with their names, the oldest first.
+static LIVING: Mutex<Vec<(String, Arc<Messages>)>> = Mutex::new(Vec::new());
+
+fn living() -> MutexGuard<'static, Vec<(String, Arc<Messages>)>> {
+    LIVING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Whose log a message belongs to: by the environment, or by the instance's name where a slave lost that, or else that of
+/// the newest instance, which may still be in `fmi2Instantiate`.
+fn meant(environment: *mut c_void, instance: &str) -> Option<Arc<Messages>> {
+    let living = living();
+    let by_environment = living.iter().find(|(_, log)| Arc::as_ptr(log).cast() == environment.cast_const());
+    let by_name = || living.iter().rev().find(|(name, _)| name == instance);
+    by_environment.or_else(by_name).or_else(|| living.last()).map(|(_, log)| Arc::clone(log))
+}
+
+/// The log of an instance, as long as that lives.
+pub(super) struct Log(Arc<Messages>);
+
+impl Log {
+    pub(super) fn new(instance: &str) -> Self {
+        let messages = Arc::<Messages>::default();
+        living().push((instance.to_owned(), Arc::clone(&messages)));
+        Self(messages)
+    }
+
+    pub(super) fn messages(&self) -> MutexGuard<'_, VecDeque<LogMessage>> {
+        self.0.lock()
+    }
+
+    /// What a slave gets to log here.
     pub(super) fn callbacks(&self) -> CallbackFunctions {
         CallbackFunctions {
             logger: fmi2_import_logger,
             allocate_memory: fmi2_import_allocate,
             free_memory: fmi2_import_free,
             step_finished: None,
-            component_environment: ptr::from_ref(self).cast_mut().cast(),
+            component_environment: Arc::as_ptr(&self.0).cast_mut().cast(),
         }
+    }
+}
+
+impl Drop for Log {
+    fn drop(&mut self) {
+        living().retain(|(_, log)| !Arc::ptr_eq(log, &self.0));
     }
 }
 
@@ -59,19 +110,16 @@ unsafe extern "C" {
 #[unsafe(no_mangle)]
 extern "C" fn fmi2_import_log(
     environment: *mut c_void,
+    instance: *const c_char,
     status: c_int,
     category: *const c_char,
     message: *const c_char,
 ) {
-    // SAFETY: the environment is the log of a living instance, which hands it to its slave and outlives it.
-    let Some(log) = (unsafe { environment.cast::<Log>().as_ref() }) else { return };
     // SAFETY: the C half passes on C strings (or null).
-    let (category, text) = unsafe { (text(category), text(message)) };
-    let mut messages = log.messages();
-    if messages.len() == Log::CAPACITY {
-        messages.pop_front();
+    let (instance, category, text) = unsafe { (text(instance), text(category), text(message)) };
+    if let Some(log) = meant(environment, &instance) {
+        log.push(LogMessage { status: Status::from_c(status), category, text });
     }
-    messages.push_back(LogMessage { status: Status::from_c(status), category, text });
 }
 
 /// The complaints of a slave since the log was last read, as the end of an error message.
@@ -94,6 +142,7 @@ pub(super) fn messages_of(log: &Log, description: &ModelDescription) -> String {
 /// Replaces `#r12#` by the name of the real with value reference 12, and `##` by `#` (section 2.1.5 of the standard).
 pub(super) fn with_names(message: &str, description: &ModelDescription) -> String {
     let mut result = String::with_capacity(message.len());
+    let mut names = None;
     let mut rest = message;
     while let Some(at) = rest.find('#') {
         result.push_str(&rest[..at]);
@@ -101,7 +150,7 @@ pub(super) fn with_names(message: &str, description: &ModelDescription) -> Strin
         if let Some(after) = rest.strip_prefix('#') {
             result.push('#');
             rest = after;
-        } else if let Some((name, after)) = referenced(rest, description) {
+        } else if let Some((name, after)) = referenced(rest, names.get_or_insert_with(|| names_of(description))) {
             result.push_str(name);
             rest = after;
         } else {
@@ -112,21 +161,28 @@ pub(super) fn with_names(message: &str, description: &ModelDescription) -> Strin
     result
 }
 
-fn referenced<'a, 'b>(text: &'a str, description: &'b ModelDescription) -> Option<(&'b str, &'a str)> {
-    let (inside, after) = text.split_once('#')?;
-    let base: &[BaseType] = match inside.chars().next()? {
-        'r' => &[BaseType::Real],
-        'i' => &[BaseType::Integer, BaseType::Enumeration],
-        'b' => &[BaseType::Boolean],
-        's' => &[BaseType::String],
-        _ => return None,
+/// The first variable of each value reference, by the letter of its type.
+type Names<'a> = HashMap<(char, ValueReference), &'a str>;
+
+fn names_of(description: &ModelDescription) -> Names<'_> {
+    let letter = |base_type| match base_type {
+        BaseType::Real => 'r',
+        BaseType::Integer | BaseType::Enumeration => 'i',
+        BaseType::Boolean => 'b',
+        BaseType::String => 's',
     };
-    let reference: ValueReference = inside[1..].parse().ok()?;
-    let variable = description
-        .variables
-        .iter()
-        .find(|variable| variable.value_reference == reference && base.contains(&variable.base_type()))?;
-    Some((&variable.name, after))
+    let variables = description.variables.iter().rev();
+    variables
+        .map(|variable| ((letter(variable.base_type()), variable.value_reference), variable.name.as_str()))
+        .collect()
+}
+
+fn referenced<'a, 'b>(text: &'a str, names: &Names<'b>) -> Option<(&'b str, &'a str)> {
+    let (inside, after) = text.split_once('#')?;
+    let mut letters = inside.chars();
+    let letter = letters.next()?;
+    let reference = letters.as_str().parse().ok()?;
+    Some((names.get(&(letter, reference))?, after))
 }
 
 #[cfg(test)]

@@ -9,11 +9,13 @@ mod values;
 use std::ffi::{CString, c_int, c_void};
 use std::ptr::NonNull;
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
 
-use crate::description::ModelDescription;
+use crate::description::{CoSimulation, ModelDescription};
 use crate::error::CallError;
 use crate::fmu::Loaded;
-use crate::library::{CallbackFunctions, Functions, LAST_SUCCESSFUL_TIME, Status, TERMINATED};
+use crate::library::{CallbackFunctions, DO_STEP_STATUS, Functions, LAST_SUCCESSFUL_TIME, Status, TERMINATED};
 pub use log::LogMessage;
 use log::{Log, messages_of, with_names};
 pub use state::SavedState;
@@ -36,7 +38,7 @@ pub struct Instance {
     component: NonNull<c_void>,
     phase: Phase,
     name: String,
-    log: Box<Log>,
+    log: Log,
     _callbacks: Box<CallbackFunctions>, // the slave may keep the pointer
     loaded: Arc<Loaded>,
 }
@@ -67,7 +69,7 @@ impl Instance {
         };
         let (c_name, guid, resources) =
             (c_string(name)?, c_string(&loaded.description.guid)?, c_string(&loaded.resources)?);
-        let log = Box::<Log>::default();
+        let log = Log::new(name);
         let callbacks = Box::new(log.callbacks());
         // SAFETY: all pointers are valid for the call, log and callbacks for the life of the instance. Logging is on, so
         // that errors can say why.
@@ -180,7 +182,26 @@ impl Instance {
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<Status> {
         // SAFETY: living component. No state before `time` will be restored.
         let status = unsafe { (self.functions().do_step)(self.component.as_ptr(), time, step, 1) };
-        self.check("fmi2DoStep", status)
+        if status == 0 { Ok(Status::Ok) } else { self.incomplete_step(Status::from_c(status)) }
+    }
+
+    /// Waits for a step that goes on behind the call, as slaves that can run asynchronously may do.
+    #[cold]
+    fn incomplete_step(&mut self, mut status: Status) -> Result<Status> {
+        const LONGEST_PAUSE: Duration = Duration::from_millis(10);
+        let can_wait = self.interface().is_some_and(|interface| interface.can_run_asynchronously);
+        if let Some(get_status) = self.functions().get_status.filter(|_| can_wait) {
+            let mut pause = Duration::from_micros(10);
+            while status == Status::Pending {
+                thread::sleep(pause);
+                pause = LONGEST_PAUSE.min(pause * 2);
+                let mut now = 0;
+                // SAFETY: living component.
+                let answer = unsafe { get_status(self.component.as_ptr(), DO_STEP_STATUS, &raw mut now) };
+                status = Status::from_c(if answer == 0 { now } else { answer });
+            }
+        }
+        self.judge("fmi2DoStep", status)
     }
 
     /// `fmi2Terminate`: the simulation is over, values can still be read.
@@ -229,8 +250,15 @@ impl Instance {
         &self.loaded.functions
     }
 
-    fn optional<F>(&self, name: &'static str, function: Option<F>) -> Result<F> {
-        function.ok_or_else(|| CallError::Unsupported { instance: self.name.clone(), function: name })
+    fn interface(&self) -> Option<&CoSimulation> {
+        self.loaded.description.co_simulation.as_ref()
+    }
+
+    /// A function that the FMU need not have, and that may only be called if it says that it can do what is wanted.
+    fn optional<F>(&self, name: &'static str, function: Option<F>, can: impl Fn(&CoSimulation) -> bool) -> Result<F> {
+        function
+            .filter(|_| self.interface().is_some_and(can))
+            .ok_or_else(|| CallError::Unsupported { instance: self.name.clone(), function: name })
     }
 
     #[inline]

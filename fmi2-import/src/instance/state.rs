@@ -20,7 +20,9 @@ impl Instance {
     /// # Errors
     /// When the slave cannot.
     pub fn save_state(&mut self) -> Result<SavedState> {
-        let function = self.optional("fmi2GetFMUstate", self.functions().get_fmu_state)?;
+        let function = self.optional("fmi2GetFMUstate", self.functions().get_fmu_state, |interface| {
+            interface.can_get_and_set_fmu_state
+        })?;
         let mut state = ptr::null_mut();
         // SAFETY: living component; a null state asks for a new one.
         let status = unsafe { function(self.component.as_ptr(), &raw mut state) };
@@ -33,7 +35,9 @@ impl Instance {
     /// # Errors
     /// When the slave cannot, or the state is another instance's.
     pub fn restore_state(&mut self, saved: &SavedState) -> Result<Status> {
-        let function = self.optional("fmi2SetFMUstate", self.functions().set_fmu_state)?;
+        let function = self.optional("fmi2SetFMUstate", self.functions().set_fmu_state, |interface| {
+            interface.can_get_and_set_fmu_state
+        })?;
         self.own(saved)?;
         // SAFETY: living component, its own state.
         let status = unsafe { function(self.component.as_ptr(), saved.state) };
@@ -46,7 +50,9 @@ impl Instance {
     /// When the slave cannot, or the state is another instance's.
     #[allow(clippy::needless_pass_by_value)] // it must not be used again
     pub fn free_state(&mut self, saved: SavedState) -> Result<Status> {
-        let function = self.optional("fmi2FreeFMUstate", self.functions().free_fmu_state)?;
+        let function = self.optional("fmi2FreeFMUstate", self.functions().free_fmu_state, |interface| {
+            interface.can_get_and_set_fmu_state
+        })?;
         self.own(&saved)?;
         let mut state = saved.state;
         // SAFETY: living component, its own state.
@@ -59,8 +65,13 @@ impl Instance {
     /// # Errors
     /// When the slave cannot, or the state is another instance's.
     pub fn serialize_state(&mut self, saved: &SavedState) -> Result<Vec<u8>> {
-        let size_of = self.optional("fmi2SerializedFMUstateSize", self.functions().serialized_fmu_state_size)?;
-        let serialize = self.optional("fmi2SerializeFMUstate", self.functions().serialize_fmu_state)?;
+        let size_of =
+            self.optional("fmi2SerializedFMUstateSize", self.functions().serialized_fmu_state_size, |interface| {
+                interface.can_serialize_fmu_state
+            })?;
+        let serialize = self.optional("fmi2SerializeFMUstate", self.functions().serialize_fmu_state, |interface| {
+            interface.can_serialize_fmu_state
+        })?;
         self.own(saved)?;
         let mut size = 0;
         // SAFETY: living component, its own state.
@@ -78,7 +89,10 @@ impl Instance {
     /// # Errors
     /// When the slave cannot.
     pub fn deserialize_state(&mut self, bytes: &[u8]) -> Result<SavedState> {
-        let function = self.optional("fmi2DeSerializeFMUstate", self.functions().deserialize_fmu_state)?;
+        let function =
+            self.optional("fmi2DeSerializeFMUstate", self.functions().deserialize_fmu_state, |interface| {
+                interface.can_serialize_fmu_state
+            })?;
         let mut state = ptr::null_mut();
         // SAFETY: living component, an array of the stated length.
         let status = unsafe { function(self.component.as_ptr(), bytes.as_ptr(), bytes.len(), &raw mut state) };
