@@ -1,0 +1,452 @@
+//! FMUs that misbehave towards the process they are loaded into: results are kept, nothing is lost in silence, exit codes
+//! tell. The slave is `fixtures/hostile.c`.
+#![cfg(unix)]
+
+#[path = "../../fmi2-import/tests/support/mod.rs"]
+mod support;
+
+use std::fs;
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use support::archive;
+use tempfile::TempDir;
+
+/// The description of the slave, as a model of this name.
+fn description(model: &str) -> String {
+    format!(
+        r#"<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="{model}" guid="hostile">
+  <CoSimulation modelIdentifier="Hostile" canHandleVariableCommunicationStepSize="true"/>
+  <UnitDefinitions><Unit name="rad"><BaseUnit rad="1"/></Unit>
+    <Unit name="deg"><BaseUnit rad="1" factor="0.017453292519943295"/></Unit><Unit name="N"><BaseUnit kg="1" m="1" s="-2"/></Unit>
+  </UnitDefinitions>
+  <TypeDefinitions><SimpleType name="Mode"><Enumeration><Item name="slow" value="1"/><Item name="fast" value="2"/></Enumeration></SimpleType></TypeDefinitions>
+  <DefaultExperiment stopTime="1" stepSize="0.1" tolerance="1e-5"/>
+  <ModelVariables>
+    <ScalarVariable name="y" valueReference="0" causality="output"><Real/></ScalarVariable>
+    <ScalarVariable name="tolerance" valueReference="1" causality="output"><Real/></ScalarVariable>
+    <ScalarVariable name="u" valueReference="2" causality="input"><Real start="0"/></ScalarVariable>
+    <ScalarVariable name="words" valueReference="0" causality="output" variability="discrete"><String/></ScalarVariable>
+    <!-- more -->
+  </ModelVariables>
+  <ModelStructure><Outputs><Unknown index="1"/><Unknown index="2"/><Unknown index="4"/></Outputs></ModelStructure>
+</fmiModelDescription>"#
+    )
+}
+
+/// Compiles the slave; `None` (with a message) without a C compiler.
+fn library() -> Option<Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/hostile.c");
+    let library = folder.path().join("hostile.so");
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    let mut command = Command::new(&compiler);
+    match command.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source).output() {
+        Err(error) => {
+            eprintln!("SKIPPED: the C compiler \"{compiler}\" cannot be run ({error})");
+            None
+        }
+        Ok(output) => {
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            Some(fs::read(library).unwrap())
+        }
+    }
+}
+
+/// A folder with FMUs of these models, their variables changed by `change`, and a folder for temporary files.
+fn fixtures(models: &[&str], change: impl Fn(&str, String) -> String) -> Option<TempDir> {
+    let library = library()?;
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("tmp")).unwrap();
+    for model in models {
+        let entry = format!("binaries/{}/Hostile{}", fmi2_import::platform(), std::env::consts::DLL_SUFFIX);
+        let description = change(model, description(model));
+        let entries = [("modelDescription.xml", description.as_bytes()), (entry.as_str(), library.as_slice())];
+        archive(&folder.path().join(format!("{model}.fmu")), &entries);
+    }
+    Some(folder)
+}
+
+fn hostile() -> Option<TempDir> {
+    fixtures(&["Hostile"], |_, text| text)
+}
+
+fn command(folder: &Path, behaviour: &str, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_dualarm"));
+    command.current_dir(folder).env("HOSTILE", behaviour).env("TMPDIR", folder.join("tmp")).args(arguments);
+    command
+}
+
+fn run(folder: &Path, behaviour: &str, arguments: &[&str]) -> Output {
+    command(folder, behaviour, arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// The times of a CSV file, as they are written.
+fn times(file: &Path) -> Vec<String> {
+    let text = fs::read_to_string(file).unwrap();
+    text.lines().skip(1).map(|line| line.split(',').next().unwrap().to_owned()).collect()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<_> =
+        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_slave_that_ends_the_simulation_leaves_its_results() {
+    let Some(folder) = hostile() else { return };
+    let done = run(folder.path(), "end", &["simulate", "Hostile.fmu", "-o", "a.csv", "--interval", "0.2"]);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    assert!(text(&done.stdout).contains("Hostile ended the simulation at t = 0.5 s"), "{}", text(&done.stdout));
+    assert_eq!(times(&folder.path().join("a.csv")), ["0", "0.2", "0.4", "0.5"]);
+
+    let done = run(folder.path(), "end", &["simulate", "Hostile.fmu", "-o", "a.csv", "--interval", "0", "--json"]);
+    let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!(document["ended"]["component"], "Hostile");
+    assert_eq!((&document["ended"]["time"], &document["final"]["y"]), (&Value::from(0.5), &Value::from(0.5)));
+    assert_eq!(times(&folder.path().join("a.csv")), ["0", "0.1", "0.2", "0.3", "0.4", "0.5"]);
+}
+
+#[test]
+fn the_tolerance_is_that_of_the_option_or_the_scenario_or_the_fmu() {
+    let Some(folder) = hostile() else { return };
+    let tolerance = |what: &str, options: &[&str]| {
+        let done = run(folder.path(), "", &[&["simulate", what, "--json"], options].concat());
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+        document["final"]["tolerance"].as_f64().unwrap()
+    };
+    assert_eq!(tolerance("Hostile.fmu", &[]), 1e-5);
+    assert_eq!(tolerance("Hostile.fmu", &["--tolerance", "1e-7"]), 1e-7);
+    let scenario = "title = \"t\"\nfmus = [\"Hostile.fmu\"]\n[experiment]\ntolerance = 1e-6\n";
+    fs::write(folder.path().join("s.toml"), scenario).unwrap();
+    assert_eq!(tolerance("s.toml", &[]), 1e-6);
+    assert_eq!(tolerance("s.toml", &["--tolerance", "1e-8"]), 1e-8);
+    for wrong in ["0", "-1", "nan", "inf"] {
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--tolerance", wrong]);
+        assert_eq!(done.status.code(), Some(2), "{wrong}");
+        assert!(text(&done.stderr).contains("the tolerance must be a positive number"));
+    }
+}
+
+#[test]
+fn messages_arrive_whatever_environment_the_slave_hands_back() {
+    let Some(folder) = hostile() else { return };
+    let done = run(folder.path(), "odd-environment", &["simulate", "Hostile.fmu", "--json"]);
+    let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+    let warnings: Vec<_> = document["warnings"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
+    assert_eq!(warnings, ["Hostile: from nowhere", "Hostile: from one", "Hostile: from two"]);
+}
+
+#[test]
+fn results_are_where_the_user_wants_them_whatever_the_current_folder_becomes() {
+    let Some(folder) = fixtures(&["Hostile", "Second"], |_, text| text.replace("name=\"u\"", "name=\"v\"")) else {
+        return;
+    };
+    let arguments = ["simulate", "Hostile.fmu", "Second.fmu", "-o", "out/a.csv"];
+    let done = run(folder.path(), "chdir", &arguments);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    assert_eq!(times(&folder.path().join("out/a.csv")).len(), 11);
+    assert_eq!(files(&folder.path().join("tmp")), [""; 0], "temporary files are gone");
+}
+
+#[test]
+fn standard_output_is_the_tools_alone() {
+    let Some(folder) = hostile() else { return };
+    for behaviour in ["print", "print,close", "close"] {
+        let rows = run(folder.path(), behaviour, &["simulate", "Hostile.fmu", "-o", "-"]);
+        assert!(rows.status.success(), "{behaviour}: {}", text(&rows.stderr));
+        assert_eq!(text(&rows.stdout).lines().count(), 12, "{behaviour}");
+        assert!(!text(&rows.stdout).contains("NOISE"));
+        let json = run(folder.path(), behaviour, &["simulate", "Hostile.fmu", "--json", "-o", "a.csv"]);
+        assert_eq!(serde_json::from_slice::<Value>(&json.stdout).unwrap()["command"], "simulate", "{behaviour}");
+    }
+    let done = run(folder.path(), "print", &["simulate", "Hostile.fmu", "-o", "-"]);
+    assert!(text(&done.stderr).contains("NOISE"), "what FMUs print is not lost");
+}
+
+#[test]
+fn a_result_that_cannot_be_kept_is_a_failure() {
+    let Some(folder) = hostile() else { return };
+    for output in ["a.csv", "a.parquet", "-"] {
+        let done = run(folder.path(), "close-all", &["simulate", "Hostile.fmu", "-o", output]);
+        assert!(!done.status.success(), "{output}: {}", text(&done.stdout));
+        assert!(!folder.path().join(output).exists());
+    }
+}
+
+#[test]
+fn a_finished_result_survives_the_end_of_the_fmu_and_the_exit_code_tells() {
+    let Some(folder) = hostile() else { return };
+    let ends = [
+        ("exit-terminate", "an FMU ended the process"),
+        ("exit-free", "an FMU ended the process"),
+        ("fail-terminate", "fmi2Terminate returned fmi2Error"),
+        ("hang-terminate", "did not end within 10s; the results are complete"),
+        ("hang-free", "did not end within 10s; the results are complete"),
+        ("abort-free", ""),
+    ];
+    thread::scope(|scope| {
+        for (behaviour, expected) in ends {
+            let folder = folder.path();
+            scope.spawn(move || {
+                let file = format!("{behaviour}.csv");
+                let done = run(folder, behaviour, &["simulate", "Hostile.fmu", "--json", "-o", &file]);
+                assert!(!done.status.success() && done.status.code() != Some(101), "{behaviour}");
+                assert!(text(&done.stderr).contains(expected), "{behaviour}: {}", text(&done.stderr));
+                assert_eq!(times(&folder.join(file)).len(), 11, "{behaviour}");
+                assert!(serde_json::from_slice::<Value>(&done.stdout).is_ok(), "{behaviour}");
+            });
+        }
+    });
+}
+
+#[test]
+fn an_fmu_that_exits_early_is_a_failure_and_leaves_nothing() {
+    let Some(folder) = hostile() else { return };
+    let done = run(folder.path(), "exit-step", &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
+    assert_eq!(done.status.code(), Some(1));
+    assert!(text(&done.stderr).contains("an FMU ended the process"), "{}", text(&done.stderr));
+    assert_eq!(files(folder.path()), ["Hostile.fmu", "tmp"]);
+    assert_eq!(files(&folder.path().join("tmp")), [""; 0]);
+}
+
+#[test]
+fn info_runs_no_code_unless_asked() {
+    let Some(folder) = hostile() else { return };
+    let mark = folder.path().join("mark");
+    let info = |options: &[&str]| {
+        let mut command = command(folder.path(), "mark", &[&["info", "Hostile.fmu", "--json"], options].concat());
+        let done = command.env("HOSTILE_MARK", &mark).output().unwrap();
+        let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+        (document["runs_here"].as_bool().unwrap(), document["was_loaded"].as_bool().unwrap(), mark.exists())
+    };
+    assert_eq!(info(&[]), (true, false, false));
+    assert_eq!(info(&["--load"]), (true, true, true));
+}
+
+/// A run that does not end by itself, with a file under construction.
+fn start(folder: &Path, arguments: &[&str]) -> Child {
+    let mut command = command(folder, "hang-step", arguments);
+    let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    let deadline = Instant::now() + Duration::from_secs(60);
+    let is_at_work = || files(&folder.join("out")).iter().any(|name| name.ends_with(".part"));
+    while !(folder.join("out").exists() && is_at_work()) {
+        assert!(Instant::now() < deadline, "the run does not begin");
+        thread::sleep(Duration::from_millis(10));
+    }
+    child
+}
+
+#[test]
+fn an_interrupted_run_leaves_what_was_there() {
+    let Some(folder) = hostile() else { return };
+    fs::create_dir(folder.path().join("out")).unwrap();
+    fs::write(folder.path().join("out/a.csv"), "old").unwrap();
+    for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
+        let mut child = start(folder.path(), &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
+        let kill = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
+        assert!(kill.success());
+        assert_eq!(child.wait().unwrap().signal(), Some(number), "a shell sees why it ended");
+        assert_eq!(files(&folder.path().join("out")), ["a.csv"]);
+        assert_eq!(fs::read_to_string(folder.path().join("out/a.csv")).unwrap(), "old");
+        assert_eq!(files(&folder.path().join("tmp")), [""; 0], "{signal}");
+    }
+}
+
+/// One input, named as the other FMU's output `y`, with this type.
+fn pair(from: &str, to: &str) -> Option<TempDir> {
+    fixtures(&["From", "To"], |model, text| {
+        let (own, kind) = if model == "From" { ("y", from) } else { ("u", to) };
+        let variability = if kind.starts_with("Real") { "" } else { " variability=\"discrete\"" };
+        let text = if model == "From" {
+            text.replace("name=\"u\"", "name=\"v\"")
+        } else {
+            text.replace("name=\"y\"", "name=\"z\"")
+                .replace("name=\"tolerance\"", "name=\"t\"")
+                .replace("name=\"words\"", "name=\"w\"")
+        };
+        let (reference, causality) = if model == "From" { (0, "output") } else { (2, "input") };
+        let former = if model == "From" { "<Real/>" } else { "<Real start=\"0\"/>" };
+        let before =
+            format!(r#"<ScalarVariable name="{own}" valueReference="{reference}" causality="{causality}">{former}"#);
+        assert!(text.contains(&before), "{text}");
+        let after = format!(
+            r#"<ScalarVariable name="y" valueReference="{reference}" causality="{causality}"{variability}><{kind}/>"#
+        );
+        // What the input got comes out again.
+        let echo = r#"<ScalarVariable name="got" valueReference="2" causality="output"><Real/></ScalarVariable>"#;
+        let text = text.replace(&before, &after);
+        if model == "To" { text.replace("<!-- more -->", echo) } else { text }
+    })
+}
+
+#[test]
+fn connections_by_name_convert_or_are_refused() {
+    let Some(folder) = pair(r#"Real unit="rad""#, r#"Real start="0" unit="deg""#) else { return };
+    let arguments = ["simulate", "From.fmu", "To.fmu", "--json"];
+    let done = run(folder.path(), "", &arguments);
+    let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+    let got = document["final"]["got"].as_f64().unwrap();
+    assert!((got - 1_f64.to_degrees()).abs() < 1e-12, "1 rad after 1 s: {got}");
+
+    for (from, to, expected) in [
+        (r#"Real unit="rad""#, r#"Real start="0" unit="N""#, "rad cannot be converted to N"),
+        ("Real", r#"Integer start="0""#, "one is Real, the other Integer"),
+        ("Boolean", r#"Real start="0""#, "one is Boolean, the other Real"),
+    ] {
+        let Some(folder) = pair(from, to) else { return };
+        let done = run(folder.path(), "", &arguments);
+        assert_eq!(done.status.code(), Some(1));
+        let message = text(&done.stderr);
+        assert!(message.contains("From.y and To.y have one name") && message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn what_can_be_there_only_once_is() {
+    let only_once = |_: &str, text: String| {
+        text.replace("<CoSimulation ", "<CoSimulation canBeInstantiatedOnlyOncePerProcess=\"true\" ")
+            .replace("name=\"u\"", "name=\"v\"")
+    };
+    let Some(folder) = fixtures(&["Hostile"], only_once) else { return };
+    assert!(run(folder.path(), "", &["simulate", "Hostile.fmu"]).status.success());
+    let twice = run(folder.path(), "", &["simulate", "Hostile.fmu", "Hostile.fmu"]);
+    assert_eq!(twice.status.code(), Some(1));
+    assert!(text(&twice.stderr).contains("Hostile and Hostile_2 are the same FMU"), "{}", text(&twice.stderr));
+}
+
+#[test]
+fn names_of_columns_and_components_are_unique() {
+    let models = |model: &str, text: String| {
+        let name = if model == "Third" { "A_2" } else { "A" };
+        text.replace(&format!("modelName=\"{model}\""), &format!("modelName=\"{name}\""))
+            .replace("name=\"u\"", "name=\"v\"")
+            .replace("name=\"y\"", "name=\"time\"")
+    };
+    let Some(folder) = fixtures(&["First", "Second", "Third"], models) else { return };
+    let fmus = ["simulate", "First.fmu", "Second.fmu", "Third.fmu", "-o"];
+    let done = run(folder.path(), "", &[&fmus[..], &["a.csv", "--json"]].concat());
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+    let names: Vec<_> = (0..3).map(|index| document["components"][index]["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["A", "A_3", "A_2"]);
+    let header = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let header = header.lines().next().unwrap();
+    assert_eq!(header, "time,A.time,A.tolerance,A_3.time,A_3.tolerance,A_2.time,A_2.tolerance");
+    let alone = run(folder.path(), "", &["simulate", "First.fmu", "-o", "-"]);
+    assert!(text(&alone.stdout).starts_with("time,A.time,tolerance\n"));
+}
+
+#[test]
+fn the_output_is_no_input_and_no_format_the_tool_does_not_write() {
+    let Some(folder) = hostile() else { return };
+    let before = fs::read(folder.path().join("Hostile.fmu")).unwrap();
+    std::os::unix::fs::symlink("Hostile.fmu", folder.path().join("link.csv")).unwrap();
+    fs::hard_link(folder.path().join("Hostile.fmu"), folder.path().join("hard.csv")).unwrap();
+    for output in ["Hostile.fmu", "./Hostile.fmu", "link.csv", "hard.csv", "a.xlsx", "a.mat", "a.json"] {
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "-o", output]);
+        assert_eq!(done.status.code(), Some(2), "{output}: {}", text(&done.stderr));
+        assert_eq!(fs::read(folder.path().join("Hostile.fmu")).unwrap(), before);
+    }
+    let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "-o", "link.csv"]);
+    assert!(text(&done.stderr).contains("would overwrite Hostile.fmu, which this run reads"), "{}", text(&done.stderr));
+}
+
+#[test]
+fn what_rows_leave_out_is_said() {
+    let Some(folder) = hostile() else { return };
+    let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "-o", "a.csv"]);
+    assert!(text(&done.stdout).contains("texts, which rows leave out (--json has their last values): words"));
+    assert!(text(&done.stdout).contains("open inputs: Hostile.u"), "{}", text(&done.stdout));
+    let json = run(folder.path(), "", &["simulate", "Hostile.fmu", "--json"]);
+    let document: Value = serde_json::from_slice(&json.stdout).unwrap();
+    assert_eq!((&document["final"]["words"], &document["texts"][0]), (&Value::from("text"), &Value::from("words")));
+
+    let none = |_: &str, text: String| {
+        text.replace("causality=\"output\"", "causality=\"local\"")
+            .replace("<ModelStructure>", "<ModelStructure/><!--")
+            .replace("</ModelStructure>", "-->")
+    };
+    let Some(folder) = fixtures(&["Hostile"], none) else { return };
+    let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "-o", "a.csv"]);
+    assert!(text(&done.stdout).contains("no FMU has an output that is a number: rows have only times"));
+}
+
+#[test]
+fn no_control_character_of_a_file_reaches_the_terminal() {
+    let odd = |_: &str, text: String| {
+        text.replace(
+            "modelName=\"Hostile\"",
+            "modelName=\"Ho&#x9b;2J&#10;error: &#9;stile\" description=\"a&#x202e;b&#127;\"",
+        )
+        .replace("name=\"y\"", "name=\"y&#x85;&#13;\"")
+    };
+    let Some(folder) = fixtures(&["Hostile"], odd) else { return };
+    let is_harmless = |bytes: &[u8]| !text(bytes).contains(|letter: char| letter.is_control() && letter != '\n');
+    let runs: [&[&str]; 5] = [
+        &["info", "Hostile.fmu"],
+        &["info", "Hostile.fmu", "--json"],
+        &["simulate", "Hostile.fmu"],
+        &["simulate", "Hostile.fmu", "--json"],
+        &["simulate", "Hostile.fmu", "--set", "Ho.u=1"],
+    ];
+    for arguments in runs {
+        let done = run(folder.path(), "", arguments);
+        assert!(is_harmless(&done.stdout) && is_harmless(&done.stderr), "{arguments:?}: {}", text(&done.stdout));
+        assert!(!text(&done.stdout).contains('\u{202e}'));
+    }
+    let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--set", "Ho.u=1"]);
+    assert_eq!(
+        text(&done.stderr).lines().filter(|line| line.starts_with("error:")).count(),
+        1,
+        "no message in a message"
+    );
+}
+
+/// Names of any length: wider than any format allows, and too long to be compared letter by letter.
+#[test]
+fn texts_of_any_length_are_read() {
+    let long = "n".repeat(100_000);
+    let odd = |_: &str, text: String| {
+        let unit = format!("<Unit name=\"{long}\"/></UnitDefinitions>");
+        text.replace("</UnitDefinitions>", &unit)
+            .replace("name=\"y\"", &format!("name=\"{long}\""))
+            .replace("<Real/>", &format!("<Real unit=\"{long}\"/>"))
+            .replace("modelName=\"Hostile\"", &format!("modelName=\"{long}\" version=\"{long}\""))
+    };
+    let Some(folder) = fixtures(&["Hostile"], odd) else { return };
+    for arguments in
+        [&["info", "Hostile.fmu"][..], &["info", "Hostile.fmu", "--variables"], &["simulate", "Hostile.fmu"]]
+    {
+        let done = run(folder.path(), "", arguments);
+        assert!(done.status.success(), "{arguments:?}: {}", text(&done.stderr));
+    }
+    let wrong = format!("{long}x=1");
+    let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--set", &wrong]);
+    assert_eq!(done.status.code(), Some(2));
+}
+
+#[test]
+fn pipes_are_no_input() {
+    let Some(folder) = hostile() else { return };
+    let made = Command::new("mkfifo").current_dir(folder.path()).args(["p.fmu", "p.ssp", "p.toml"]).status();
+    if !made.is_ok_and(|status| status.success()) {
+        return;
+    }
+    for arguments in [["info", "p.fmu"], ["simulate", "p.fmu"], ["simulate", "p.ssp"], ["simulate", "p.toml"]] {
+        let done = run(folder.path(), "", &arguments);
+        assert!(text(&done.stderr).contains("it is a pipe or a device, not a file"), "{}", text(&done.stderr));
+    }
+}
