@@ -450,3 +450,67 @@ fn pipes_are_no_input() {
         assert!(text(&done.stderr).contains("it is a pipe or a device, not a file"), "{}", text(&done.stderr));
     }
 }
+
+/// An enumeration and an angle that are inputs, and what they got.
+fn with_inputs() -> Option<TempDir> {
+    let more = r#"<ScalarVariable name="mode" valueReference="9" causality="input" variability="discrete"><Enumeration declaredType="Mode" start="1"/></ScalarVariable>
+    <ScalarVariable name="got" valueReference="9" causality="output" variability="discrete"><Enumeration declaredType="Mode"/></ScalarVariable>
+    <ScalarVariable name="angle" valueReference="2" causality="parameter" variability="fixed"><Real start="0" unit="rad"/></ScalarVariable>
+    <ScalarVariable name="turned" valueReference="2" causality="output"><Real unit="rad"/></ScalarVariable>"#;
+    fixtures(&["Hostile"], |_, text| text.replace("<!-- more -->", more).replace("name=\"u\"", "name=\"v\""))
+}
+
+#[test]
+fn items_of_enumerations_go_by_name_in_steps() {
+    let Some(folder) = with_inputs() else { return };
+    let run_steps = |points: &str| {
+        let scenario = format!("title = \"t\"\nfmus = [\"Hostile.fmu\"]\n[inputs]\nmode.steps = {points}\n");
+        fs::write(folder.path().join("s.toml"), scenario).unwrap();
+        run(folder.path(), "", &["simulate", "s.toml", "-o", "a.csv", "--interval", "0"])
+    };
+    let done = run_steps(r#"[[0, "slow"], [0.45, "fast"], [0.85, 1]]"#);
+    assert!(done.status.success(), "{}", text(&done.stderr));
+    let rows = fs::read_to_string(folder.path().join("a.csv")).unwrap();
+    let column = rows.lines().next().unwrap().split(',').position(|name| name == "got").unwrap();
+    let got: Vec<_> = rows.lines().skip(1).map(|row| row.split(',').nth(column).unwrap().to_owned()).collect();
+    assert_eq!(got, ["1", "1", "1", "1", "1", "2", "2", "2", "2", "1", "1"]);
+    let done = run_steps(r#"[[0, "slow"], [0.5, "quick"]]"#);
+    assert_eq!(done.status.code(), Some(2));
+    let message = text(&done.stderr);
+    assert!(
+        message.contains("s.toml:4") && message.contains("one of slow, fast is needed, not \"quick\""),
+        "{message}"
+    );
+}
+
+#[test]
+fn numbers_may_have_their_unit_behind_them() {
+    let Some(folder) = with_inputs() else { return };
+    let turned = |value: &str| {
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--json", "--set", &format!("angle={value}")]);
+        assert!(done.status.success(), "{value}: {}", text(&done.stderr));
+        serde_json::from_slice::<Value>(&done.stdout).unwrap()["final"]["turned"].as_f64().unwrap()
+    };
+    for value in ["3deg", "3 deg", "3.0e0deg", "+3 deg"] {
+        assert!((turned(value) - 3_f64.to_radians()).abs() < 1e-16, "{value}");
+    }
+    assert_eq!([turned("0.5rad"), turned("0.5")], [0.5, 0.5]);
+    for (value, expected) in
+        [("3N", "N cannot be converted to rad"), ("3 miles", "a number in rad"), ("deg", "a number in rad")]
+    {
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--set", &format!("angle={value}")]);
+        assert_eq!(done.status.code(), Some(2), "{value}");
+        assert!(text(&done.stderr).contains(expected), "{}", text(&done.stderr));
+    }
+}
+
+/// Forty thousand keys: the place of each is known at once. Counting lines from the start each time took 40 s.
+#[test]
+fn large_scenarios_are_read_in_no_time() {
+    let Some(folder) = hostile() else { return };
+    let keys: Vec<_> = (0..40_000).map(|index| format!("unknown_{index} = {index}\n")).collect();
+    let scenario = format!("title = \"t\"\nfmus = [\"Hostile.fmu\"]\n[parameters]\n{}", keys.concat());
+    fs::write(folder.path().join("s.toml"), scenario).unwrap();
+    let done = run(folder.path(), "", &["simulate", "s.toml"]);
+    assert!(text(&done.stderr).contains("s.toml:4: there is no variable \"unknown_0\""), "{}", text(&done.stderr));
+}

@@ -271,7 +271,9 @@ impl Master {
         })? {
             self.drives.retain(|drive| (drive.component, drive.variable) != place);
             let description = self.components[place.0].instance.description();
-            self.drives.push(Drive::new(place, description, signal.clone()));
+            // What has no values here was an obstacle before.
+            let Ok(signal) = signal.of(&description.variables[place.1]) else { continue };
+            self.drives.push(Drive::new(place, description, signal));
         }
         Ok(())
     }

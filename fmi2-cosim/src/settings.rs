@@ -5,8 +5,9 @@ use std::str::FromStr;
 
 use crate::names::{closest, suggestion};
 use crate::signal::Signal;
+use crate::units::{UnitMismatch, Units};
 use fmi2_import::description::BaseType;
-use fmi2_import::{CallError, Causality, Instance, Mismatch, ModelDescription, Value, Variability};
+use fmi2_import::{CallError, Causality, Instance, Mismatch, ModelDescription, Value, Variability, Variable};
 
 /// A value for a variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -174,6 +175,10 @@ pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &
     if variable.causality != Causality::Input {
         return Some("only inputs can change over time, and it is none".into());
     }
+    let signal = match signal.of(variable) {
+        Ok(signal) => signal,
+        Err(mismatch) => return Some(mismatch.to_string()),
+    };
     let values = || signal.values().map(|value| value.to_string()).collect::<Vec<_>>().join(", ");
     match variable.base_type() {
         BaseType::Real => None,
@@ -191,16 +196,41 @@ pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &
 
 fn set<T: Target>(target: &mut T, index: usize, setting: &Setting) -> Result<Value, SettingError> {
     let variable = target.description().variables[index].clone();
-    let value = variable.value(&setting.value).map_err(|Mismatch { value, expected }| SettingError::Value {
+    let wrong = |Mismatch { value, expected }, target: &T| SettingError::Value {
         component: target.name().to_owned(),
         name: variable.name.clone(),
         value,
         expected,
-    })?;
+    };
+    let value = match variable.value(&setting.value) {
+        Ok(value) => value,
+        Err(mismatch) => match in_own_unit(&setting.value, &variable, target.description()) {
+            Some(Ok(number)) => Value::Real(number),
+            Some(Err(error)) => {
+                let expected = format!("{} ({error})", mismatch.expected);
+                return Err(wrong(Mismatch { expected, ..mismatch }, target));
+            }
+            None => return Err(wrong(mismatch, target)),
+        },
+    };
     match target.instance().set(&variable, &value) {
         Ok(_) => Ok(value),
         Err(source) => Err(SettingError::Refused { setting: setting.clone(), source: Box::new(source) }),
     }
+}
+
+/// A number with its unit behind it, such as `3 deg`, as a value of a variable; `None` if it is none.
+fn in_own_unit(
+    value: &Value,
+    variable: &Variable,
+    description: &ModelDescription,
+) -> Option<Result<f64, UnitMismatch>> {
+    const LONGEST: usize = 100;
+    let Value::Text(text) = value else { return None };
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| !number.is_nan());
+    let ends = text.char_indices().map(|(at, _)| at).take(LONGEST).filter(|at| *at > 0);
+    let (number, unit) = ends.filter_map(|at| Some((number(&text[..at])?, text[at..].trim()))).last()?;
+    Units::of(description).value_for(variable, number, unit)
 }
 
 /// What to say about a name that no component has.

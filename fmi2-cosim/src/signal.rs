@@ -1,5 +1,7 @@
 //! Values over time: steps and piecewise-linear tables, for inputs that no FMU drives.
 
+use fmi2_import::{Mismatch, Value, Variable};
+
 use crate::grid::TimeGrid;
 
 /// How a signal goes on from one point to the next.
@@ -17,6 +19,17 @@ pub enum Shape {
 pub struct Signal {
     shape: Shape,
     points: Vec<(f64, f64)>,
+    /// Points whose values are names, by their indices: what they stand for, the variable knows.
+    names: Vec<(usize, String)>,
+}
+
+/// The value of a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Level {
+    /// A number, or a truth value as 1 or 0.
+    Number(f64),
+    /// The name of an enumeration's item.
+    Name(String),
 }
 
 /// Why points make no signal.
@@ -66,7 +79,43 @@ impl Signal {
         if let Some(pair) = points.windows(2).find(out_of_order) {
             return Err(SignalError::Order { time: pair[0].0, next: pair[1].0, equal_allowed });
         }
-        Ok(Self { shape, points })
+        Ok(Self { shape, points, names: Vec::new() })
+    }
+
+    /// The same with names of an enumeration's items among the values. It has values once the variable is known, see
+    /// [`Signal::of`].
+    ///
+    /// # Errors
+    /// As [`Signal::new`].
+    pub fn with_names(shape: Shape, points: Vec<(f64, Level)>) -> Result<Self, SignalError> {
+        let mut names = Vec::new();
+        let number = |(index, (time, level))| match level {
+            Level::Number(value) => (time, value),
+            Level::Name(name) => {
+                names.push((index, name));
+                (time, 0.0)
+            }
+        };
+        let points = points.into_iter().enumerate().map(number).collect();
+        Ok(Self { names, ..Self::new(shape, points)? })
+    }
+
+    /// The signal as values of a variable, which says what names mean.
+    ///
+    /// # Errors
+    /// When the variable has no item of a name.
+    pub fn of(&self, variable: &Variable) -> Result<Self, Mismatch> {
+        let mut signal = Self { names: Vec::new(), ..self.clone() };
+        for (index, name) in &self.names {
+            signal.points[*index].1 = match variable.parse(name)? {
+                Value::Real(number) => number,
+                Value::Integer(number) => f64::from(number),
+                Value::Boolean(truth) => f64::from(u8::from(truth)),
+                // Texts cannot change over time, whatever they are.
+                Value::Text(_) => 0.0,
+            };
+        }
+        Ok(signal)
     }
 
     /// The value at a time in s; at a jump, the value after it.

@@ -421,3 +421,64 @@ fn damaged_and_hostile_archives_are_refused() {
     fs::write(&path, flipped).unwrap();
     assert!(say(&path).contains("x.ssp"), "{}", say(&path));
 }
+
+/// SSP 1.0 lets integers feed enumerations; and connectors of integers stand for them.
+#[test]
+fn integers_feed_enumerations_and_reals() {
+    let folder = tempfile::tempdir().unwrap();
+    let enumeration = |text: String| {
+        text.replace(
+            r#"name="y_on" valueReference="0" causality="input" variability="discrete"><Boolean start="false"/>"#,
+            r#"name="y_on" valueReference="0" causality="input" variability="discrete"><Enumeration declaredType="Trouble" start="1"/>"#,
+        )
+    };
+    let (Some(lag), Some(gain)) = (package_fmu(folder.path(), "Lag"), package_as(folder.path(), "Gain", enumeration))
+    else {
+        return;
+    };
+    let mut structure = loop_of_two();
+    let integer = |name: &str, kind| Connector { base_type: Some(BaseType::Integer), ..connector(name, kind) };
+    structure.system.components[0].connectors.push(integer("steps", Kind::Output));
+    structure.system.components[1].connectors.push(integer("y_on", Kind::Input));
+    structure.system.connections.push(connection(End::of("lag", "steps"), End::of("gain", "y_on")));
+    structure.system.connections.push(connection(End::of("lag", "steps"), End::of("gain", "reference")));
+    let entries = [
+        ("SystemStructure.ssd", write::system_structure(&structure).into_bytes()),
+        ("resources/Lag.fmu", fs::read(lag).unwrap()),
+        ("resources/Gain.fmu", fs::read(gain).unwrap()),
+    ];
+    let path = folder.path().join("Loop.ssp");
+    archive(&path, &entries.each_ref().map(|(name, content)| (*name, content.as_slice())));
+    let system = Package::open(&path).unwrap().system().unwrap();
+    let mut master = system.master(Coupling::GaussSeidel).unwrap();
+    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
+    master.initialize(&grid).unwrap();
+    let mut table = Table::new(master.record(|name| ["u", "y"].contains(&name)));
+    master.run(&grid, 0.0, &mut table, &mut |_| ()).unwrap();
+    let (u, y) = (table.column("u").unwrap(), table.column("y").unwrap());
+    // u = K·(r − y) with K = 1 and the reference r = number of steps that the lag has done.
+    assert_eq!(u.len(), 11);
+    for (done, (u, y)) in (0..11_u32).map(f64::from).zip(u.iter().zip(&y)) {
+        assert!((u - (done - y)).abs() < 1e-12, "{u} = {done} - {y}");
+    }
+}
+
+/// Forty thousand parameters, bound two thousand times: read once, applied once, each line found at once. Going through
+/// all of them each time would take hours.
+#[test]
+fn large_sets_that_are_bound_often_are_read_in_no_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let names: Vec<String> = (0..40_000).map(|index| format!("unknown_parameter_{index}")).collect();
+    let mut parameters: Vec<_> = names.iter().map(|name| (name.as_str(), Value::Real(1.0, None))).collect();
+    parameters.push(("T", Value::Real(0.25, None)));
+    let large = write::parameter_set(&set(parameters));
+    let mut structure = loop_of_two();
+    let binding = || Binding { values: Values::File("resources/large.ssv".into()), ..Binding::default() };
+    structure.system.components[0].bindings = (0..2000).map(|_| binding()).collect();
+    let others = [("resources/large.ssv", large.as_bytes())];
+    let Some(path) = ssp(folder.path(), &write::system_structure(&structure), &others) else { return };
+    let system = Package::open(&path).unwrap().system().unwrap();
+    assert_eq!((system.settings.len(), system.remarks.len()), (1, 40_000));
+    let line = large.lines().position(|line| line.contains("\"unknown_parameter_39999\"")).unwrap() + 1;
+    assert!(system.remarks.last().unwrap().contains(&format!("large.ssv:{line}: ")), "{:?}", system.remarks.last());
+}

@@ -188,6 +188,7 @@ functions! {
         get_directional_derivative: "fmi2GetDirectionalDerivative" (Component, *const ValueReference, usize, *const ValueReference, usize, *const f64, *mut f64) -> c_int;
         set_real_input_derivatives: "fmi2SetRealInputDerivatives" (Component, *const ValueReference, usize, *const c_int, *const f64) -> c_int;
         get_real_output_derivatives: "fmi2GetRealOutputDerivatives" (Component, *const ValueReference, usize, *const c_int, *mut f64) -> c_int;
+        get_status: "fmi2GetStatus" (Component, c_int, *mut c_int) -> c_int;
         get_real_status: "fmi2GetRealStatus" (Component, c_int, *mut f64) -> c_int;
         get_boolean_status: "fmi2GetBooleanStatus" (Component, c_int, *mut Boolean) -> c_int;
     }

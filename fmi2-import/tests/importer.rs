@@ -261,3 +261,117 @@ fn what_an_fmu_does_not_say_it_can_is_not_asked_of_it() {
     assert!(lag.directional_derivative(&[2], &[0], &[2.0], &mut [0.0]).is_err());
     assert!(lag.set_input_derivatives(&[0], &[1], &[0.0]).is_err());
 }
+
+/// Writes an archive with the fixture's library under this name.
+fn with_library(path: &std::path::Path, lag: &[u8], entries: &[(&str, &[u8])]) {
+    let description = description("Lag");
+    let own = [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/Lag.so", lag)];
+    archive(path, &[&own, entries].concat());
+}
+
+/// The fixture's library.
+fn library(folder: &std::path::Path) -> Option<Vec<u8>> {
+    let path = package(folder, "Lag")?;
+    let mut zip = zip::ZipArchive::new(fs::File::open(path).unwrap()).unwrap();
+    let mut library = Vec::new();
+    std::io::Read::read_to_end(&mut zip.by_name("binaries/linux64/Lag.so").ok()?, &mut library).unwrap();
+    Some(library)
+}
+
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#[test]
+fn a_library_for_another_machine_is_named_and_one_for_this_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(lag) = library(folder.path()) else { return };
+    let path = folder.path().join("x.fmu");
+    let message = |library: &[u8]| {
+        with_library(&path, library, &[]);
+        Fmu::open(&path).err().unwrap().to_string()
+    };
+    let mut foreign = lag.clone();
+    foreign[18] = 183; // e_machine: AArch64
+    let refused = "it is for Linux (ELF) on aarch64, and this is Linux (ELF) on x86_64";
+    assert!(message(&foreign).ends_with(refused), "{}", message(&foreign));
+    assert!(message(b"").ends_with("it is empty"));
+    with_library(&path, &foreign, &[("binaries/x86_64-linux/Lag.so", lag.as_slice())]);
+    assert!(Fmu::open(&path).is_ok(), "another folder of this platform has one that fits");
+}
+
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#[test]
+fn a_library_is_judged_without_being_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(lag) = library(folder.path()) else { return };
+    let path = folder.path().join("x.fmu");
+    let check = |library: &[u8]| {
+        with_library(&path, library, &[]);
+        fmi2_import::Unpacked::of(&path)
+            .and_then(|unpacked| unpacked.check_library())
+            .map_err(|error| error.to_string())
+    };
+    assert_eq!(check(&lag), Ok(()));
+    assert!(check(b"no library").unwrap_err().ends_with("it is no shared library"));
+    let Ok(other) = fs::read("/proc/self/exe") else { return };
+    assert!(check(&other).unwrap_err().contains("it lacks the function fmi2GetTypesPlatform"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn archives_of_odd_packers_are_read_as_they_are_meant() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(lag) = library(folder.path()) else { return };
+    let (path, description) = (folder.path().join("x.fmu"), description("Lag"));
+    for [model, binary, resource] in [
+        ["./modelDescription.xml", "./binaries/linux64/Lag.so", "./resources/table.txt"],
+        ["modelDescription.xml", "binaries\\linux64\\Lag.so", "resources\\table.txt"],
+        [".\\modelDescription.xml", ".\\binaries\\.\\linux64/Lag.so", "x/../resources//table.txt"],
+    ] {
+        archive(&path, &[(model, description.as_bytes()), (binary, &lag), (resource, b"1 2 3")]);
+        let mut instance = Fmu::open(&path).unwrap().instantiate("lag").unwrap();
+        let resources = instance.get_string(1).unwrap();
+        let table = PathBuf::from(resources.strip_prefix("file://").unwrap()).join("table.txt");
+        assert_eq!(fs::read_to_string(table).unwrap(), "1 2 3", "{binary}");
+    }
+    for evil in ["..\\outside.txt", "resources\\..\\..\\outside.txt", "\\outside.txt", "C:\\outside.txt"] {
+        archive(&path, &[("modelDescription.xml", description.as_bytes()), (evil, b"evil")]);
+        let message = Fmu::open(&path).err().unwrap().to_string();
+        assert!(message.contains("points outside the archive"), "{evil}: {message}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn archives_that_grow_beyond_all_measure_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(lag) = library(folder.path()) else { return };
+    let path = folder.path().join("x.fmu");
+    let zeros = vec![0; 90 << 20];
+    with_library(&path, &lag, &[("resources/zeros", &zeros)]);
+    assert!(fs::metadata(&path).unwrap().len() < 1 << 20);
+    let message = Fmu::open(&path).err().unwrap().to_string();
+    assert!(message.contains("resources/zeros is too large; this tool unpacks at most"), "{message}");
+    with_library(&path, &lag, &[("resources/zeros", &zeros[..60 << 20])]);
+    assert!(Fmu::open(&path).is_ok());
+    let bomb = [b"<fmiModelDescription>".as_slice(), &vec![b' '; 90 << 20]].concat();
+    archive(&path, &[("modelDescription.xml", &bomb)]);
+    assert!(Fmu::read_description(&path).unwrap_err().to_string().contains("modelDescription.xml is too large"));
+}
+
+/// Six thousand variables of one enumeration of six thousand items: the items are there once.
+#[test]
+fn large_enumerations_are_shared() {
+    let (items, variables) = (0..6000).map(|index| {
+        (
+            format!("<Item name=\"i{index}\" value=\"{index}\"/>"),
+            format!("<ScalarVariable name=\"v{index}\" valueReference=\"{index}\"><Enumeration declaredType=\"Large\" start=\"1\"/></ScalarVariable>"),
+        )
+    }).collect::<(Vec<_>, Vec<_>)>();
+    let xml = format!(
+        "<fmiModelDescription fmiVersion=\"2.0\" modelName=\"m\" guid=\"g\"><TypeDefinitions><SimpleType name=\"Large\"><Enumeration>{}</Enumeration></SimpleType></TypeDefinitions><ModelVariables>{}</ModelVariables></fmiModelDescription>",
+        items.concat(),
+        variables.concat()
+    );
+    let model = fmi2_import::ModelDescription::parse(&xml).unwrap();
+    let (first, last) = (model.variables[0].items(), model.variables[5999].items());
+    assert!(std::ptr::eq(first, last) && first.len() == 6000);
+}

@@ -147,7 +147,7 @@ fn paragraph(message: &str) -> String {
     if text.len() < message.len() {
         text += " …";
     }
-    text.trim_end().replace('\n', "\n       ")
+    text.trim_end().replace('\t', " ").replace('\n', "\n       ")
 }
 
 /// Runs the program with the process's arguments.

@@ -81,6 +81,21 @@ fn own_stream(stream: impl std::os::windows::io::AsHandle) -> io::Result<File> {
     stream.as_handle().try_clone_to_owned().map(File::from)
 }
 
+/// The file under a number that code does not close which closes files it did not open: those are the first ones.
+#[cfg(unix)]
+pub(super) fn out_of_the_way(file: File) -> File {
+    const LEAST: i32 = 100;
+    match rustix::io::fcntl_dupfd_cloexec(&file, LEAST) {
+        Ok(descriptor) => File::from(descriptor),
+        Err(_) => file,
+    }
+}
+
+#[cfg(not(unix))]
+pub(super) fn out_of_the_way(file: File) -> File {
+    file
+}
+
 /// Where links lead to.
 enum End {
     Path(PathBuf),

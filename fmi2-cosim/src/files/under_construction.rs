@@ -8,6 +8,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::NamedTempFile;
 
+use super::place::out_of_the_way;
+
 /// Paths of this process that lead nowhere if it ends now: files under construction, and folders made for them.
 static UNFINISHED: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
 
@@ -174,7 +176,8 @@ fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTemp
         let mode = existing.map_or(0o666, |existing| existing.permissions().mode() & 0o666);
         builder.permissions(fs::Permissions::from_mode(mode));
     }
-    builder.tempfile_in(folder)
+    let (file, path) = builder.tempfile_in(folder)?.into_parts();
+    Ok(NamedTempFile::from_parts(out_of_the_way(file), path))
 }
 
 /// Whether the part can take the name of this file without anybody noticing: same owner, same permissions, no further

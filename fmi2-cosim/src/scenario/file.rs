@@ -14,7 +14,7 @@ use crate::grid::GridError;
 use crate::master::Coupling;
 use crate::names::{closest, suggestion};
 use crate::settings::Setting;
-use crate::signal::{Shape, Signal};
+use crate::signal::{Level, Shape, Signal};
 use crate::system::{Experiment, Located, is_tolerance};
 use fmi2_import::Value;
 
@@ -59,8 +59,8 @@ enum Input {
     Varying(Signal),
 }
 
-/// A number, or a truth value as 1 or 0.
-struct Number(f64);
+/// A number, a truth value as 1 or 0, or a name.
+struct Point(Level);
 
 pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
     let lines = Lines::of(text);
@@ -180,26 +180,29 @@ fn integer(value: i64) -> Value {
     i32::try_from(value).map_or(Value::Real(value as f64), Value::Integer)
 }
 
-impl<'de> Deserialize<'de> for Number {
+impl<'de> Deserialize<'de> for Point {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Finite;
-        impl Visitor<'_> for Finite {
-            type Value = Number;
+        struct Any;
+        impl Visitor<'_> for Any {
+            type Value = Point;
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, true or false")
+                f.write_str("a number, true or false, or the name of an enumeration's item")
             }
-            fn visit_bool<E>(self, value: bool) -> Result<Number, E> {
-                Ok(Number(f64::from(u8::from(value))))
+            fn visit_bool<E>(self, value: bool) -> Result<Point, E> {
+                Ok(Point(Level::Number(f64::from(u8::from(value)))))
             }
             #[allow(clippy::cast_precision_loss)] // times and values of this size are exact
-            fn visit_i64<E>(self, value: i64) -> Result<Number, E> {
-                Ok(Number(value as f64))
+            fn visit_i64<E>(self, value: i64) -> Result<Point, E> {
+                Ok(Point(Level::Number(value as f64)))
             }
-            fn visit_f64<E>(self, value: f64) -> Result<Number, E> {
-                Ok(Number(value))
+            fn visit_f64<E>(self, value: f64) -> Result<Point, E> {
+                Ok(Point(Level::Number(value)))
+            }
+            fn visit_str<E>(self, value: &str) -> Result<Point, E> {
+                Ok(Point(Level::Name(value.to_owned())))
             }
         }
-        deserializer.deserialize_any(Finite)
+        deserializer.deserialize_any(Any)
     }
 }
 
@@ -239,16 +242,19 @@ impl<'de> Deserialize<'de> for Input {
                         )));
                     }
                 };
-                let points: Vec<Vec<Number>> = map.next_value()?;
+                let points: Vec<Vec<Point>> = map.next_value()?;
                 if map.next_key::<String>()?.is_some() {
                     return Err(A::Error::custom("an input has steps or linear, not both"));
                 }
-                let point = |point: Vec<Number>| match point[..] {
-                    [Number(time), Number(value)] => Ok((time, value)),
-                    _ => Err(A::Error::custom(format!("a point is [time, value], not {} numbers", point.len()))),
+                let point = |point: Vec<Point>| match <[Point; 2]>::try_from(point) {
+                    Ok([Point(Level::Number(time)), Point(value)]) => Ok((time, value)),
+                    Ok(_) => Err(A::Error::custom("expected a number for the time of a point")),
+                    Err(point) => {
+                        Err(A::Error::custom(format!("a point is [time, value], not {} numbers", point.len())))
+                    }
                 };
                 let points = points.into_iter().map(point).collect::<Result<_, _>>()?;
-                Signal::new(shape, points).map(Input::Varying).map_err(A::Error::custom)
+                Signal::with_names(shape, points).map(Input::Varying).map_err(A::Error::custom)
             }
         }
         deserializer.deserialize_any(Any)
@@ -327,7 +333,8 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
             ("[0.5, 0.1]", "[-1, 0.1]", "times must increase: -1 s follows 0 s"),
             ("[0.5, 0.1]", "[0.5]", "x.toml:21:"),
             ("[0.5, 0.1]", "[0.5, 0.1, 3]", "a point is [time, value], not 3 numbers"),
-            ("[0.5, 0.1]", "[0.5, \"x\"]", "expected a number, true or false"),
+            ("[0.5, 0.1]", "[\"x\", 0.1]", "expected a number for the time of a point"),
+            ("[0.5, 0.1]", "[0.5, []]", "expected a number, true or false, or the name of an enumeration's item"),
             ("[0.5, 0.1]", "[0.5, nan]", "is not finite"),
             ("[\"a.fmu\", \"b.fmu\"]", "[]", "fmus names no file"),
         ] {

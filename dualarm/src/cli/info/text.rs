@@ -18,9 +18,9 @@ pub fn width() -> Option<usize> {
 /// Everything a user may want to know first; with all variables if asked for.
 pub fn summary(document: &Document, all: bool, width: Option<usize>) -> String {
     let version = document.model_version.as_ref().map(|version| format!(" {version}")).unwrap_or_default();
-    let mut text = format!("{}{version}\n", document.model_name);
+    let mut text = one_line(&format!("{}{version}", document.model_name)).into_owned() + "\n";
     if let Some(description) = &document.description {
-        let _ = writeln!(text, "{description}");
+        let _ = writeln!(text, "{}", one_line(description));
     }
     text.push('\n');
     let facts = facts(document);

@@ -140,11 +140,11 @@ impl Outcome {
     /// For people; `controller` is what the metrics judge.
     pub fn summary(&self, controller: Option<&str>, metrics: Result<&Metrics, &MetricsObstacle>) -> String {
         let names: Vec<_> = self.components.iter().map(|component| component.name.as_str()).collect();
-        let title = self.title.as_ref().map(|title| format!("{title}\n")).unwrap_or_default();
+        let title = self.title.as_ref().map(|title| one_line(title).into_owned() + "\n").unwrap_or_default();
         let ExperimentDocument { steps, step, stop, .. } = &self.experiment;
         let mut text = format!(
             "{title}{}: {} signals connected, {steps} steps of {step} s up to t = {stop} s in {:.2} s ({:.2} µs per step)\n",
-            names.join(" + "),
+            one_line(&names.join(" + ")),
             self.connections.len(),
             self.wall_time,
             1e6 * self.wall_time / *steps as f64
@@ -158,7 +158,8 @@ impl Outcome {
             text += "  no FMU has an output that is a number: rows have only times\n";
         }
         if let Some(End { time, component, reason }) = &self.ended {
-            let _ = writeln!(text, "{component} ended the simulation at t = {time} s: {reason}");
+            let line = format!("{component} ended the simulation at t = {time} s: {reason}");
+            let _ = writeln!(text, "{}", one_line(&line));
         }
         match metrics {
             Ok(metrics) => {
