@@ -241,7 +241,7 @@ fn start(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = command(folder, "hang-step", arguments);
     let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
-    let is_at_work = || files(&folder.join("out")).iter().any(|name| name.ends_with(".part"));
+    let is_at_work = || files(&folder.join("out")).iter().any(|name| name.contains(".part"));
     while !(folder.join("out").exists() && is_at_work()) {
         assert!(Instant::now() < deadline, "the run does not begin");
         thread::sleep(Duration::from_millis(10));

@@ -35,8 +35,11 @@ impl Messages {
     }
 
     fn push(&self, mut message: LogMessage) {
-        let end = message.text.floor_char_boundary(Self::LONGEST);
-        message.text.truncate(end);
+        let text = &mut message.text;
+        if text.len() > Self::LONGEST {
+            let end = (0..=Self::LONGEST).rev().find(|end| text.is_char_boundary(*end));
+            text.truncate(end.unwrap_or(0));
+        }
         let mut messages = self.lock();
         if messages.len() == Self::CAPACITY {
             messages.pop_front();
