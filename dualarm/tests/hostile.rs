@@ -6,7 +6,7 @@
 mod support;
 
 use std::fs;
-use std::os::unix::process::ExitStatusExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::thread;
@@ -239,6 +239,16 @@ fn info_runs_no_code_unless_asked() {
 /// A run that does not end by itself, with a file under construction.
 fn start(folder: &Path, arguments: &[&str]) -> Child {
     let mut command = command(folder, "hang-step", arguments);
+    // Whoever runs the tests in the background has them ignore interrupts, and the tool obeys that.
+    let heed = || {
+        for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
+            // SAFETY: gives a signal its usual meaning, which involves no memory.
+            unsafe { libc::signal(signal, libc::SIG_DFL) };
+        }
+        Ok(())
+    };
+    // SAFETY: between fork and exec only a system call is made.
+    unsafe { command.pre_exec(heed) };
     let child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let deadline = Instant::now() + Duration::from_secs(60);
     let is_at_work = || files(&folder.join("out")).iter().any(|name| name.contains(".part"));
