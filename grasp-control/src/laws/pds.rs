@@ -184,9 +184,11 @@ impl Law for Pds {
     /// Exact for inputs that are held or ramp, as long as no integral is stopped or let go within the step.
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         StepError::check(h, inputs, rates)?;
-        let integral_rates = self.integral_rates(&inputs.after(0.5 * h, rates));
-        for (integral, rate) in self.integrals.iter_mut().zip(integral_rates) {
-            *integral += h * rate;
+        if self.integrates() {
+            let integral_rates = self.integral_rates(&inputs.after(0.5 * h, rates));
+            for (integral, rate) in self.integrals.iter_mut().zip(integral_rates) {
+                *integral += h * rate;
+            }
         }
         Ok(())
     }
