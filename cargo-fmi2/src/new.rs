@@ -64,11 +64,11 @@ pub fn create(path: &Path, ours: Option<&Path>) -> Result<String, String> {
     ))
 }
 
-/// The crates that the template's manifest names.
+/// The crates that the template's manifest names, and the one that everybody adds who stores more than plain fields.
 fn dependencies() -> Vec<&'static str> {
     let manifest = FILES[1].1;
     let section = manifest.split("[dependencies]").nth(1).and_then(|rest| rest.split("\n[").next()).unwrap_or_default();
-    section.lines().filter_map(|line| line.split_once(" = ")).map(|(name, _)| name).collect()
+    section.lines().filter_map(|line| line.split_once(" = ")).map(|(name, _)| name).chain(["serde"]).collect()
 }
 
 /// Where the crates are that the new one depends on: in `wanted`, beside this crate if that is a clone, or, `None`, on the

@@ -2,25 +2,41 @@
 //!
 //! C·dT/dt = P − G·(T − T_ambient)
 
-use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
-use serde::{Deserialize, Serialize};
+use fmi2_export::{Experiment, Failure, Model, Step};
 
-/// Everything the model has: inputs, outputs, parameters and state. Plain fields; what the outside sees of them is said
-/// once, in `variables`.
-#[derive(Clone, Serialize, Deserialize)]
+/// A heated body that loses heat to its surroundings
+//
+// Everything the model has: inputs, outputs, parameters and state. Each field says what the outside sees of it; its comment is
+// the variable's description.
+#[fmi2_export::model(stop_time = 1000.0, step_size = 1.0)]
 pub struct MyModel {
-    // Inputs.
+    /// Power of the heater
+    #[input(unit = "W")]
     heating_power: f64,
+    /// Temperature of the surroundings
+    #[input(unit = "K", start = 293.15, min = 0.0, max = 1e4)]
     ambient_temperature: f64,
-    // Outputs.
+    /// Temperature of the body
+    #[output(unit = "K", nominal = 300.0)]
     temperature: f64,
+    // An output that changes with an input at once, without a step in between, has to say so.
+    /// Heat flow to the surroundings
+    #[output(unit = "W", depends_linearly_on(ambient_temperature))]
     heat_loss: f64,
-    // Parameters.
+    /// Heat capacity of the body
+    #[parameter(unit = "J/K", start = 500.0, min = 1e-3, max = 1e9)]
     heat_capacity: f64,
+    /// Thermal conductance to the surroundings
+    #[parameter(unit = "W/K", start = 2.0, min = 1e-6, max = 1e6)]
     conductance: f64,
-    temperature_0: f64,
+    /// Whether the body is wrapped
+    #[parameter]
     insulation: Insulation,
-    // State.
+    /// Temperature of the body at the start
+    #[parameter(unit = "K", start = 293.15, min = 0.0, max = 1e4)]
+    temperature_0: f64,
+    /// The temperature as the step leaves it.
+    #[state]
     body: f64,
 }
 
@@ -33,23 +49,6 @@ fmi2_export::enumeration! {
     }
 }
 
-/// The default values are the start values.
-impl Default for MyModel {
-    fn default() -> Self {
-        Self {
-            heating_power: 0.0,
-            ambient_temperature: 293.15,
-            temperature: 0.0,
-            heat_loss: 0.0,
-            heat_capacity: 500.0,
-            conductance: 2.0,
-            temperature_0: 293.15,
-            insulation: Insulation::Bare,
-            body: 0.0,
-        }
-    }
-}
-
 impl MyModel {
     /// W/K.
     fn conductance(&self) -> f64 {
@@ -57,60 +56,6 @@ impl MyModel {
             Insulation::Bare => self.conductance,
             Insulation::Wrapped => 0.1 * self.conductance,
         }
-    }
-
-    /// Fills in the outputs. Called only when the host asks for one of them and something has changed.
-    fn outputs(&mut self) {
-        self.temperature = self.body;
-        self.heat_loss = self.conductance() * (self.body - self.ambient_temperature);
-    }
-}
-
-impl Declare for MyModel {
-    const INFO: Info = Info {
-        name: "MyModel",
-        description: "A heated body that loses heat to its surroundings",
-        version: env!("CARGO_PKG_VERSION"),
-        license: env!("CARGO_PKG_LICENSE"),
-        default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 1000.0, step_size: 1.0, tolerance: None },
-        ..Info::new()
-    };
-
-    fn variables(variables: &mut Variables<Self>) {
-        let outputs = variables.evaluation(Self::outputs);
-        variables.input("heating_power", |m| &mut m.heating_power).unit("W").description("Power of the heater");
-        variables
-            .input("ambient_temperature", |m| &mut m.ambient_temperature)
-            .unit("K")
-            .range(0.0, 1e4)
-            .description("Temperature of the surroundings");
-        variables
-            .output("temperature", outputs, |m| &mut m.temperature)
-            .unit("K")
-            .nominal(300.0)
-            .description("Temperature of the body");
-        variables
-            .output("heat_loss", outputs, |m| &mut m.heat_loss)
-            .unit("W")
-            // An output that changes with an input at once, without a step in between, has to say so.
-            .depends_linearly_on(["ambient_temperature"])
-            .description("Heat flow to the surroundings");
-        variables
-            .parameter("heat_capacity", |m| &mut m.heat_capacity)
-            .unit("J/K")
-            .range(1e-3, 1e9)
-            .description("Heat capacity of the body");
-        variables
-            .parameter("conductance", |m| &mut m.conductance)
-            .unit("W/K")
-            .range(1e-6, 1e6)
-            .description("Thermal conductance to the surroundings");
-        variables.parameter("insulation", |m| &mut m.insulation).description("Whether the body is wrapped");
-        variables
-            .parameter("temperature_0", |m| &mut m.temperature_0)
-            .unit("K")
-            .range(0.0, 1e4)
-            .description("Temperature of the body at the start");
     }
 }
 
@@ -127,6 +72,12 @@ impl Model for MyModel {
         let rest = self.ambient_temperature + self.heating_power / conductance;
         self.body = rest + (self.body - rest) * (-step.size * conductance / self.heat_capacity).exp();
         Ok(())
+    }
+
+    /// Fills in the outputs. Called only when the host asks for one of them and something has changed.
+    fn outputs(&mut self) {
+        self.temperature = self.body;
+        self.heat_loss = self.conductance() * (self.body - self.ambient_temperature);
     }
 }
 
