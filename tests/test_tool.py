@@ -60,6 +60,14 @@ def test_every_scenario_has_a_test_here() -> None:
     assert listed == {path.stem for path in (ROOT / "scenarios").glob("*.toml")}
 
 
+def test_root_strain_and_gains_from_a_search(run: Any) -> None:
+    """0.15 and 0.11 s, as their files say; PD and PDS as fast, PID slower by its overshoot."""
+    strain, fast = run("nabfc-r"), run("nabfc-r-fast")
+    assert fast.settling() < 1 / 8 and fast.settling() < strain.settling() < 1 / 6
+    pds, pd, pid = run("pds-tuned"), run("pd-tuned"), run("pid")
+    assert max(pds.settling(), pd.settling()) < 1.1 * strain.settling() < pid.settling() < 0.3
+
+
 def test_the_papers_three(run: Any) -> None:
     """Section IV: "less than 0.5 s", "almost 2 s", "much longer"; and PD needs the 8 s its file gives it."""
     nabfc, pds, pd = run("nabfc"), run("pds"), run("pd")
@@ -324,7 +332,7 @@ def test_verify_speaks_json(tmp_path: Path) -> None:
 
 
 def test_compare_speaks_json_and_runs_the_same_scenarios(tmp_path: Path, run: Any) -> None:
-    done = dualarm("compare", "--no-package", "--out", str(tmp_path), "--stop", "2", "--json")
+    done = dualarm("compare", "--no-package", "--no-matrix", "--out", str(tmp_path), "--stop", "2", "--json")
     assert done.returncode == 0, done.stderr
     document = json.loads(done.stdout)
     assert [case["name"] for case in document["cases"]] == ["nabfc", "pds", "pd"]

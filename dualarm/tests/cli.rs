@@ -109,7 +109,7 @@ fn bad_numbers_and_names_are_usage_errors() {
     assert_fails(
         &dualarm(folder.path(), &["simulate", "--controller", "lqr"]),
         2,
-        "[possible values: nabfc, nabfc-fast, pds, pd]",
+        "[possible values: nabfc, nabfc-fast, nabfc-r, nabfc-r-fast, pds, pds-tuned, pd, pd-tuned, pid]",
     );
     assert_eq!(files(folder.path()), before);
 }
@@ -407,7 +407,7 @@ fn examples_are_aligned() {
 #[test]
 fn help_fits_into_80_columns() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["", "package", "simulate", "compare", "verify", "info", "completions"] {
+    for command in ["", "package", "simulate", "compare", "tune", "verify", "info", "completions"] {
         let words: Vec<_> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = Command::new(env!("CARGO_BIN_EXE_dualarm"))
             .current_dir(folder.path())

@@ -32,7 +32,7 @@ fn html(title: &'static str, text: &str) -> String {
         table: table.clone(),
         models: vec![model],
     };
-    Page { outcomes: &[outcome], rows: &[table], grid: &grid, setup: text }.to_html()
+    Page { outcomes: &[outcome], rows: &[table], grid: &grid, setup: text, matrix: None }.to_html()
 }
 
 #[test]

@@ -14,15 +14,18 @@ use serde::Serialize;
 use super::fmus::Job;
 use super::instruments::InstrumentsChoice;
 use super::json::{self, ExperimentDocument, MetricsDocument};
+use super::matrix::{self, MatrixChoice};
 use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
 use super::{Failure, print};
+use crate::grasp::matrix::Matrix;
 use crate::grasp::metrics::Metrics;
 use crate::grasp::scenarios::BuiltIn;
 use crate::grasp::{self, Controller};
 use crate::report;
 use crate::report::figures::{self, NamedFigure, Outcome, raster};
 use crate::report::html::{self, Page, rows::Rows};
+use crate::report::matrix::CellDocument;
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::files::{FileSet, NewFile};
 use fmi2_cosim::grid::TimeGrid;
@@ -46,6 +49,8 @@ pub struct Arguments {
     /// Stop time in s
     #[arg(long, default_value_t = STOP, value_name = "SECONDS", allow_hyphen_values = true)]
     stop: f64,
+    #[command(flatten)]
+    matrix: MatrixChoice,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -60,6 +65,8 @@ struct Document<'a> {
     /// In s.
     wall_time: f64,
     cases: Vec<Case>,
+    /// Controllers in many cases; empty without them.
+    matrix: Vec<CellDocument<'a>>,
     report: &'a Path,
 }
 
@@ -85,6 +92,7 @@ impl Default for Arguments {
             coupling: CouplingName::default(),
             step: STEP,
             stop: STOP,
+            matrix: MatrixChoice::default(),
             json: false,
         }
     }
@@ -96,13 +104,21 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let begin = Instant::now();
     // What an interrupted comparison leaves is the former one, whole.
     let results = FileSet::new();
-    let runs = simulate_all(arguments, &grid, &results, quiet)?;
+    let runs = if arguments.matrix.is_alone() { Vec::new() } else { simulate_all(arguments, &grid, &results, quiet)? };
+    let matrix = matrix::run(&arguments.matrix, &arguments.job.folder.fmus, quiet)?;
+    if let Some(matrix) = &matrix {
+        matrix::write(matrix, &arguments.job.out, &results)?;
+    }
+    if runs.is_empty() {
+        return finish_alone(arguments, &grid, matrix.as_ref(), results, begin, quiet);
+    }
     let (runs, masters): (Vec<_>, Vec<_>) =
         runs.into_iter().map(|(outcome, rows, master)| ((outcome, rows), master)).unzip();
     let (outcomes, rows): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
     let figures = figures::all(&outcomes);
-    write_results(arguments, &grid, &outcomes, &figures, &results, quiet)?;
-    let page = Page { outcomes: &outcomes, rows: &rows, grid: &grid, setup: &setup(arguments, &grid) };
+    write_results(arguments, &grid, &outcomes, &figures, matrix.as_ref(), &results, quiet)?;
+    let setup = setup(arguments, &grid);
+    let page = Page { outcomes: &outcomes, rows: &rows, grid: &grid, setup: &setup, matrix: matrix.as_ref() };
     let report = arguments.job.out.join("report.html");
     results.write(&report, page.to_html())?;
     results.appear()?;
@@ -123,18 +139,53 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
             experiment: ExperimentDocument::new(&grid, arguments.coupling.into(), CSV_INTERVAL),
             wall_time: seconds,
             cases: outcomes.iter().map(case).collect(),
+            matrix: matrix.as_ref().map(report::matrix::documents).unwrap_or_default(),
             report: &report,
         });
     }
     if !quiet {
         let (forces, efforts) = report::tables(&outcomes);
         let out = arguments.job.out.display();
+        if let Some(matrix) = &matrix {
+            print(&format!("{}\n", report::matrix::table(matrix).to_terminal()));
+        }
         print(&format!(
             "{}\n{}\n{out}/report.html to play with, {out}/report.md with {} figures, in {seconds:.1} s\n",
             forces.to_terminal(),
             efforts.to_terminal(),
             figures.len()
         ));
+    }
+    Ok(())
+}
+
+/// The end of a comparison without the paper's runs.
+fn finish_alone(
+    arguments: &Arguments,
+    grid: &TimeGrid,
+    matrix: Option<&Matrix>,
+    results: FileSet,
+    begin: Instant,
+    quiet: bool,
+) -> Result<(), Failure> {
+    results.appear()?;
+    let seconds = begin.elapsed().as_secs_f64();
+    let report = arguments.job.out.join("matrix.md");
+    if arguments.json {
+        return json::print(&Document {
+            command: "compare",
+            version: env!("CARGO_PKG_VERSION"),
+            experiment: ExperimentDocument::new(grid, arguments.coupling.into(), CSV_INTERVAL),
+            wall_time: seconds,
+            cases: Vec::new(),
+            matrix: matrix.map(report::matrix::documents).unwrap_or_default(),
+            report: &report,
+        });
+    }
+    if let Some(matrix) = matrix.filter(|_| !quiet) {
+        let table = report::matrix::table(matrix).to_terminal();
+        let out = arguments.job.out.display();
+        print(&format!("{table}\n{out}/matrix.md, .csv, .json, .svg and .png, in {seconds:.1} s\n"));
     }
     Ok(())
 }
@@ -193,6 +244,7 @@ fn write_results(
     grid: &TimeGrid,
     outcomes: &[Outcome],
     figures: &[NamedFigure],
+    matrix: Option<&Matrix>,
     results: &FileSet,
     quiet: bool,
 ) -> Result<(), Failure> {
@@ -201,7 +253,7 @@ fn write_results(
     results.write(out.join("metrics.csv"), report::metrics_csv(metrics))?;
     results.write(out.join("metrics.md"), report::metrics_markdown(outcomes))?;
     draw_all(&out.join("figures"), figures, results, quiet)?;
-    results.write(out.join("report.md"), report::report(outcomes, figures, &setup(arguments, grid)))?;
+    results.write(out.join("report.md"), report::report(outcomes, figures, &setup(arguments, grid), matrix))?;
     Ok(())
 }
 

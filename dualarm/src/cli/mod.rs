@@ -6,11 +6,13 @@ mod fmus;
 mod info;
 mod instruments;
 mod json;
+mod matrix;
 mod package;
 mod printable;
 mod process;
 mod progress;
 mod simulate;
+mod tune;
 mod verify;
 
 use std::fmt;
@@ -24,7 +26,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::build::PackageError;
 use crate::build::crosscheck::ReleaseError;
+use crate::grasp::matrix::CellError;
 use crate::grasp::systems::ComposeError;
+use crate::tune::TuneError;
 use crate::verify::VerifyError;
 use fmi2_cosim::files::WriteError;
 use fmi2_cosim::master::MasterError;
@@ -40,6 +44,8 @@ Examples:
   dualarm simulate my-grasp.toml --set M=0.4    a scenario of your own
   dualarm simulate plant.fmu my_controller.fmu  any FMUs, wired by equal names
   dualarm info plant.fmu                        what an FMU is
+  dualarm compare --matrix                      every controller in every case
+  dualarm tune --controller pd-tuned            gains from a search
   dualarm verify                                against exact solutions
 
 Exit codes: 0 success, 1 a simulation, a check or a file failed, 2 wrong usage
@@ -64,8 +70,10 @@ enum Command {
     Package(package::Arguments),
     /// Co-simulate FMUs, connected by equal names
     Simulate(simulate::Arguments),
-    /// Package the FMUs, run the paper's three scenarios, write tables, figures and a report
+    /// Package the FMUs, run every controller in every case and the paper's three scenarios, write tables, figures and a report
     Compare(compare::Arguments),
+    /// Search for the best gains of a controller over a set of cases
+    Tune(tune::Arguments),
     /// Check the FMUs against exact and independent solutions; fails if a bound is broken
     Verify(verify::Arguments),
     /// Show what an FMU is: capabilities, platforms, variables
@@ -106,12 +114,14 @@ macro_rules! failures {
 failures![
     io::Error,
     CallError,
+    CellError,
     ComposeError,
     FmuError,
     MasterError,
     PackageError,
     ReleaseError,
     SspError,
+    TuneError,
     VerifyError,
     WriteError,
 ];
@@ -180,6 +190,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Command::Package(arguments) => package::run(&arguments, quiet),
         Command::Simulate(arguments) => simulate::run(&arguments, quiet),
         Command::Compare(arguments) => compare::run(&arguments, quiet),
+        Command::Tune(arguments) => tune::run(&arguments, quiet),
         Command::Verify(arguments) => verify::run(&arguments, quiet),
         Command::Info(arguments) => info::run(&arguments),
         Command::Completions(arguments) => {

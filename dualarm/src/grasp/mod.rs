@@ -3,9 +3,11 @@
 //! * [`scenarios`] are compiled in: what is run with the parts;
 //! * [`systems`] are SSP archives of the plant with each controller;
 //! * [`instruments`] are sensors and actuators between plant and controller;
-//! * [`metrics`] judge a run.
+//! * [`metrics`] judge a run;
+//! * [`matrix`] runs many controllers in many cases.
 
 pub mod instruments;
+pub mod matrix;
 pub mod metrics;
 pub mod scenarios;
 pub mod systems;
@@ -40,6 +42,17 @@ pub const NABFC: Controller =
 /// The same with the faster gains.
 pub const NABFC_FAST: Controller =
     Controller { key: "nabfc-fast", title: "NABFC, fast preset", settings: &[("preset", "fast")], paper: "", ..NABFC };
+/// NABFC with root strain in the posture surfaces.
+pub const NABFC_R: Controller =
+    Controller { key: "nabfc-r", title: "NABFC-R", settings: &[("law", "root_strain")], paper: "", ..NABFC };
+/// The same with the faster gains.
+pub const NABFC_R_FAST: Controller = Controller {
+    key: "nabfc-r-fast",
+    title: "NABFC-R, fast preset",
+    settings: &[("law", "root_strain"), ("preset", "fast")],
+    paper: "",
+    ..NABFC
+};
 /// Proportional-derivative control with strain feedback.
 pub const PDS: Controller =
     Controller { key: "pds", title: "PDS", fmu: "PdsController.fmu", settings: &[], paper: "almost 2 s" };
@@ -47,8 +60,17 @@ pub const PDS: Controller =
 pub const PD: Controller =
     Controller { key: "pd", title: "PD", fmu: "PdController.fmu", settings: &[], paper: "much longer" };
 
+/// PDS with gains from a search.
+pub const PDS_TUNED: Controller =
+    Controller { key: "pds-tuned", title: "PDS, tuned", settings: &[("preset", "tuned")], paper: "", ..PDS };
+/// PD with gains from a search.
+pub const PD_TUNED: Controller =
+    Controller { key: "pd-tuned", title: "PD, tuned", settings: &[("preset", "tuned")], paper: "", ..PD };
+/// PD with integrals, gains from a search.
+pub const PID: Controller = Controller { key: "pid", title: "PID", settings: &[("preset", "pid")], paper: "", ..PD };
+
 /// All controllers a user can name.
-pub const CONTROLLERS: &[Controller] = &[NABFC, NABFC_FAST, PDS, PD];
+pub const CONTROLLERS: &[Controller] = &[NABFC, NABFC_FAST, NABFC_R, NABFC_R_FAST, PDS, PDS_TUNED, PD, PD_TUNED, PID];
 /// The controllers the paper compares, in its order.
 pub const PAPER: [Controller; 3] = [NABFC, PDS, PD];
 
@@ -68,7 +90,23 @@ impl Controller {
 /// What to say about gains that `preset = fast` of `NabfcController` leaves unused.
 pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<String> {
     /// What holds under every preset: the arms and the references.
-    const NO_GAINS: [&str; 7] = ["preset", "EI1", "EI2", "l", "L", "lambda1_ref", "theta1_ref"];
+    const NO_GAINS: [&str; 15] = [
+        "preset",
+        "law",
+        "rate_source",
+        "EI1",
+        "EI2",
+        "l",
+        "L",
+        "lambda1_ref",
+        "theta1_ref",
+        "tau_limit",
+        "u_limit",
+        "observer_inertia1",
+        "observer_inertia2",
+        "observer_mass",
+        "observer_bandwidth",
+    ];
     let settings: Vec<_> = settings.filter(|setting| NABFC.fmu.strip_suffix(".fmu") == Some(setting.model)).collect();
     let is_fast = |component: &str| {
         let mut presets = settings.iter().rev().filter(|setting| setting.variable.name == "preset");

@@ -12,6 +12,8 @@ use fmi2_cosim::system::Located;
 pub struct BuiltIn {
     /// The file's stem: what a user types.
     pub name: &'static str,
+    /// The folder it comes from.
+    pub folder: &'static str,
     /// The file.
     pub text: &'static str,
 }
@@ -37,18 +39,30 @@ pub struct NoController {
     pub known: Vec<&'static str>,
 }
 
+/// Scenario files of a folder beside `scenarios`, compiled in.
 macro_rules! built_in {
-    ($($name:literal),* $(,)?) => {
-        &[$(BuiltIn { name: $name, text: include_str!(concat!("../../../scenarios/", $name, ".toml")) }),*]
+    ($folder:literal: $($name:literal),* $(,)?) => {
+        &[$($crate::grasp::scenarios::BuiltIn {
+            name: $name,
+            folder: $folder,
+            text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../", $folder, "/", $name, ".toml")),
+        }),*]
     };
 }
+pub(crate) use built_in;
 
 /// The files of the folder `scenarios`, so that the tool has them wherever it runs; the paper's three come first.
 pub const BUILT_IN: &[BuiltIn] = built_in![
+    "scenarios":
     "nabfc",
     "pds",
     "pd",
     "nabfc-fast",
+    "nabfc-r",
+    "nabfc-r-fast",
+    "pds-tuned",
+    "pd-tuned",
+    "pid",
     "preload",
     "unknown-mass",
     "friction",
@@ -82,7 +96,7 @@ impl BuiltIn {
     /// # Errors
     /// None in a released tool: a test reads all of them.
     pub fn scenario(&self) -> Result<Scenario, ScenarioError> {
-        Scenario::parse(&format!("scenarios/{}.toml", self.name), self.text)
+        Scenario::parse(&format!("{}/{}.toml", self.folder, self.name), self.text)
     }
 }
 

@@ -1,12 +1,14 @@
-//! Tables and the report of a comparison; its [`figures`], and the same as a page to play with ([`html`]) with the models'
+//! Tables and the report of a comparison: the [`matrix`] of controllers and cases, the paper's runs with their [`figures`], and the same as a page to play with ([`html`]) with the models'
 //! [`parameters`].
 
 pub mod figures;
 pub mod html;
+pub mod matrix;
 pub mod parameters;
 
 use std::fmt::Write;
 
+use crate::grasp::matrix::Matrix;
 use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
 use crate::report::figures::text::number;
 use crate::report::figures::{NamedFigure, Outcome};
@@ -182,11 +184,18 @@ pub fn tables(outcomes: &[Outcome]) -> (TextTable, TextTable) {
     (force_table(forces), effort_table(efforts))
 }
 
-/// The report: how it was made, the metrics, every figure. `setup` says how the runs were made.
+/// The report: the matrix if there is one, how the paper's runs were made, their metrics, every figure. `setup` says how
+/// the runs were made.
 #[must_use]
-pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str) -> String {
+pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str, matrix: Option<&Matrix>) -> String {
+    let lead = matrix.map_or_else(String::new, |matrix| {
+        format!(
+            "## Who settles, and when\n\n![Settling times of all controllers in all cases](matrix.svg)\n\n{}\n## The paper's runs\n\n",
+            matrix::markdown(matrix)
+        )
+    });
     let mut text = format!(
-        "# Grasping with two flexible arms: NABFC, PDS and PD\n\n{setup}\n\n\
+        "# Grasping with two flexible arms: NABFC, PDS and PD\n\n{lead}{setup}\n\n\
          [report.html](report.html) shows the same runs to play with: the arms in motion, curves to zoom into, the parameters \
          of every model.\n\n{}",
         metrics_markdown(outcomes).replace("\n## ", "\n### ").replacen("## ", "### ", 1)

@@ -11,11 +11,13 @@ mod tables;
 
 use serde_json::json;
 
+use crate::grasp::matrix::Matrix;
 use crate::grasp::metrics::Metrics;
 use crate::report::figures::Outcome;
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::record::Table;
-use markup::{escape, fill, json_in_script};
+pub(crate) use markup::escape;
+use markup::{fill, json_in_script};
 use pack::{Packer, Scale};
 
 const TEMPLATE: &str = include_str!("../../../assets/report/page.html");
@@ -71,6 +73,8 @@ pub struct Page<'a> {
     pub grid: &'a TimeGrid,
     /// How the runs were made, in one or two sentences.
     pub setup: &'a str,
+    /// Controllers in many cases, shown first.
+    pub matrix: Option<&'a Matrix>,
 }
 
 impl Page<'_> {
@@ -84,6 +88,7 @@ impl Page<'_> {
             Some(match name {
                 "style" => STYLES.join("\n"),
                 "setup" => escape(self.setup),
+                "matrix" => self.matrix.map_or_else(String::new, tables::matrix),
                 "metrics" => tables::metrics(self.outcomes),
                 "parameters" => tables::parameters(self.outcomes),
                 "rows" => self.rows_text(),

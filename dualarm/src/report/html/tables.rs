@@ -3,11 +3,26 @@
 use std::fmt::Write;
 
 use super::markup::escape;
+use crate::grasp::matrix::Matrix;
 use crate::grasp::metrics::{EffortMetrics, ForceMetrics};
 use crate::report::figures::Outcome;
 use crate::report::figures::text::number;
+use crate::report::matrix::{LEGEND, figure};
 use crate::report::parameters::{ModelParameters, Parameter};
 use fmi2_import::Value;
+
+/// The matrix of controllers and cases, as a section of the page.
+#[must_use]
+pub fn matrix(matrix: &Matrix) -> String {
+    format!(
+        "<section aria-labelledby=\"matrix-title\"><h2 id=\"matrix-title\">Who settles, and when</h2>\
+         <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Controllers in all cases\">{}</div>\
+         <p class=\"soft\">{} All numbers: <a href=\"matrix.md\">matrix.md</a>, <a href=\"matrix.csv\">matrix.csv</a>.</p>\
+         </section>",
+        figure::svg(matrix),
+        escape(&LEGEND.replace('*', ""))
+    )
+}
 
 /// A group of rows of the metrics table.
 struct Group {

@@ -1,0 +1,99 @@
+//! `dualarm compare`: the matrix of controllers and cases.
+
+use std::path::Path;
+
+use clap::Args;
+
+use super::progress::Progress;
+use super::{Failure, print_error};
+use crate::grasp::matrix::case::CaseError;
+use crate::grasp::matrix::contender::ContenderError;
+use crate::grasp::matrix::{Case, Contender, Lab, Matrix};
+use crate::report::figures::raster;
+use crate::report::matrix as report;
+use fmi2_cosim::files::FileSet;
+
+/// Which controllers run in which cases.
+#[derive(Debug, Clone, Default, Args)]
+pub struct MatrixChoice {
+    /// Run every controller in every case only, without the paper's runs
+    #[arg(long, conflicts_with = "no_matrix")]
+    matrix: bool,
+    /// Run the paper's three scenarios only
+    #[arg(long, conflicts_with_all = ["cases", "controllers"])]
+    no_matrix: bool,
+    /// Only these cases: names of the files in scenarios/matrix, or scenario files (.toml) of your own
+    #[arg(long, value_name = "CASE", value_delimiter = ',')]
+    cases: Vec<String>,
+    /// Only these controllers: names as for `simulate --controller`, presets or scenarios (.toml), controller FMUs (.fmu)
+    #[arg(long, value_name = "CONTROLLER", value_delimiter = ',')]
+    controllers: Vec<String>,
+}
+
+impl MatrixChoice {
+    /// Whether the paper's runs are left out.
+    pub fn is_alone(&self) -> bool {
+        self.matrix || !self.cases.is_empty() || !self.controllers.is_empty()
+    }
+}
+
+/// The cases that a user names; all without names.
+pub fn cases(names: &[String]) -> Result<Vec<Case>, Failure> {
+    let found = if names.is_empty() { Case::all() } else { names.iter().map(|name| Case::find(name)).collect() };
+    found.map_err(Failure::from)
+}
+
+/// Runs the cells, unless the user wants none.
+pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Matrix>, Failure> {
+    if choice.no_matrix {
+        return Ok(None);
+    }
+    let cases = cases(&choice.cases)?;
+    let contenders = if choice.controllers.is_empty() {
+        Contender::all()?
+    } else {
+        choice.controllers.iter().map(|name| Contender::find(name)).collect::<Result<_, _>>()?
+    };
+    let bar = Progress::new(quiet).bar("matrix", (cases.len() * contenders.len()) as u64);
+    let matrix = Matrix::run(&Lab::new(fmus), cases, contenders, &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    for (case, cells) in matrix.cases.iter().zip(&matrix.cells) {
+        for (contender, cell) in matrix.contenders.iter().zip(cells) {
+            if let Err(reason) = cell {
+                print_error(&format!("warning: {} in the case {}: {reason}\n", contender.key, case.key));
+            }
+        }
+    }
+    Ok(Some(matrix))
+}
+
+/// Writes the files of the matrix.
+pub fn write(matrix: &Matrix, out: &Path, results: &FileSet) -> Result<(), Failure> {
+    let svg = report::figure::svg(matrix);
+    let png = raster::to_png(&svg).map_err(|reason| Failure::failed(format!("cannot draw matrix: {reason}")))?;
+    let json = serde_json::to_string_pretty(&report::documents(matrix)).map_err(Failure::failed)?;
+    results.write(out.join("matrix.csv"), report::csv(matrix))?;
+    results.write(out.join("matrix.md"), report::markdown(matrix))?;
+    results.write(out.join("matrix.json"), json + "\n")?;
+    results.write(out.join("matrix.svg"), svg)?;
+    results.write(out.join("matrix.png"), png)?;
+    Ok(())
+}
+
+impl From<CaseError> for Failure {
+    fn from(error: CaseError) -> Self {
+        match error {
+            CaseError::Scenario(error) => error.into(),
+            CaseError::Unknown { .. } => Self::usage(error),
+        }
+    }
+}
+
+impl From<ContenderError> for Failure {
+    fn from(error: ContenderError) -> Self {
+        match error {
+            ContenderError::Preset(error) => error.into(),
+            _ => Self::usage(error),
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! `dualarm tune`
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use indicatif::ProgressStyle;
+use serde::Serialize;
+
+use super::fmus::FmuFolder;
+use super::progress::Progress;
+use super::{Failure, json, matrix, print};
+use crate::grasp::matrix::{self as cells, Cell, CellError, Contender, Lab};
+use crate::tune::dimension::{Dimension, DimensionError};
+use crate::tune::{Best, Limits, Objective, Task, preset};
+use fmi2_cosim::files::FileSet;
+use fmi2_cosim::settings::Setting;
+
+const AFTER_HELP: &str = "\
+Objective: in each case the time until forces, angles and position have settled, over the physical limit (at least \
+0.1 s), or the rms force error over 2 % of the target where noise is what matters; the geometric mean of these ratios, \
+with the worst one counting more. Broken limits make a ratio larger. A delay margin is a case: delay-2, delay-5.
+
+The search (CMA-ES) depends on cases, parameters, limits and seed only, not on the number of workers. Interrupted, it \
+goes on where it was when the same command is given again; with more evaluations, too.
+
+Examples:
+  dualarm tune --controller pd-tuned             the gains of PD, each within
+                                                 a decade of its start
+  dualarm tune -c pid -p kp=50..20000 -p kv=2..500 -p ki=5..50000 \\
+    -p kp1+kp2=5..500 -p kv1+kv2=0.2..20 -p ki1+ki2=1..5000
+  dualarm tune -c my_law.fmu -p gain=0.1..10 --cases undisturbed,mine.toml
+  dualarm tune -c nabfc-r --max-torque 1 --evaluations 1000 --seed 3
+  dualarm compare --controllers results/tuned-pid.toml,pid
+                                                 what came of it, in every case";
+
+/// The cases a controller is tuned for unless the user names others: one of each kind.
+const DEFAULT_CASES: [&str; 11] = [
+    "undisturbed",
+    "hub-torque",
+    "object-force",
+    "dead-zones",
+    "light",
+    "heavy-5",
+    "short",
+    "long",
+    "stiff",
+    "delay-2",
+    "noise",
+];
+
+/// Arguments of `dualarm tune`.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// Controller: a name as for `simulate --controller`, a preset or scenario (.toml), or a controller FMU (.fmu)
+    #[arg(long, short, value_name = "CONTROLLER")]
+    controller: String,
+    /// Vary this parameter; repeatable [default: all tunable gains whose start is positive, arms alike]
+    #[arg(long = "parameter", short, value_name = "NAME[+NAME…][=LOW..HIGH[:linear]]")]
+    parameters: Vec<String>,
+    /// Give a parameter of the controller another value, which stays; repeatable
+    #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    settings: Vec<Setting>,
+    /// Judge it in these cases: names of the files in scenarios/matrix, or scenario files (.toml) [default: one of each kind]
+    #[arg(long, value_name = "CASE", value_delimiter = ',')]
+    cases: Vec<String>,
+    /// How often to evaluate the objective
+    #[arg(long, default_value_t = 400, value_name = "COUNT")]
+    evaluations: usize,
+    /// Seed of the search
+    #[arg(long, default_value_t = 1, value_name = "NUMBER")]
+    seed: u64,
+    /// How much the worst case counts beside the mean of all, from 0 to 1
+    #[arg(long, default_value_t = 0.3, value_name = "SHARE", value_parser = share)]
+    worst: f64,
+    /// Largest overshoot of the forces in %
+    #[arg(long, default_value_t = 2.0, value_name = "PERCENT", value_parser = positive)]
+    max_overshoot: f64,
+    /// Largest torque of a hub in N.m [default: what the plant allows]
+    #[arg(long, value_name = "TORQUE", value_parser = positive)]
+    max_torque: Option<f64>,
+    /// Longest time of an actuator at its limits in s
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    max_saturated: Option<f64>,
+    /// Largest tension between arm and object in N: contact is kept
+    #[arg(long, value_name = "FORCE", value_parser = positive)]
+    max_tension: Option<f64>,
+    /// Threads [default: as many as there are processors]
+    #[arg(long, value_name = "COUNT")]
+    workers: Option<usize>,
+    /// Write the preset to this file, as a scenario, and beside it as .ssv [default: results/tuned-CONTROLLER.toml]
+    #[arg(long, short, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Keep the state of the search in this file [default: beside the preset]
+    #[arg(long, value_name = "FILE")]
+    state: Option<PathBuf>,
+    #[command(flatten)]
+    folder: FmuFolder,
+    /// Print the result as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+/// What `--json` prints; `docs/tool.md` describes the keys.
+#[derive(Serialize)]
+struct Document<'a> {
+    command: &'static str,
+    version: &'static str,
+    controller: &'a str,
+    /// In s.
+    wall_time: f64,
+    cost: f64,
+    evaluation: usize,
+    evaluations: usize,
+    seed: u64,
+    parameters: Vec<ParameterDocument<'a>>,
+    cases: Vec<CaseDocument<'a>>,
+    preset: &'a Path,
+}
+
+#[derive(Serialize)]
+struct ParameterDocument<'a> {
+    name: &'a str,
+    value: f64,
+    low: f64,
+    high: f64,
+}
+
+#[derive(Serialize)]
+struct CaseDocument<'a> {
+    case: &'a str,
+    ratio: Option<f64>,
+    #[serde(flatten)]
+    cell: Option<&'a Cell>,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "a number is needed".to_owned())?;
+    if value > 0.0 && value.is_finite() { Ok(value) } else { Err("a positive number is needed".into()) }
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "a number is needed".to_owned())?;
+    if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a number from 0 to 1 is needed".into()) }
+}
+
+pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
+    let begin = Instant::now();
+    let lab = Lab::new(&arguments.folder.fmus);
+    let task = task(arguments, &lab)?;
+    task.check(&lab)?;
+    let key = &task.contender.key;
+    let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("results/tuned-{key}.toml")));
+    let state = arguments.state.clone().unwrap_or_else(|| out.with_extension("jsonl"));
+    let workers = arguments.workers.unwrap_or_else(cells::workers);
+    let bar = Progress::new(quiet).bar(&task.contender.title, task.evaluations as u64);
+    let style = ProgressStyle::with_template("{prefix:<22} {bar:36.cyan/dim} {percent:>3} %  {eta}  {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("━━─"));
+    let best = task.run(&lab, &state, workers, &mut |evaluation, best| {
+        bar.set_position(evaluation as u64);
+        bar.set_message(format!("best {:.4}", best.cost));
+    })?;
+    bar.finish_and_clear();
+
+    let fmu = lab.fmu(&task.contender.fmu).map_err(CellError::from)?;
+    let results = FileSet::new();
+    results.write(&out, preset::toml(&task, &best, &command(arguments, &task)))?;
+    results.write(out.with_extension("ssv"), preset::ssv(&task, &best, fmu.description()))?;
+    results.appear()?;
+    let found = task.cells(&lab, &best.values, workers)?;
+    let seconds = begin.elapsed().as_secs_f64();
+    if arguments.json {
+        return json::print(&document(&task, &best, &found, seconds, &out));
+    }
+    if !quiet {
+        print(&summary(&task, &best, &found));
+        print(&format!("{} and .ssv, in {seconds:.1} s\n", out.display()));
+    }
+    Ok(())
+}
+
+fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
+    if arguments.evaluations == 0 {
+        return Err(Failure::usage("--evaluations must be at least 1"));
+    }
+    let mut contender = Contender::find(&arguments.controller)?;
+    // A preset other than *parameters* would leave the gains unused.
+    contender.settings.retain(|setting| setting.target != "preset");
+    contender.settings.extend(arguments.settings.iter().cloned());
+    let fmu = lab.fmu(&contender.fmu).map_err(CellError::from)?;
+    let description = fmu.description();
+    let dimensions = if arguments.parameters.is_empty() {
+        // The two laws of NABFC have gains of their own in one FMU.
+        let law = contender.settings.iter().rev().find(|setting| setting.target == "law");
+        let has_root_strain = law.is_some_and(|law| ["root_strain", "2"].contains(&law.value.to_string().as_str()));
+        Dimension::gains(description, |name| name.starts_with("r_") == has_root_strain)?
+    } else {
+        let parse = |text: &String| Dimension::parse(text, description);
+        arguments.parameters.iter().map(parse).collect::<Result<_, _>>()?
+    };
+    let named = DEFAULT_CASES.map(str::to_owned);
+    let cases = matrix::cases(if arguments.cases.is_empty() { &named } else { &arguments.cases })?;
+    let limits = Limits {
+        overshoot: arguments.max_overshoot,
+        torque: arguments.max_torque,
+        saturated: arguments.max_saturated,
+        tension: arguments.max_tension,
+    };
+    let objective = Objective { worst: arguments.worst, limits };
+    Ok(Task { contender, dimensions, cases, objective, evaluations: arguments.evaluations, seed: arguments.seed })
+}
+
+/// The command that repeats the search.
+fn command(arguments: &Arguments, task: &Task) -> String {
+    let mut words = vec![format!("dualarm tune --controller {}", arguments.controller)];
+    words.extend(task.dimensions.iter().map(|dimension| format!("--parameter {dimension}")));
+    words.extend(arguments.settings.iter().map(|setting| format!("--set {setting}")));
+    if !arguments.cases.is_empty() {
+        words.push(format!("--cases {}", arguments.cases.join(",")));
+    }
+    words
+        .push(format!("--evaluations {} --seed {} --worst {}", arguments.evaluations, arguments.seed, arguments.worst));
+    words.push(format!("--max-overshoot {}", arguments.max_overshoot));
+    let limits =
+        [("torque", arguments.max_torque), ("saturated", arguments.max_saturated), ("tension", arguments.max_tension)];
+    words.extend(limits.iter().filter_map(|(name, limit)| Some(format!("--max-{name} {}", (*limit)?))));
+    words.join(" ").replace(['"', '\\'], "")
+}
+
+fn summary(task: &Task, best: &Best, found: &[Option<Cell>]) -> String {
+    let mut text =
+        format!("objective {:.4}, found by evaluation {} of {}\n\n", best.cost, best.evaluation, task.evaluations);
+    for (dimension, value) in task.dimensions.iter().zip(&best.values) {
+        let at_edge = *value <= dimension.low || *value >= dimension.high;
+        let remark = if at_edge { "  at the edge of its range" } else { "" };
+        text += &format!("  {:<24} {value}{remark}\n", dimension.names.join(", "));
+    }
+    text += "\n";
+    for (case, cell) in task.cases.iter().zip(found) {
+        let (first, second) = crate::report::matrix::lines(&cell.ok_or_else(String::new));
+        let ratio = cell.map_or("failed".into(), |cell| format!("ratio {:.2}", task.objective.ratio(&cell)));
+        text += &format!("  {:<30} {first:>8}  {second:<10} {ratio}\n", case.scenario.title);
+    }
+    text + "\n"
+}
+
+fn document<'a>(
+    task: &'a Task,
+    best: &Best,
+    found: &'a [Option<Cell>],
+    seconds: f64,
+    preset: &'a Path,
+) -> Document<'a> {
+    let parameters = task.dimensions.iter().zip(&best.values).flat_map(|(dimension, value)| {
+        let Dimension { names, low, high, .. } = dimension;
+        names.iter().map(|name| ParameterDocument { name, value: *value, low: *low, high: *high })
+    });
+    let cases = task.cases.iter().zip(found).map(|(case, cell)| CaseDocument {
+        case: &case.key,
+        ratio: cell.as_ref().map(|cell| task.objective.ratio(cell)),
+        cell: cell.as_ref(),
+    });
+    Document {
+        command: "tune",
+        version: env!("CARGO_PKG_VERSION"),
+        controller: &task.contender.key,
+        wall_time: seconds,
+        cost: best.cost,
+        evaluation: best.evaluation,
+        evaluations: task.evaluations,
+        seed: task.seed,
+        parameters: parameters.collect(),
+        cases: cases.collect(),
+        preset,
+    }
+}
+
+impl From<DimensionError> for Failure {
+    fn from(error: DimensionError) -> Self {
+        Self::usage(error)
+    }
+}

@@ -1,0 +1,169 @@
+//! The columns of the matrix: controllers with settings.
+
+use std::path::{Path, PathBuf};
+
+use super::case::CaseError;
+use crate::grasp::scenarios::{BuiltIn, built_in};
+use crate::grasp::{CONTROLLERS, Controller, NABFC, NABFC_R, NABFC_R_FAST, PD, PD_TUNED, PDS, PDS_TUNED, PID, PLANT};
+use fmi2_cosim::names::{closest, suggestion};
+use fmi2_cosim::scenario::Scenario;
+use fmi2_cosim::settings::Setting;
+
+/// The columns, and the step in s of those that are unstable at the cases' 1 ms.
+pub const CONTENDERS: [(Controller, Option<f64>); 8] = [
+    (NABFC_R, None),
+    (NABFC_R_FAST, None),
+    (NABFC, None),
+    (PID, None),
+    (PD_TUNED, None),
+    (PDS_TUNED, None),
+    (PDS, Some(PAPER_STEP)),
+    (PD, Some(PAPER_STEP)),
+];
+
+/// Presets that `dualarm tune` wrote: what a search for all cases at once finds, in the folder `scenarios/tuned`.
+const PRESETS: &[BuiltIn] = built_in!["scenarios/tuned": "pid-all", "pds-all"];
+
+/// A step at which PD and PDS are stable with the paper's gains (from 0.26 ms on PD is not), in s.
+const PAPER_STEP: f64 = 2e-4;
+
+/// A controller FMU with settings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contender {
+    /// What a user types.
+    pub key: String,
+    /// What tables say.
+    pub title: String,
+    /// File of the FMU, in the folder of the FMUs or wherever it says.
+    pub fmu: PathBuf,
+    /// What makes the FMU this controller.
+    pub settings: Vec<Setting>,
+    /// Communication step in s instead of the case's.
+    pub step: Option<f64>,
+}
+
+/// Why there is no contender.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ContenderError {
+    /// No controller has this name.
+    #[error(
+        "there is no controller \"{name}\"{}; the controllers are {known}, or write a preset (.toml) or an FMU (.fmu)",
+        suggestion(.similar)
+    )]
+    Unknown {
+        /// What the user wrote.
+        name: String,
+        /// Names that come close.
+        similar: Vec<String>,
+        /// All names.
+        known: String,
+    },
+    /// The preset names no controller.
+    #[error("{0} names no controller: fmus must be the plant and one controller")]
+    NoController(String),
+    /// The preset cannot be read.
+    #[error(transparent)]
+    Preset(#[from] CaseError),
+}
+
+impl From<(Controller, Option<f64>)> for Contender {
+    fn from((controller, step): (Controller, Option<f64>)) -> Self {
+        Self {
+            key: controller.key.into(),
+            title: short(&controller),
+            fmu: controller.fmu.into(),
+            settings: controller.settings().collect(),
+            step,
+        }
+    }
+}
+
+/// What fits above a column.
+fn short(controller: &Controller) -> String {
+    match controller.key {
+        "nabfc" => "NABFC, paper's law".into(),
+        "nabfc-r-fast" => "NABFC-R, fast".into(),
+        "pd" | "pds" => format!("{}, paper", controller.title),
+        _ => controller.title.into(),
+    }
+}
+
+impl Contender {
+    /// All built-in contenders.
+    ///
+    /// # Errors
+    /// None in a released tool: a test reads all presets.
+    pub fn all() -> Result<Vec<Self>, ContenderError> {
+        let mut all: Vec<Self> = CONTENDERS.into_iter().map(Self::from).collect();
+        let place = all.iter().position(|contender| contender.step.is_some()).unwrap_or(all.len());
+        let presets = PRESETS.iter().map(Self::built_in).collect::<Result<Vec<_>, _>>()?;
+        all.splice(place..place, presets);
+        Ok(all)
+    }
+
+    fn built_in(file: &BuiltIn) -> Result<Self, ContenderError> {
+        Self::preset(file.name, file.scenario().map_err(CaseError::from)?)
+    }
+
+    /// The controller of a scenario, with its parameters.
+    fn preset(name: &str, scenario: Scenario) -> Result<Self, ContenderError> {
+        let fmu = scenario.fmus.iter().find(|fmu| fmu.file_name().is_some_and(|file| file != PLANT));
+        let fmu = fmu.ok_or_else(|| ContenderError::NoController(name.to_owned()))?.clone();
+        let settings = scenario.settings.into_iter().map(|setting| setting.item).collect();
+        Ok(Self { key: name.to_owned(), title: scenario.title, fmu, settings, step: scenario.experiment.step })
+    }
+
+    /// The contender a user names: a controller by name, a preset or scenario (`.toml`) with its controller and parameters,
+    /// or a controller FMU as it is.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn find(name: &str) -> Result<Self, ContenderError> {
+        if let Some(contender) = CONTENDERS.into_iter().find(|(controller, _)| controller.key == name) {
+            return Ok(contender.into());
+        }
+        if let Some(file) = PRESETS.iter().find(|file| file.name == name) {
+            return Self::built_in(file);
+        }
+        if let Some(controller) = Controller::find(name) {
+            return Ok((*controller, None).into());
+        }
+        let path = Path::new(name);
+        let has = |wanted: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
+        let key = || path.file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
+        if has("fmu") {
+            return Ok(Self { key: key(), title: key(), fmu: path.into(), settings: Vec::new(), step: None });
+        }
+        if has("toml") {
+            return Self::preset(&key(), Scenario::read(path).map_err(CaseError::from)?);
+        }
+        let known = || CONTROLLERS.iter().map(|controller| controller.key).chain(PRESETS.iter().map(|file| file.name));
+        Err(ContenderError::Unknown {
+            name: name.to_owned(),
+            similar: closest(name, known()).into_iter().map(str::to_owned).collect(),
+            known: known().collect::<Vec<_>>().join(", "),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contenders_are_found_by_name_file_and_fmu() {
+        assert_eq!(Contender::find("pd").unwrap().step, Some(PAPER_STEP));
+        assert!(Contender::all().unwrap().iter().any(|contender| contender.key == "pds-all"));
+        assert_eq!(Contender::find("mine/law.fmu").unwrap().key, "law");
+        let folder = tempfile::tempdir().unwrap();
+        let preset = folder.path().join("mine.toml");
+        let text = "title = \"x\"\nfmus = [\"DualArmPlant.fmu\", \"PdController.fmu\"]\n[parameters]\nkp = 12.0\n";
+        std::fs::write(&preset, text).unwrap();
+        let found = Contender::find(preset.to_str().unwrap()).unwrap();
+        assert_eq!((found.key.as_str(), found.fmu.as_path()), ("mine", Path::new("PdController.fmu")));
+        assert_eq!(found.settings, [Setting::new("kp", 12.0)]);
+        let message = Contender::find("pidd").unwrap_err().to_string();
+        assert!(message.contains("did you mean pid "), "{message}");
+    }
+}

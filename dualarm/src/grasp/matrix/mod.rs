@@ -1,0 +1,137 @@
+//! Controllers × cases: every [`Contender`] in every [`Case`], judged by [`Merit`] and, where the actuators set it, beside
+//! the [physical limit](limit).
+//!
+//! A case is a scenario file (folder `scenarios/matrix`), so `dualarm simulate` repeats every cell.
+
+pub mod case;
+pub mod contender;
+pub mod limit;
+pub mod merit;
+mod run;
+
+use std::num::NonZero;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+
+use serde::Serialize;
+
+pub use case::{CASES, Case};
+pub use contender::{CONTENDERS, Contender};
+pub use merit::Merit;
+pub use run::{Cell, CellError, Lab};
+
+/// What a row of the matrix compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Judged {
+    /// When all of (17) has settled.
+    Settling,
+    /// What is left of the force error, where sensors or a wrong model keep controllers from settling.
+    Error,
+}
+
+/// All cells; `cells[case][contender]`.
+#[derive(Debug, Clone)]
+pub struct Matrix {
+    /// The rows.
+    pub cases: Vec<Case>,
+    /// The columns.
+    pub contenders: Vec<Contender>,
+    /// What came out, or why nothing did.
+    pub cells: Vec<Vec<Result<Cell, String>>>,
+}
+
+impl Matrix {
+    /// Runs all cells on `workers` threads; `done` hears of each cell that is finished.
+    ///
+    /// # Errors
+    /// When an FMU or a scenario cannot be used at all. What fails in a single run is the content of its cell.
+    pub fn run(
+        lab: &Lab,
+        cases: Vec<Case>,
+        contenders: Vec<Contender>,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<Self, CellError> {
+        let jobs: Vec<(usize, usize)> =
+            (0..cases.len()).flat_map(|case| (0..contenders.len()).map(move |contender| (case, contender))).collect();
+        let results = parallel(workers(), jobs.len(), |job| {
+            let (case, contender) = jobs[job];
+            let result = lab.cell(&cases[case], &contenders[contender]);
+            done();
+            result
+        });
+        let mut results = results.into_iter();
+        let mut cells = Vec::with_capacity(cases.len());
+        for _ in &cases {
+            let mut row = Vec::with_capacity(contenders.len());
+            for _ in &contenders {
+                row.push(match results.next() {
+                    Some(Ok(cell)) => Ok(cell),
+                    Some(Err(CellError::Run(reason))) => Err(reason),
+                    Some(Err(error)) => return Err(error),
+                    None => unreachable!("one result for each job"),
+                });
+            }
+            cells.push(row);
+        }
+        Ok(Self { cases, contenders, cells })
+    }
+
+    /// What a row compares; settling where nothing ran.
+    #[must_use]
+    pub fn judged(&self, case: usize) -> Judged {
+        self.cells[case].iter().flatten().map(|cell| cell.judged).next().unwrap_or(Judged::Settling)
+    }
+
+    /// The physical limit of a row in s, where settling is what it compares.
+    #[must_use]
+    pub fn limit(&self, case: usize) -> Option<f64> {
+        let cell = self.cells[case].iter().flatten().next()?;
+        (cell.judged == Judged::Settling).then_some(cell.limit)
+    }
+
+    /// The best value of a row.
+    #[must_use]
+    pub fn best(&self, case: usize) -> Option<f64> {
+        self.cells[case].iter().flatten().filter_map(Cell::value).min_by(f64::total_cmp)
+    }
+}
+
+/// As many workers as there are processors.
+#[must_use]
+pub fn workers() -> usize {
+    thread::available_parallelism().map_or(1, NonZero::get)
+}
+
+/// Results of the jobs `0..count` in their order, from several threads; the results do not depend on how many.
+pub fn parallel<T: Send>(workers: usize, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    thread::scope(|scope| {
+        for _ in 0..workers.clamp(1, count.max(1)) {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some(place) = results.get(index) else { return };
+                    *place.lock().unwrap_or_else(PoisonError::into_inner) = Some(job(index));
+                }
+            });
+        }
+    });
+    let taken = results.into_iter().map(|result| result.into_inner().unwrap_or_else(PoisonError::into_inner));
+    taken.map(|result| result.expect("every job was done")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_come_in_order_from_any_number_of_workers() {
+        for workers in [1, 2, 7, 100] {
+            assert_eq!(parallel(workers, 50, |index| index * index), (0..50).map(|i| i * i).collect::<Vec<_>>());
+        }
+        assert!(parallel(4, 0, |index| index).is_empty());
+    }
+}

@@ -1,0 +1,215 @@
+//! One cell: a contender in a case.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use serde::Serialize;
+
+use super::limit::{BAND, Body, shortest};
+use super::merit::{Merit, SIGNALS};
+use super::{Case, Contender, Judged};
+use crate::grasp::instruments::{self, INSTRUMENTS};
+use crate::grasp::metrics::Limits;
+use crate::grasp::{CONTROLLERS, actuator_limits};
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::Master;
+use fmi2_cosim::record::Table;
+use fmi2_cosim::settings::Setting;
+use fmi2_cosim::system::{Located, System};
+use fmi2_import::{Fmu, FmuError, Value};
+
+/// Experiment of a case that does not say its own.
+const STOP: f64 = 6.0;
+const STEP: f64 = 1e-3;
+
+/// What came out of a cell.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Cell {
+    /// What the row compares.
+    pub judged: Judged,
+    /// How good it was.
+    pub merit: Merit,
+    /// The shortest possible settling time in s.
+    pub limit: f64,
+    /// The force to be reached, in N.
+    pub target: f64,
+    /// Length of the run in s.
+    pub stop: f64,
+}
+
+impl Cell {
+    /// What the row compares: settling time in s or force error in N; `None` for never.
+    #[must_use]
+    pub fn value(&self) -> Option<f64> {
+        match self.judged {
+            Judged::Settling => self.merit.settling,
+            Judged::Error => Some(self.merit.error_rms),
+        }
+    }
+}
+
+/// Why a cell is empty.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CellError {
+    /// An FMU cannot be used.
+    #[error("{0}; `dualarm package` makes the FMUs, --fmus says where they are")]
+    Fmu(#[from] FmuError),
+    /// The case has no controller that another one could replace.
+    #[error("the case {0} names none of the project's controllers, whose place others could take")]
+    NoController(String),
+    /// The run failed.
+    #[error("{0}")]
+    Run(String),
+}
+
+/// Where cells are run: a folder of FMUs, each of which is opened once.
+pub struct Lab {
+    folder: PathBuf,
+    opened: Mutex<HashMap<PathBuf, Fmu>>,
+}
+
+impl Lab {
+    /// A lab with the FMUs of a folder.
+    #[must_use]
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.to_owned(), opened: Mutex::default() }
+    }
+
+    /// An FMU of the folder, or wherever its path leads.
+    ///
+    /// # Errors
+    /// When it cannot be opened.
+    pub fn fmu(&self, file: &Path) -> Result<Fmu, FmuError> {
+        let path = if file.is_file() { file.to_owned() } else { self.folder.join(file) };
+        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(fmu) = opened.get(&path) {
+            return Ok(fmu.clone());
+        }
+        let fmu = Fmu::open(&path)?;
+        opened.insert(path, fmu.clone());
+        Ok(fmu)
+    }
+
+    /// Runs a cell.
+    ///
+    /// # Errors
+    /// When an FMU cannot be used, the case has no controller, or the run fails.
+    pub fn cell(&self, case: &Case, contender: &Contender) -> Result<Cell, CellError> {
+        let (system, controller) = self.system(case, contender)?;
+        cell(&system, &controller, contender.step).map_err(CellError::Run)
+    }
+
+    /// The case with the contender in its controller's place, which is the second part of the result.
+    fn system(&self, case: &Case, contender: &Contender) -> Result<(System, String), CellError> {
+        let scenario = &case.scenario;
+        let is_controller =
+            |file: &&PathBuf| CONTROLLERS.iter().any(|known| file.file_name().is_some_and(|name| name == known.fmu));
+        let replaced = scenario.fmus.iter().find(is_controller);
+        let replaced = replaced.ok_or_else(|| CellError::NoController(case.key.clone()))?;
+        let open = |file: &PathBuf| self.fmu(if file == replaced { &contender.fmu } else { file });
+        let fmus = scenario.fmus.iter().map(open).collect::<Result<Vec<_>, _>>()?;
+        let place = scenario.fmus.iter().position(|file| file == replaced).unwrap_or_default();
+        let mut system = System::of_fmus(&fmus);
+        let controller = system.components[place].0.clone();
+        let own = contender.settings.iter().map(|setting| Located::nowhere(within(&controller, setting)));
+        system.settings = own.chain(scenario.settings.iter().cloned()).chain(scenario.held.iter().cloned()).collect();
+        system.inputs.clone_from(&scenario.inputs);
+        system.experiment = scenario.experiment;
+        instruments::connect(&mut system).map_err(|error| CellError::Run(error.to_string()))?;
+        Ok((system, controller))
+    }
+}
+
+/// A setting of the contender, which means no variable of the same name elsewhere.
+fn within(controller: &str, setting: &Setting) -> Setting {
+    if setting.target.contains('.') {
+        return setting.clone();
+    }
+    Setting::new(format!("{controller}.{}", setting.target), setting.value.clone())
+}
+
+fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let experiment = system.experiment;
+    let start = experiment.start.unwrap_or(0.0);
+    let stop = experiment.stop.unwrap_or(start + STOP);
+    let step = step.or(experiment.step).unwrap_or(STEP);
+    let grid = TimeGrid::new(start, stop, step).map_err(|error| text(&error))?;
+    let mut master = system.master(experiment.coupling.unwrap_or_default()).map_err(|error| text(&error))?;
+    master.initialize(&grid).map_err(|error| text(&error))?;
+    let mut table = Table::new(master.record(|name| SIGNALS.contains(&name)));
+    let result = master.run(&grid, 0.0, &mut table, &mut |_| ());
+    result.map_err(|error| text(&error))?;
+    let mut models = Models { master: &mut master, system };
+    let limits = actuator_limits(models.master.instance(models.place("contact_force1").unwrap_or_default()));
+    let merit = Merit::of(&table, limits).ok_or("the plant or the controller lacks outputs that are judged")?;
+    let judged = if models.is_noisy() || models.is_misinformed(controller) { Judged::Error } else { Judged::Settling };
+    let last = |name: &str| table.column(name).and_then(|values| values.last().copied()).unwrap_or_default();
+    let first = |name: &str| table.column(name).and_then(|values| values.first().copied()).unwrap_or_default();
+    let target = last("lambda2_d");
+    let ways = ["theta1", "theta2", "y_object"].map(|name| last(&format!("{name}_d")) - first(name));
+    Ok(Cell { judged, merit, limit: models.limit(limits, ways, target), target, stop: stop - start })
+}
+
+/// The instances of a run, to be asked.
+struct Models<'a> {
+    master: &'a mut Master,
+    system: &'a System,
+}
+
+impl Models<'_> {
+    /// The first component that has this variable.
+    fn place(&self, variable: &str) -> Option<usize> {
+        self.system.components.iter().position(|(_, fmu)| fmu.description().variable(variable).is_some())
+    }
+
+    fn real(&mut self, place: usize, name: &str) -> Option<f64> {
+        let instance = self.master.instance(place);
+        let reference = instance.description().variable(name)?.value_reference;
+        let mut value = [0.0];
+        instance.get_real(&[reference], &mut value).ok()?;
+        Some(value[0])
+    }
+
+    /// Whether sensors are noisy or coarse: not as they are by themselves.
+    fn is_noisy(&mut self) -> bool {
+        let Some(place) = self.system.components.iter().position(|(_, fmu)| INSTRUMENTS.is(fmu)) else { return false };
+        let instance = self.master.instance(place);
+        let Some(variable) = instance.description().variable("sensor_profile").cloned() else { return false };
+        let is_plain = |value: &Value| {
+            variable
+                .items()
+                .iter()
+                .any(|item| ["parameters", "off"].contains(&item.name.as_str()) && *value == Value::Integer(item.value))
+        };
+        instance.get(&variable).is_ok_and(|value| !is_plain(&value))
+    }
+
+    /// Whether the controller has other arms in mind than the plant has.
+    fn is_misinformed(&mut self, controller: &str) -> bool {
+        let plant = self.place("contact_force1");
+        let controller = self.system.components.iter().position(|(name, _)| name == controller);
+        let (Some(plant), Some(controller)) = (plant, controller) else { return false };
+        ["EI1", "EI2", "l", "L"].into_iter().any(|name| {
+            let values = (self.real(plant, name), self.real(controller, name));
+            matches!(values, (Some(one), Some(other)) if one != other)
+        })
+    }
+
+    /// The [limit](super::limit) of this plant on these ways.
+    fn limit(&mut self, limits: [Option<Limits>; 3], ways: [f64; 3], target: f64) -> f64 {
+        let Some(plant) = self.place("contact_force1") else { return 0.0 };
+        let mut real = |name: &str| self.real(plant, name).unwrap_or_default();
+        let contact = (1.0 + BAND) * target.abs();
+        let thrust = |limits: Option<Limits>, more: f64| limits.map(|limits| limits.high.max(-limits.low) + more);
+        let (moment, disturbance) = (contact * real("l"), real("delta_F").abs());
+        let bodies = [
+            Body { inertia: real("J1"), way: ways[0], thrust: thrust(limits[0], moment + real("delta_f1").abs()) },
+            Body { inertia: real("J2"), way: ways[1], thrust: thrust(limits[1], moment + real("delta_f2").abs()) },
+            Body { inertia: real("M"), way: ways[2], thrust: thrust(limits[2], contact + disturbance) },
+        ];
+        bodies.into_iter().map(shortest).fold(0.0, f64::max)
+    }
+}

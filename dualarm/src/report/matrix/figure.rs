@@ -1,0 +1,174 @@
+//! The matrix as a picture: one coloured cell per controller and case, readable in ten seconds.
+
+use std::fmt::Write;
+
+use super::lines;
+use crate::grasp::matrix::Matrix;
+use crate::report::figures::text::{self, FAMILIES, with_shifts};
+use crate::report::html::escape;
+
+const CELL: (f64, f64) = (78.0, 34.0);
+const LABELS: f64 = 196.0;
+const HEADER: f64 = 104.0;
+const MARGIN: f64 = 16.0;
+const LIMIT: f64 = 58.0;
+
+/// Ratio to the best of the row, and the colour there: colours that stay apart for colour-blind readers.
+const SCALE: [(f64, [f64; 3]); 4] = [
+    (1.0, [140.0, 197.0, 232.0]),
+    (1.6, [214.0, 234.0, 246.0]),
+    (2.5, [250.0, 244.0, 230.0]),
+    (8.0, [244.0, 178.0, 104.0]),
+];
+const NEVER: &str = "#C2410C";
+const EMPTY: &str = "#EEF0F3";
+const INK: &str = "#22262E";
+const SOFT: &str = "#5B6370";
+
+/// Below this error, in N, nobody is better than anybody.
+const EXACT: f64 = 1e-3;
+
+/// The figure as SVG.
+#[must_use]
+pub fn svg(matrix: &Matrix) -> String {
+    let columns = matrix.contenders.len() as f64;
+    let width = 2.0 * MARGIN + LABELS + columns * CELL.0 + LIMIT;
+    let height = HEADER + matrix.cases.len() as f64 * CELL.1 + 74.0;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         font-family=\"{FAMILIES}\" fill=\"{INK}\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+    );
+    write_text(&mut svg, (MARGIN, 26.0), 15.0, "start", true, INK, "Who settles, and when (s)");
+    for (column, contender) in matrix.contenders.iter().enumerate() {
+        let x = left(column) + 0.5 * CELL.0;
+        for (line, words) in wrapped(&contender.title, CELL.0 - 4.0).iter().rev().enumerate() {
+            write_text(&mut svg, (x, HEADER - 10.0 - 15.0 * line as f64), 12.0, "middle", true, INK, words);
+        }
+    }
+    let x = left(matrix.contenders.len()) + 0.5 * LIMIT;
+    write_text(&mut svg, (x, HEADER - 25.0), 11.0, "middle", false, SOFT, "physical");
+    write_text(&mut svg, (x, HEADER - 10.0), 11.0, "middle", false, SOFT, "limit");
+    for (row, case) in matrix.cases.iter().enumerate() {
+        let y = HEADER + row as f64 * CELL.1;
+        write_text(&mut svg, (MARGIN + LABELS - 10.0, y + 21.0), 12.0, "end", false, INK, &case.scenario.title);
+        for column in 0..matrix.contenders.len() {
+            write_cell(&mut svg, matrix, row, column, (left(column), y));
+        }
+        if let Some(limit) = matrix.limit(row) {
+            write_text(&mut svg, (x, y + 21.0), 11.0, "middle", false, SOFT, &text::number(limit, 2));
+        }
+    }
+    write_key(&mut svg, height - 50.0);
+    with_shifts(&(svg + "</svg>\n"))
+}
+
+fn left(column: usize) -> f64 {
+    MARGIN + LABELS + column as f64 * CELL.0
+}
+
+fn write_cell(svg: &mut String, matrix: &Matrix, row: usize, column: usize, (x, y): (f64, f64)) {
+    let cell = &matrix.cells[row][column];
+    let value = cell.as_ref().ok().map(|cell| cell.value());
+    let (fill, ink) = match (value, matrix.best(row)) {
+        (None, _) => (EMPTY.to_owned(), SOFT),
+        (Some(Some(value)), Some(best)) => (shade(value.max(EXACT) / best.max(EXACT)), INK),
+        _ => (NEVER.to_owned(), "white"),
+    };
+    let (width, height) = (CELL.0 - 2.0, CELL.1 - 2.0);
+    let _ = writeln!(
+        svg,
+        "<rect x=\"{}\" y=\"{}\" width=\"{width}\" height=\"{height}\" rx=\"3\" fill=\"{fill}\"/>",
+        x + 1.0,
+        y + 1.0
+    );
+    let (first, second) = lines(cell);
+    let is_best =
+        matches!((value, matrix.best(row)), (Some(Some(value)), Some(best)) if value <= 1.1 * best.max(EXACT));
+    let middle = x + 0.5 * CELL.0;
+    let baseline = y + if second.is_empty() { 21.5 } else { 16.0 };
+    write_text(svg, (middle, baseline), 13.0, "middle", is_best, ink, &first);
+    if !second.is_empty() {
+        write_text(svg, (middle, y + 28.0), 9.5, "middle", false, ink, &second);
+    }
+}
+
+fn write_key(svg: &mut String, y: f64) {
+    let mut x = MARGIN + LABELS;
+    let shades = [
+        (shade(1.0), "best"),
+        (shade(1.6), "1.6 ×"),
+        (shade(2.5), "2.5 ×"),
+        (shade(8.0), "8 × and more"),
+        (NEVER.to_owned(), "never"),
+    ];
+    for (fill, label) in shades {
+        let _ = writeln!(svg, "<rect x=\"{x}\" y=\"{y}\" width=\"22\" height=\"14\" rx=\"3\" fill=\"{fill}\"/>");
+        write_text(svg, (x + 28.0, y + 11.5), 11.0, "start", false, INK, label);
+        x += 44.0 + text::width(label, 11.0, false);
+    }
+    let notes = "Time until forces, angles and position stay within 2 % of their travel; small: overshoot of the force above 2 %, or the rms error that is left. In mN: rms error.";
+    write_text(svg, (MARGIN, y + 36.0), 10.5, "start", false, SOFT, notes);
+}
+
+fn write_text(svg: &mut String, (x, y): (f64, f64), size: f64, anchor: &str, bold: bool, ink: &str, words: &str) {
+    let weight = if bold { " font-weight=\"bold\"" } else { "" };
+    let _ = writeln!(
+        svg,
+        "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\"{weight} fill=\"{ink}\">{}</text>",
+        escape(words)
+    );
+}
+
+/// Words in lines that are no wider than `width`, if each word is not.
+fn wrapped(words: &str, width: f64) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in words.split(' ') {
+        match lines.last_mut() {
+            Some(line) if text::width(&format!("{line} {word}"), 12.0, true) <= width => {
+                *line = format!("{line} {word}")
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+/// Colour of a value that is `ratio` times the best.
+fn shade(ratio: f64) -> String {
+    let last = SCALE[SCALE.len() - 1];
+    let upper = SCALE.iter().position(|(at, _)| ratio <= *at);
+    let color = match upper {
+        Some(0) => SCALE[0].1,
+        None => last.1,
+        Some(upper) => {
+            let ((low, from), (high, to)) = (SCALE[upper - 1], SCALE[upper]);
+            let share = (ratio / low).ln() / (high / low).ln();
+            [0, 1, 2].map(|index| from[index] + share * (to[index] - from[index]))
+        }
+    };
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 0 and 255
+    let [red, green, blue] = color.map(|part| part.round() as u8);
+    format!("#{red:02X}{green:02X}{blue:02X}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_picture_is_sound_and_says_every_cell() {
+        let svg = svg(&super::super::tests::example());
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let words: Vec<_> = document.descendants().filter_map(|node| node.text()).map(str::trim).collect();
+        for expected in ["undisturbed", "0.15", "0.31", "+31 %", "never", "10.0 mN", "–"] {
+            assert!(words.contains(&expected), "{expected} is missing");
+        }
+        assert_eq!(text::missing(&words.concat().replace('\n', "")), Vec::<char>::new());
+    }
+
+    #[test]
+    fn shades_go_from_the_best_to_the_worst() {
+        assert_eq!((shade(1.0), shade(100.0)), ("#8CC5E8".to_owned(), "#F4B268".to_owned()));
+        assert_ne!(shade(1.3), shade(2.0));
+    }
+}

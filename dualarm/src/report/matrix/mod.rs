@@ -1,0 +1,182 @@
+//! The matrix as tables, data and a [figure](figure).
+
+pub mod figure;
+
+use std::fmt::Write;
+
+use serde::Serialize;
+
+use crate::grasp::matrix::{Cell, Judged, Matrix, Merit};
+use crate::report::TextTable;
+use crate::report::figures::text::number;
+
+/// What a reader has to know, in sentences.
+pub const LEGEND: &str = "Time in s until forces, angles and position, all of (17), stay within 2 % of their travel; below it \
+    the overshoot of the force where that is more than 2 %, and under *never* the force error that is left. The last rows, \
+    where sensors or a wrong model keep the force from settling, give its rms error instead. *Limit* is the shortest \
+    time that the actuators allow while contact is kept and no force overshoots.";
+
+/// Overshoot in % from which on a cell says it.
+const OVERSHOOT: f64 = 2.0;
+
+/// The two lines of a cell.
+#[must_use]
+pub fn lines(cell: &Result<Cell, String>) -> (String, String) {
+    let Ok(cell) = cell else { return ("–".into(), String::new()) };
+    let Merit { settling, overshoot, error_rms, .. } = cell.merit;
+    match (cell.judged, settling) {
+        (Judged::Error, _) => (millinewtons(error_rms), String::new()),
+        (Judged::Settling, None) => ("never".into(), millinewtons(error_rms)),
+        (Judged::Settling, Some(time)) if overshoot > OVERSHOOT => {
+            (seconds(time), format!("+{} %", number(overshoot, 0)))
+        }
+        (Judged::Settling, Some(time)) => (seconds(time), String::new()),
+    }
+}
+
+fn seconds(time: f64) -> String {
+    number(time, if time < 10.0 { 2 } else { 1 })
+}
+
+fn millinewtons(force: f64) -> String {
+    let force = 1e3 * force;
+    if force.is_nan() {
+        return "–".into();
+    }
+    format!("{} mN", number(force, usize::from(force < 99.95)))
+}
+
+/// The matrix as a table of texts, one line per cell.
+#[must_use]
+pub fn table(matrix: &Matrix) -> TextTable {
+    let mut header = vec!["case".to_owned()];
+    header.extend(matrix.contenders.iter().map(|contender| contender.title.clone()));
+    header.push("limit".into());
+    let row = |(index, case): (usize, &crate::grasp::matrix::Case)| {
+        let mut row = vec![case.scenario.title.clone()];
+        row.extend(matrix.cells[index].iter().map(|cell| {
+            let (first, second) = lines(cell);
+            if second.is_empty() { first } else { format!("{first} ({second})") }
+        }));
+        row.push(matrix.limit(index).map_or("–".into(), seconds));
+        row
+    };
+    TextTable { header, rows: matrix.cases.iter().enumerate().map(row).collect() }
+}
+
+/// The table with what it means, as Markdown.
+#[must_use]
+pub fn markdown(matrix: &Matrix) -> String {
+    format!("{LEGEND}\n\n{}", table(matrix).to_markdown())
+}
+
+/// Everything in plain names and SI units, one line per cell; absent values are empty.
+#[must_use]
+pub fn csv(matrix: &Matrix) -> String {
+    let mut text = String::from(
+        "case,controller,judged,settling_s,settling_forces_s,settling_angles_s,settling_position_s,overshoot_percent,\
+         steady_error_N,error_rms_N,peak_torque_Nm,peak_force_N,saturated_s,tension_N,limit_s,failure\n",
+    );
+    let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    for (case, cells) in matrix.cases.iter().zip(&matrix.cells) {
+        for (contender, cell) in matrix.contenders.iter().zip(cells) {
+            let _ = write!(text, "{},{},", case.key, contender.key);
+            let _ = match cell {
+                Ok(Cell { judged, merit, limit, .. }) => {
+                    let judged = match judged {
+                        Judged::Settling => "settling",
+                        Judged::Error => "error",
+                    };
+                    let numbers = [
+                        optional(merit.settling),
+                        optional(merit.settling_forces),
+                        optional(merit.settling_angles),
+                        optional(merit.settling_position),
+                        merit.overshoot.to_string(),
+                        merit.steady_error.to_string(),
+                        merit.error_rms.to_string(),
+                        merit.peak_torque.to_string(),
+                        merit.peak_force.to_string(),
+                        merit.saturated.to_string(),
+                        merit.tension.to_string(),
+                        limit.to_string(),
+                    ];
+                    writeln!(text, "{judged},{},", numbers.join(","))
+                }
+                Err(reason) => writeln!(text, "{}\"{}\"", ",".repeat(13), reason.replace(['"', '\n'], " ")),
+            };
+        }
+    }
+    text
+}
+
+/// One cell of [`documents`].
+#[derive(Debug, Serialize)]
+pub struct CellDocument<'a> {
+    case: &'a str,
+    controller: &'a str,
+    #[serde(flatten)]
+    cell: Option<&'a Cell>,
+    failure: Option<&'a str>,
+}
+
+/// The cells with the keys of their case and controller, row by row.
+#[must_use]
+pub fn documents(matrix: &Matrix) -> Vec<CellDocument<'_>> {
+    let rows = matrix.cases.iter().zip(&matrix.cells);
+    rows.flat_map(|(case, cells)| {
+        matrix.contenders.iter().zip(cells).map(|(contender, cell)| CellDocument {
+            case: &case.key,
+            controller: &contender.key,
+            cell: cell.as_ref().ok(),
+            failure: cell.as_ref().err().map(String::as_str),
+        })
+    })
+    .collect()
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::grasp::matrix::{Case, Contender};
+
+    /// Two rows of two: settled and overshooting, never and failed.
+    pub fn example() -> Matrix {
+        let merit = Merit {
+            settling: Some(0.15),
+            settling_forces: Some(0.15),
+            settling_angles: Some(0.1),
+            settling_position: Some(0.1),
+            overshoot: 0.1,
+            steady_error: 0.0,
+            error_rms: 0.01,
+            peak_torque: 1.0,
+            peak_force: 0.3,
+            saturated: 0.0,
+            tension: 0.0,
+        };
+        let cell = |settling, overshoot| {
+            let merit = Merit { settling, overshoot, ..merit };
+            Ok(Cell { judged: Judged::Settling, merit, limit: 0.05, target: 0.5, stop: 6.0 })
+        };
+        Matrix {
+            cases: Case::all().unwrap().into_iter().take(2).collect(),
+            contenders: Contender::all().unwrap().into_iter().take(2).collect(),
+            cells: vec![vec![cell(Some(0.15), 0.1), cell(Some(0.31), 31.0)], vec![cell(None, 0.0), Err("a, b".into())]],
+        }
+    }
+
+    #[test]
+    fn every_cell_is_in_table_and_data() {
+        let matrix = example();
+        let text = markdown(&matrix);
+        assert!(text.contains("| undisturbed | 0.15 | 0.31 (+31 %) | 0.05 |"), "{text}");
+        assert!(text.contains("| never (10.0 mN) | – | 0.05 |"), "{text}");
+        let csv = csv(&matrix);
+        let commas: Vec<_> = csv.lines().map(|line| line.replace("\"a, b\"", "").matches(',').count()).collect();
+        assert_eq!(commas, [15; 5], "{csv}");
+        let json = serde_json::to_value(documents(&matrix)).unwrap();
+        assert_eq!(json[1]["merit"]["overshoot"], 31.0);
+        assert_eq!((&json[2]["merit"]["settling"], &json[3]["failure"]), (&serde_json::Value::Null, &"a, b".into()));
+    }
+}

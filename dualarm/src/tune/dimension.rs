@@ -1,0 +1,207 @@
+//! What a search varies: parameters, alone or several that have one value, in a range.
+
+use std::fmt;
+
+use fmi2_cosim::names::{closest, suggestion};
+use fmi2_import::{ModelDescription, Variability, Variable, VariableType};
+
+/// One or more parameters with one value.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dimension {
+    /// The parameters.
+    pub names: Vec<String>,
+    /// Smallest value.
+    pub low: f64,
+    /// Largest value.
+    pub high: f64,
+    /// Whether ratios count, not differences.
+    pub logarithmic: bool,
+    /// Where the search begins.
+    pub start: f64,
+}
+
+/// Why something is no dimension.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DimensionError {
+    /// It is not written like one.
+    #[error(
+        "--parameter {text}: {problem}; write NAME=LOW..HIGH, NAME1+NAME2=LOW..HIGH for one value of both, and :linear behind a range that is not to be searched by ratios"
+    )]
+    Form {
+        /// As written.
+        text: String,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The controller has no such parameter.
+    #[error("--parameter {name}: {model} has no real parameter of this name{}", suggestion(.similar))]
+    Unknown {
+        /// As written.
+        name: String,
+        /// The controller.
+        model: String,
+        /// Names that come close.
+        similar: Vec<String>,
+    },
+    /// Nothing is left to vary.
+    #[error("{0} has no gains that could be tuned by themselves; name some with --parameter NAME=LOW..HIGH")]
+    Nothing(String),
+}
+
+/// By how much a gain may change from its start, either way, when no range is given.
+const DECADE: f64 = 10.0;
+
+/// Tunable parameters that are no gains: what the controller knows, and how it is connected.
+const NO_GAINS: [&str; 12] = [
+    "EI1",
+    "EI2",
+    "l",
+    "L",
+    "tau_limit",
+    "u_limit",
+    "sat_limit",
+    "W_max",
+    "U1_max",
+    "U2_max",
+    "r_mass_min",
+    "r_mass_max",
+];
+
+impl Dimension {
+    /// `NAME=LOW..HIGH`, several names with `+`, `:linear` behind it; without a range from a tenth of the start value to
+    /// ten times that.
+    ///
+    /// # Errors
+    /// When it is not written so, or the controller has no such parameter.
+    pub fn parse(text: &str, description: &ModelDescription) -> Result<Self, DimensionError> {
+        let form = |problem: &str| DimensionError::Form { text: text.to_owned(), problem: problem.to_owned() };
+        let (names, range) = text.split_once('=').map_or((text, None), |(names, range)| (names, Some(range)));
+        let names: Vec<String> = names.split('+').map(|name| name.trim().to_owned()).collect();
+        let mut starts = Vec::new();
+        for name in &names {
+            starts.push(start(name, description)?);
+        }
+        let Some(range) = range else {
+            return Self::around(names, starts[0]).ok_or_else(|| form("its start value is 0, so it needs a range"));
+        };
+        let (range, logarithmic) = range.strip_suffix(":linear").map_or((range, true), |range| (range, false));
+        let (low, high) = range.split_once("..").ok_or_else(|| form("there is no \"..\" in its range"))?;
+        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+        let (Some(low), Some(high)) = (number(low), number(high)) else { return Err(form("an end is no number")) };
+        if low >= high {
+            return Err(form("the range is empty"));
+        }
+        if logarithmic && low <= 0.0 {
+            return Err(form("ratios need positive ends"));
+        }
+        let middle = if logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) };
+        let start = if (low..=high).contains(&starts[0]) { starts[0] } else { middle };
+        Ok(Self { names, low, high, logarithmic, start })
+    }
+
+    fn around(names: Vec<String>, start: f64) -> Option<Self> {
+        (start > 0.0).then(|| Self { names, low: start / DECADE, high: start * DECADE, logarithmic: true, start })
+    }
+
+    /// The gains of a controller: its tunable real parameters with positive start values; those of both arms
+    /// together. `wanted` tells those in use.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub fn gains(description: &ModelDescription, wanted: impl Fn(&str) -> bool) -> Result<Vec<Self>, DimensionError> {
+        let is_gain = |variable: &&Variable| {
+            variable.variability == Variability::Tunable
+                && !NO_GAINS.contains(&variable.name.as_str())
+                && !variable.name.starts_with("observer_")
+                && wanted(&variable.name)
+        };
+        let mut dimensions: Vec<Self> = Vec::new();
+        for variable in description.variables.iter().filter(is_gain) {
+            let VariableType::Real(attributes) = &variable.kind else { continue };
+            let Some(start) = attributes.start.filter(|start| *start > 0.0) else { continue };
+            let twin = variable.name.strip_suffix('2').map(|stem| format!("{stem}1"));
+            let group = dimensions.iter_mut().find(|dimension| twin.as_ref() == dimension.names.first());
+            if let Some(group) = group.filter(|group| group.start == start) {
+                group.names.push(variable.name.clone());
+                continue;
+            }
+            dimensions.extend(Self::around(vec![variable.name.clone()], start).map(|dimension| Self {
+                low: attributes.min.map_or(dimension.low, |min| dimension.low.max(min)),
+                high: attributes.max.map_or(dimension.high, |max| dimension.high.min(max)),
+                ..dimension
+            }));
+        }
+        if dimensions.is_empty() {
+            Err(DimensionError::Nothing(description.model_name.clone()))
+        } else {
+            Ok(dimensions)
+        }
+    }
+
+    /// The value at a coordinate between 0 and 1. Four digits: nobody's gains have more, and presets are readable.
+    #[must_use]
+    pub fn value(&self, coordinate: f64) -> f64 {
+        let at = coordinate.clamp(0.0, 1.0);
+        let exact = if self.logarithmic {
+            self.low * (at * (self.high / self.low).ln()).exp()
+        } else {
+            self.low + at * (self.high - self.low)
+        };
+        format!("{exact:.3e}").parse().unwrap_or(exact).clamp(self.low, self.high)
+    }
+
+    /// The coordinate of the start.
+    #[must_use]
+    pub fn start_coordinate(&self) -> f64 {
+        let Self { low, high, start, .. } = *self;
+        let at = if self.logarithmic { (start / low).ln() / (high / low).ln() } else { (start - low) / (high - low) };
+        at.clamp(0.0, 1.0)
+    }
+}
+
+fn start(name: &str, description: &ModelDescription) -> Result<f64, DimensionError> {
+    let reals = || description.variables.iter().filter(|variable| matches!(variable.kind, VariableType::Real(_)));
+    let settable = || reals().filter(|variable| variable.is_settable());
+    let found = settable().find(|variable| variable.name == name);
+    let Some(VariableType::Real(attributes)) = found.map(|variable| &variable.kind) else {
+        return Err(DimensionError::Unknown {
+            name: name.to_owned(),
+            model: description.model_name.clone(),
+            similar: closest(name, settable().map(|variable| variable.name.as_str()))
+                .into_iter()
+                .map(str::to_owned)
+                .collect(),
+        });
+    };
+    Ok(attributes.start.unwrap_or_default())
+}
+
+impl fmt::Display for Dimension {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}={}..{}", self.names.join("+"), self.low, self.high)?;
+        if self.logarithmic { Ok(()) } else { f.write_str(":linear") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dimension(logarithmic: bool) -> Dimension {
+        Dimension { names: vec!["k".into()], low: 1.0, high: 100.0, logarithmic, start: 10.0 }
+    }
+
+    #[test]
+    fn coordinates_span_the_range_by_ratio_or_by_difference() {
+        assert_eq!([0.0, 0.5, 1.0].map(|at| dimension(true).value(at)), [1.0, 10.0, 100.0]);
+        assert_eq!([0.0, 0.5, 1.0, 7.0].map(|at| dimension(false).value(at)), [1.0, 50.5, 100.0, 100.0]);
+        assert!((dimension(true).start_coordinate() - 0.5).abs() < 1e-12);
+        assert!((dimension(false).start_coordinate() - 1.0 / 11.0).abs() < 1e-12);
+        assert_eq!(dimension(true).value(1.0 / 3.0), 4.642);
+        assert_eq!(
+            (dimension(true).to_string(), dimension(false).to_string()),
+            ("k=1..100".into(), "k=1..100:linear".into())
+        );
+    }
+}

@@ -1,0 +1,186 @@
+//! `dualarm tune`: the best gains of a controller FMU over a set of cases.
+//!
+//! Every controller is searched for in the same way: the same [cases](crate::grasp::matrix::Case), the same
+//! [objective](Objective), the same method ([`search`]), budget and seed. The search does not depend on the number of
+//! workers, and a [`journal`] of its evaluations lets it go on where it was interrupted, with the same result.
+
+pub mod dimension;
+pub mod journal;
+pub mod objective;
+pub mod preset;
+pub mod search;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use crate::grasp::matrix::{Case, Cell, CellError, Contender, Lab, parallel};
+use dimension::{Dimension, DimensionError};
+use fmi2_cosim::settings::Setting;
+use journal::Journal;
+pub use objective::{Limits, Objective};
+
+/// What is searched for.
+#[derive(Debug, Clone)]
+pub struct Task {
+    /// The controller with what stays as it is.
+    pub contender: Contender,
+    /// What is varied.
+    pub dimensions: Vec<Dimension>,
+    /// What it is judged in.
+    pub cases: Vec<Case>,
+    /// By what.
+    pub objective: Objective,
+    /// Evaluations of the objective, each of which runs every case.
+    pub evaluations: usize,
+    /// Of the search's random numbers.
+    pub seed: u64,
+}
+
+/// The best that was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Best {
+    /// One value per dimension.
+    pub values: Vec<f64>,
+    /// The objective there.
+    pub cost: f64,
+    /// The evaluation that found it, from 1.
+    pub evaluation: usize,
+}
+
+/// Why a search ends early.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TuneError {
+    /// A case cannot be run.
+    #[error(transparent)]
+    Cell(#[from] CellError),
+    /// A parameter cannot be varied so.
+    #[error(transparent)]
+    Dimension(#[from] DimensionError),
+    /// The state file cannot be used.
+    #[error("cannot use the state {}: {source}", path.display())]
+    State {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The state belongs to another search.
+    #[error(
+        "{} belongs to another search: its {what} differs; delete it to begin anew, or name another one with --state",
+        path.display()
+    )]
+    OtherSearch {
+        /// The file.
+        path: PathBuf,
+        /// What differs.
+        what: String,
+    },
+    /// The method gave up.
+    #[error("the search stopped: {0}")]
+    Search(String),
+}
+
+impl Task {
+    /// The controller with these values.
+    #[must_use]
+    pub fn with(&self, values: &[f64]) -> Contender {
+        let varied =
+            self.dimensions.iter().zip(values).flat_map(|(dimension, value)| {
+                dimension.names.iter().map(move |name| Setting::new(name.clone(), *value))
+            });
+        let mut contender = self.contender.clone();
+        contender.settings.extend(varied);
+        contender
+    }
+
+    /// What the objective sees at these values, case by case; cells whose runs failed are `None`.
+    ///
+    /// # Errors
+    /// When an FMU cannot be used.
+    pub fn cells(&self, lab: &Lab, values: &[f64], workers: usize) -> Result<Vec<Option<Cell>>, CellError> {
+        let contender = self.with(values);
+        let cells = parallel(workers, self.cases.len(), |case| match lab.cell(&self.cases[case], &contender) {
+            Err(CellError::Run(_)) => Ok(None),
+            cell => cell.map(Some),
+        });
+        cells.into_iter().collect()
+    }
+
+    /// Whether the controller can run at all with its start values, or why not.
+    ///
+    /// # Errors
+    /// What keeps it from running in each of the cases.
+    pub fn check(&self, lab: &Lab) -> Result<(), TuneError> {
+        let start: Vec<f64> = self.dimensions.iter().map(|dimension| dimension.start).collect();
+        let contender = self.with(&start);
+        let mut failure = None;
+        for case in &self.cases {
+            match lab.cell(case, &contender) {
+                Ok(_) => return Ok(()),
+                Err(error) => failure = Some(error),
+            }
+        }
+        failure.map_or(Ok(()), |error| Err(error.into()))
+    }
+
+    /// Runs the search. `heard` gets each evaluation's number and the best so far.
+    ///
+    /// # Errors
+    /// When an FMU or the state file cannot be used.
+    pub fn run(
+        &self,
+        lab: &Lab,
+        state: &Path,
+        workers: usize,
+        heard: &mut dyn FnMut(usize, &Best),
+    ) -> Result<Best, TuneError> {
+        let mut journal = Journal::open(state, &self.fingerprint(lab)?)?;
+        let start: Vec<f64> = self.dimensions.iter().map(Dimension::start_coordinate).collect();
+        let mut best: Option<Best> = None;
+        let mut evaluation = 0;
+        search::minimise(&start, self.seed, self.evaluations, &mut |point| {
+            let values: Vec<f64> =
+                self.dimensions.iter().zip(point).map(|(dimension, at)| dimension.value(*at)).collect();
+            let cost = match journal.next(&values)? {
+                Some(cost) => cost,
+                None => {
+                    let cost = self.objective.cost(&self.cells(lab, &values, workers)?);
+                    journal.add(&values, cost)?;
+                    cost
+                }
+            };
+            evaluation += 1;
+            if best.as_ref().is_none_or(|best| cost < best.cost) {
+                best = Some(Best { values, cost, evaluation });
+            }
+            if let Some(best) = &best {
+                heard(evaluation, best);
+            }
+            Ok(cost)
+        })?;
+        best.ok_or_else(|| TuneError::Search("no evaluation was made".into()))
+    }
+
+    /// What makes this search this search: all but its budget, so that a larger one goes on.
+    fn fingerprint(&self, lab: &Lab) -> Result<Value, TuneError> {
+        let guid = lab.fmu(&self.contender.fmu).map_err(CellError::from)?.description().guid.clone();
+        let plant = lab.fmu(Path::new(crate::grasp::PLANT)).map_err(CellError::from)?.description().guid.clone();
+        let settings: Vec<_> = self.contender.settings.iter().map(ToString::to_string).collect();
+        let dimensions: Vec<_> = self.dimensions.iter().map(ToString::to_string).collect();
+        let cases: Vec<_> = self.cases.iter().map(|case| json!([case.key, case.text])).collect();
+        Ok(json!({
+            "controller": self.contender.fmu.file_name().map(|name| name.to_string_lossy()),
+            "guid": guid,
+            "plant": plant,
+            "settings": settings,
+            "step": self.contender.step.map(|step| step.to_string()),
+            "parameters": dimensions,
+            "cases": cases,
+            "objective": format!("{:?}", self.objective),
+            "seed": self.seed,
+        }))
+    }
+}

@@ -1,0 +1,153 @@
+"""The matrix of controllers and cases: what docs/comparison.md and the README show of it, and what it has to show."""
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from .support.paths import ROOT
+from .support.tool import dualarm
+
+PAGE = (ROOT / "docs" / "comparison.md").read_text(encoding="utf-8")
+
+Cell = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def matrix(tmp_path_factory: pytest.TempPathFactory) -> list[Cell]:
+    """Every cell, row by row, as the tool writes it."""
+    folder = tmp_path_factory.mktemp("matrix")
+    done = dualarm("compare", "--matrix", "--no-package", "--json", "--out", str(folder))
+    assert done.returncode == 0, done.stderr
+    cells: list[Cell] = json.loads(done.stdout)["matrix"]
+    assert json.loads((folder / "matrix.json").read_text(encoding="utf-8")) == cells
+    return cells
+
+
+def rows(cells: list[Cell]) -> dict[str, dict[str, Cell]]:
+    table: dict[str, dict[str, Cell]] = {}
+    for cell in cells:
+        table.setdefault(cell["case"], {})[cell["controller"]] = cell
+    return table
+
+
+def published() -> list[list[str]]:
+    text = PAGE.split("<!-- matrix")[1].split("<!-- end")[0]
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+def test_every_published_cell_is_what_the_tool_finds(matrix: list[Cell]) -> None:
+    """Numbers are printed with two digits of a second, whole percent, tenths of a millinewton. They may be off by half of the
+    last one, and by 2 % on another processor: its exponentials differ in the last bits, and a force that runs along the edge
+    of its band crosses it a little earlier or later."""
+    table = rows(matrix)
+    shown = published()
+    assert len(shown) == len(table)
+    for line, cells in zip(shown, table.values()):
+        assert len(line) == len(cells) + 2
+        for text, cell in zip(line[1:-1], cells.values()):
+            merit = cell["merit"]
+            where = f"{cell['case']}, {cell['controller']}: {text}"
+            first, _, second = text.partition(" (")
+            if cell["judged"] == "error":
+                assert close(number(first), 1e3 * merit["error_rms"], 0.05), where
+            elif merit["settling"] is None:
+                assert first == "never" and close(number(second), 1e3 * merit["error_rms"], 0.05), where
+            else:
+                assert close(number(first), merit["settling"], 0.005), where
+                overshoot = number(second) if second else 0.0
+                assert close(overshoot, merit["overshoot"], 0.5 if second else 2.0), where
+        if line[-1] != "–":
+            assert close(number(line[-1]), next(iter(cells.values()))["limit"], 0.005)
+
+
+def number(text: str) -> float:
+    match = re.search(r"[0-9.]+", text)
+    assert match, text
+    return float(match.group())
+
+
+def close(one: float, other: float, half_digit: float) -> bool:
+    return abs(one - other) <= half_digit + 0.02 * abs(other)
+
+
+def test_the_limit_is_one(matrix: list[Cell]) -> None:
+    """No controller that keeps contact and overshoots by no more than 2 % is faster than the actuators allow. All start
+    without contact force, so a little tension at the start is nobody's fault: the paper's PDS pulls with 0.05 N at most."""
+    for cell in matrix:
+        merit = cell["merit"]
+        if merit["settling"] is not None and merit["overshoot"] <= 2.0 and merit["tension"] < 0.05:
+            assert merit["settling"] >= cell["limit"], cell
+
+
+def test_limits_follow_from_the_actuators(matrix: list[Cell]) -> None:
+    """2 (√1.02 − √0.02) √(M d/F), F = 0.3 N + 1.02 · 0.5 N, for an object of 10 kg that has to move by 1.12 mm."""
+    way = abs(0.2 * math.radians(3) - 0.2**3 * 0.5 / (3 * 0.115))
+    limit = 2 * (math.sqrt(1.02) - math.sqrt(0.02)) * math.sqrt(10 * way / 0.81)
+    assert math.isclose(rows(matrix)["heavy-10"]["pd"]["limit"], limit, rel_tol=1e-9)
+
+
+def test_one_cell_is_what_simulate_finds(matrix: list[Cell]) -> None:
+    """The command that the page gives for a cell gives the cell's numbers."""
+    case = ROOT / "scenarios" / "matrix" / "hub-torque.toml"
+    done = dualarm("simulate", str(case), "--controller", "pid", "--json")
+    assert done.returncode == 0, done.stderr
+    metrics = json.loads(done.stdout)["metrics"]
+    merit = rows(matrix)["hub-torque"]["pid"]["merit"]
+    forces = [metrics["contact_force1"], metrics["contact_force2"]]
+    # Both start without force, so 2 % of the target are 2 % of the travel.
+    assert math.isclose(max(force["settling_2"] for force in forces), merit["settling_forces"], rel_tol=1e-9)
+    assert math.isclose(max(force["overshoot"] for force in forces), merit["overshoot"], rel_tol=1e-9)
+
+
+TUNE = ("tune", "--controller", "pd-tuned", "--cases", "undisturbed", "--parameter", "kp1+kp2=20..200")
+
+
+def test_a_search_does_not_depend_on_workers_and_goes_on_after_an_interruption(tmp_path: Path) -> None:
+    def search(name: str, *options: str) -> tuple[str, str]:
+        out = tmp_path / f"{name}.toml"
+        done = dualarm(*TUNE, "--parameter", "kv1+kv2=0.5..10", "--out", str(out), "--quiet", *options)
+        assert done.returncode == 0, done.stderr
+        return out.read_text(encoding="utf-8"), out.with_suffix(".jsonl").read_text(encoding="utf-8")
+
+    whole = search("a", "--evaluations", "24", "--workers", "1")
+    assert search("b", "--evaluations", "24", "--workers", "3") == whole
+    search("c", "--evaluations", "9")
+    # As if it had been killed while it wrote a line.
+    state = tmp_path / "c.jsonl"
+    state.write_text(state.read_text(encoding="utf-8")[:-7], encoding="utf-8")
+    assert search("c", "--evaluations", "24") == whole
+    other = dualarm(*TUNE, "--out", str(tmp_path / "c.toml"), "--evaluations", "3")
+    assert (other.returncode, "belongs to another search: its parameters differs" in other.stderr) == (1, True), other.stderr
+
+
+def test_what_a_search_finds_is_better_than_its_start_and_can_be_compared(tmp_path: Path) -> None:
+    out = tmp_path / "found.toml"
+    done = dualarm(*TUNE, "--out", str(out), "--evaluations", "20", "--json")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    first = json.loads((tmp_path / "found.jsonl").read_text(encoding="utf-8").splitlines()[1])
+    assert document["cost"] <= float(first["cost"])
+    done = dualarm("compare", "--no-package", "--controllers", str(out), "--cases", "undisturbed", "--json", "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    (cell,) = json.loads(done.stdout)["matrix"]
+    assert cell["merit"] == document["cases"][0]["merit"]
+    parameters = {parameter["name"]: parameter["value"] for parameter in document["parameters"]}
+    assert parameters["kp1"] == parameters["kp2"]
+    assert f'name="kp1"' in out.with_suffix(".ssv").read_text(encoding="utf-8")
+
+
+def test_misspelt_names_are_answered(tmp_path: Path) -> None:
+    for arguments, text in (
+        (("compare", "--no-package", "--cases", "heavy5"), "did you mean heavy-5"),
+        (("compare", "--no-package", "--controllers", "pdd"), "did you mean pd"),
+        (("tune", "--controller", "pd", "--parameter", "kpp1=1..2"), "did you mean kp1"),
+        (("tune", "--controller", "pd", "--parameter", "kp1=2..1"), "the range is empty"),
+        (("tune", "--controller", "pd", "--parameter", "ki"), "its start value is 0, so it needs a range"),
+    ):
+        done = dualarm(*arguments, "--out", str(tmp_path / "none"))
+        assert (done.returncode, text in done.stderr) == (2, True), done.stderr
