@@ -32,6 +32,7 @@ struct Outputs {
     measured: Measured,
     direct: Direct,
     in_contact: bool,
+    uncertainty: Uncertainty,
     shape: Shape,
     deflection: [[f64; DEFLECTION_POINTS]; 2],
     rates: Rates,
@@ -44,7 +45,6 @@ struct Shape {
     constraint: [f64; 2],
     energy: f64,
     supplied_energy: f64,
-    uncertainty: Uncertainty,
 }
 
 impl Default for DualArmPlant {
@@ -85,6 +85,13 @@ impl DualArmPlant {
         }
     }
 
+    /// Apart from the shape: a controller may want the rates of the root moments in every step, and nobody energies with them.
+    fn uncertainty(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.uncertainty = plant.uncertainty();
+        }
+    }
+
     fn shape(&mut self) {
         if let Some(plant) = &self.plant {
             self.outputs.shape = Shape {
@@ -92,7 +99,6 @@ impl DualArmPlant {
                 constraint: plant.constraint(),
                 energy: plant.energy(),
                 supplied_energy: plant.supplied_energy(),
-                uncertainty: plant.uncertainty(),
             };
         }
     }

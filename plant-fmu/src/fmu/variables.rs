@@ -126,6 +126,7 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
 }
 
 fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
+    let uncertainty = variables.evaluation(DualArmPlant::uncertainty);
     let shape = variables.evaluation(DualArmPlant::shape);
     let deflection = variables.evaluation(DualArmPlant::deflection);
     variables
@@ -141,18 +142,18 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .nominal(1e-12)
         .description("Residual of the geometric constraint (12) of arm {}, zero up to rounding");
     variables
-        .output_array("root_moment{}_dot", shape, |m| &mut m.outputs.shape.uncertainty.root_moment_dot)
+        .output_array("root_moment{}_dot", uncertainty, |m| &mut m.outputs.uncertainty.root_moment_dot)
         .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.root_moment_dot)
         .unit("N.m/s")
         .description("Rate of the elastic bending moment at the root of arm {}");
     variables
-        .output_array("hub_uncertainty{}", shape, |m| &mut m.outputs.shape.uncertainty.delta_f)
+        .output_array("hub_uncertainty{}", uncertainty, |m| &mut m.outputs.uncertainty.delta_f)
         .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.delta_f)
         .unit("N.m")
         .nominal(0.1)
         .description("Built-in disturbance torque on hub {}: -root_uncertainty times the rate of its root moment");
     variables
-        .output("object_uncertainty", shape, |m| &mut m.outputs.shape.uncertainty.delta_force)
+        .output("object_uncertainty", uncertainty, |m| &mut m.outputs.uncertainty.delta_force)
         .rate(rates, |m| &mut m.outputs.rates.uncertainty.delta_force)
         .unit("N")
         .nominal(0.1)
