@@ -62,4 +62,4 @@ pub use parameters::{ActuatorModel, Arm, Channel, ORDER_RANGE, Parameters, Start
 pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};
 pub use state::{State, StateError, StepError};
-pub use state_space::StateSpace;
+pub use state_space::{StateSpace, held_step};

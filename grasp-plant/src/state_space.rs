@@ -1,6 +1,7 @@
 //! The plant as a linear system.
 
 use crate::dynamics::{Dynamics, FORCES, ROOT_MOMENT, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY};
+use crate::exponential::{TAYLOR_NORM, doubled, exp_m1, one_norm};
 use nalgebra::DMatrix;
 
 /// The plant as a linear system, for analysis: ξ̇ = A ξ + B g, measured = C ξ with ξ = (x, θ_1, θ_2, `y_M`) and
@@ -46,4 +47,27 @@ impl StateSpace {
         }
         Self { a, b, c, tip_deflection }
     }
+}
+
+/// The exact step of ξ̇ = A ξ + B g with g held over `h` \[s\]: e^{Ah} and ∫₀ʰ e^{At} dt B, for any matrices of fitting shapes.
+#[must_use]
+pub fn held_step(a: &DMatrix<f64>, b: &DMatrix<f64>, h: f64) -> (DMatrix<f64>, DMatrix<f64>) {
+    let (n, inputs) = (a.nrows(), b.ncols());
+    let mut whole = DMatrix::zeros(n + inputs, n + inputs);
+    whole.view_mut((0, 0), (n, n)).copy_from(&(a * h));
+    whole.view_mut((0, n), (n, inputs)).copy_from(&(b * h));
+    let mut doublings = 0;
+    while one_norm(&whole) > TAYLOR_NORM {
+        whole *= 0.5;
+        doublings += 1;
+    }
+    let mut increment = exp_m1(&whole);
+    for _ in 0..doublings {
+        increment = doubled(&increment);
+    }
+    let mut step = increment.view((0, 0), (n, n)).into_owned();
+    for i in 0..n {
+        step[(i, i)] += 1.0;
+    }
+    (step, increment.view((0, n), (n, inputs)).into_owned())
 }

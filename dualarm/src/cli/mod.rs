@@ -1,11 +1,13 @@
 //! The command line: arguments, exit codes, error messages.
 
+mod certify;
 mod compare;
 mod completions;
 mod fmus;
 mod info;
 mod instruments;
 mod json;
+mod linearise;
 mod matrix;
 mod package;
 mod printable;
@@ -78,6 +80,10 @@ enum Command {
     Verify(verify::Arguments),
     /// Show what an FMU is: capabilities, platforms, variables
     Info(info::Arguments),
+    /// Say what is proved of a control law: decay rate, ultimate bounds, or why there is no proof
+    Certify(certify::Arguments),
+    /// Write the plant as a linear system (A, B, C, D) for MATLAB, Octave or Python
+    Linearise(linearise::Arguments),
     /// Print a completion script for a shell
     Completions(completions::Arguments),
 }
@@ -193,6 +199,8 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Command::Tune(arguments) => tune::run(&arguments, quiet),
         Command::Verify(arguments) => verify::run(&arguments, quiet),
         Command::Info(arguments) => info::run(&arguments),
+        Command::Certify(arguments) => certify::run(&arguments),
+        Command::Linearise(arguments) => linearise::run(&arguments, quiet),
         Command::Completions(arguments) => {
             completions::run(&arguments, &mut Arguments::command());
             Ok(())

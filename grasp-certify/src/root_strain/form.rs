@@ -1,0 +1,144 @@
+//! The quadratic forms −Ḣ − φH and H − θW, reduced to nine scalars.
+//!
+//! W = E + V with E = ½Σ(EI∫q''² + ρ∫ẏ²) and V = ½ΣA p² + B(ζ + w p)² over the three ends (hub 1, hub 2, object), where
+//! ζ = ṗ + f c S is the combination whose rate contains no Ṡ: ζ̇ = −k s − f G ṗ − ṗ/(c m) + Δ/m, S = (ζ − ṗ)/(f c). Then
+//!
+//! ```text
+//! H = W + ε_1 Σρ∫(x−l) ẏ q' + ε_2 Σρ∫ẏ y,    Ė = ṗ S_object + Σ ė_i M̃_i,
+//! d/dt Σρ∫(x−l)ẏq' = Σ [−3/2 EI∫q''² + (l/2EI) M̃² − ½ρ∫ẏ² + ρ ė∫(x−l)ẏ],
+//! d/dt Σρ∫ẏy      = Σ [ρ∫ẏ² − EI∫q''² + e M̃] + p S_object.
+//! ```
+//!
+//! The fields enter as √EI q_i'' and √ρ ẏ_i, elements of L²(0, l). The first occurs only with its norm (by the sharp
+//! inequalities of [`beam`](super::beam), and (l e − p)² = q(l)² ≤ (l³/3EI) EI∫q''² with weight τ_i); the second with its
+//! norm and its inner products with the fixed functions x−l and x. Completing both squares leaves a form in
+//! (e_1, ė_1, ζ_1, e_2, ė_2, ζ_2, p, ṗ, ζ) whose signs are all kept: nothing has to be taken at its worst.
+
+use super::beam::{deflection_constant, slope_constant};
+use super::{Constants, Port};
+use crate::Grasp;
+use crate::interval::Number;
+
+/// Scalars of the form.
+pub(super) const SIZE: usize = 9;
+/// Position, rate, ζ of an end.
+const POSITION: usize = 0;
+const RATE: usize = 1;
+const ZETA: usize = 2;
+/// The object's end.
+const OBJECT: usize = 2;
+
+type Row<N> = [N; SIZE];
+type Matrix<N> = [Row<N>; SIZE];
+
+fn zero<N: Number>() -> Row<N> {
+    [N::exact(0.0); SIZE]
+}
+
+fn unit<N: Number>(end: usize, which: usize) -> Row<N> {
+    let mut row = zero();
+    row[3 * end + which] = N::exact(1.0);
+    row
+}
+
+/// Σ factor · row.
+fn combine<N: Number>(parts: &[(N, Row<N>)]) -> Row<N> {
+    let mut sum = zero::<N>();
+    for (factor, row) in parts {
+        for (sum, entry) in sum.iter_mut().zip(row) {
+            *sum = *sum + *factor * *entry;
+        }
+    }
+    sum
+}
+
+/// Adds factor · a · b as a symmetric matrix.
+fn add<N: Number>(matrix: &mut Matrix<N>, factor: N, a: &Row<N>, b: &Row<N>) {
+    let half = factor * N::exact(0.5);
+    for i in 0..SIZE {
+        for j in 0..SIZE {
+            matrix[i][j] = matrix[i][j] + half * (a[i] * b[j] + a[j] * b[i]);
+        }
+    }
+}
+
+/// Adds −dV/dt − ṗS − φV of one end; returns its S.
+fn add_end<N: Number>(matrix: &mut Matrix<N>, end: usize, port: &Port, constants: &Constants, phi: N) -> Row<N> {
+    let n = N::exact;
+    let ratio = n(port.assumed_inertia) / n(port.inertia);
+    let (k, f) = (n(port.reach) * ratio, n(port.feedforward) * ratio);
+    let (g, c, m) = (n(port.slope), n(port.strain), n(port.inertia));
+    let [a, b, w] = constants.storage[end].map(n);
+    let (p, rate, zeta) = (unit(end, POSITION), unit(end, RATE), unit(end, ZETA));
+    let load = combine(&[(n(1.0) / (f * c), zeta), (n(-1.0) / (f * c), rate)]);
+    let s = combine(&[(g, p), (n(1.0), rate), (c, load)]);
+    let zeta_dot = combine(&[(-k, s), (-(f * g + n(1.0) / (c * m)), rate)]);
+    let crossed = combine(&[(w, p), (n(1.0), zeta)]);
+    let crossed_dot = combine(&[(w, rate), (n(1.0), zeta_dot)]);
+    add(matrix, n(-1.0), &rate, &load);
+    add(matrix, -a, &p, &rate);
+    add(matrix, -b, &crossed, &crossed_dot);
+    let half = n(-0.5) * phi;
+    add(matrix, half * a, &p, &p);
+    add(matrix, half * b, &crossed, &crossed);
+    load
+}
+
+/// A lower bound of −Ḣ − φH in the nine scalars. None where completing a square fails: then nothing is proved.
+pub(super) fn decay<N: Number>(grasp: &Grasp, ports: &[Port; 3], constants: &Constants, phi: f64) -> Option<Matrix<N>> {
+    let n = N::exact;
+    let (l, phi) = (n(grasp.length), n(phi));
+    let (one, half) = (n(1.0), n(0.5));
+    let (e1, e2) = (n(constants.epsilon_1), n(constants.epsilon_2));
+    let mut matrix = [zero::<N>(); SIZE];
+    let loads: [Row<N>; 3] = std::array::from_fn(|end| add_end(&mut matrix, end, &ports[end], constants, phi));
+    let position = unit(OBJECT, POSITION);
+    for (i, load) in loads.iter().take(2).enumerate() {
+        let (ei, rho) = (n(grasp.arms[i].ei), n(grasp.arms[i].rho));
+        let (e, e_dot) = (unit(i, POSITION), unit(i, RATE));
+        let cube_third = l * l * l / n(3.0);
+        add(&mut matrix, -(e1 * l * half / ei), load, load);
+        add(&mut matrix, -e2, &e, load);
+        let tau = n(constants.tau[i]);
+        let tip = combine(&[(l, e), (-one, position)]);
+        add(&mut matrix, tau, &tip, &tip);
+
+        let bending = n(1.5) * e1 + e2 - half * phi - tau * cube_third / ei;
+        let crossing = phi * (e1 * slope_constant() + e2 * deflection_constant()) * l * l * (rho / ei).sqrt();
+        if !bending.is_positive() {
+            return None;
+        }
+        let motion = half * e1 - e2 - half * phi - crossing * crossing / (n(4.0) * bending);
+        if !motion.is_positive() {
+            return None;
+        }
+        // ‖√ρ(ε_1(x−l)ė − φε_2 x e)‖², with ∫x² = ∫(x−l)² = l³/3 and ∫x(x−l) = −l³/6.
+        let factor = -(rho * cube_third / (n(4.0) * motion));
+        add(&mut matrix, factor * e1 * e1, &e_dot, &e_dot);
+        add(&mut matrix, factor * phi * e1 * e2, &e, &e_dot);
+        add(&mut matrix, factor * phi * phi * e2 * e2, &e, &e);
+    }
+    add(&mut matrix, -e2, &position, &loads[OBJECT]);
+    Some(matrix)
+}
+
+/// Whether H ≥ θW is certain. The scalars enter H only through V and −ε_2 ρ e∫ẏx.
+pub(super) fn dominates<N: Number>(grasp: &Grasp, constants: &Constants, theta: f64) -> bool {
+    let n = N::exact;
+    let l = n(grasp.length);
+    let rest = n(0.5) * (n(1.0) - n(theta));
+    let (e1, e2) = (n(constants.epsilon_1), n(constants.epsilon_2));
+    (0..2).all(|i| {
+        let (ei, rho) = (n(grasp.arms[i].ei), n(grasp.arms[i].rho));
+        let crossing = (e1 * slope_constant() + e2 * deflection_constant()) * l * l * (rho / ei).sqrt();
+        if !rest.is_positive() {
+            return false;
+        }
+        let motion = rest - crossing * crossing / (n(4.0) * rest);
+        if !motion.is_positive() {
+            return false;
+        }
+        // (1−θ)½A e² − ρε_2²(l³/3)e²/(4 motion) > 0; the rest of V is not needed.
+        (rest * n(constants.storage[i][0]) - rho * e2 * e2 * l * l * l / (n(12.0) * motion)).is_positive()
+    })
+}

@@ -1,0 +1,68 @@
+use super::*;
+use grasp_plant::Parameters;
+
+fn paper() -> Grasp {
+    Grasp::from(&Parameters::default())
+}
+
+/// The gains of the control notes: κ = 20, root strain σ, G = 8, everything fed forward.
+pub(crate) fn ports(sigma: f64, reach: f64) -> [Port; 3] {
+    let hub = Port { inertia: 0.0073, assumed_inertia: 0.0073, slope: 8.0, reach, strain: sigma, feedforward: 1.0 };
+    [hub, hub, Port { inertia: 0.5, assumed_inertia: 0.5, strain: 20.0, ..hub }]
+}
+
+/// The storage functions of the control notes, V = ½(G/c)p² + ½ m s².
+fn plain(ports: &[Port; 3], epsilon_1: f64, epsilon_2: f64, tau: f64) -> Constants {
+    let storage = ports.map(|port| [port.slope / port.strain, port.inertia, port.slope]);
+    Constants { epsilon_1, epsilon_2, tau: [tau; 2], storage }
+}
+
+/// What a norm-wise 10 × 10 comparison gives with the same constants, 4.592 and 5.859 1/s (all sign patterns), and an independent
+/// mpmath evaluation of this form (`tests/test_certificates.py`): 4.9127 and 7.7327, for reach without bound.
+#[test]
+fn the_notes_gains_are_certified() {
+    let grasp = paper();
+    for (sigma, constants, least) in
+        [(40.0, (23.017_85, 7.143_89, 93.994_6), 4.9127), (100.0, (39.465_6, 6.795_65, 119.106_4), 7.7327)]
+    {
+        let ports = ports(sigma, 1e6);
+        let constants = plain(&ports, constants.0, constants.1, constants.2);
+        let certificate = verify(&grasp, &ports, &constants, least).expect("certified");
+        assert!(certificate.phi > least * (1.0 - 1e-6) && certificate.theta > 0.1, "{certificate:?}");
+        // The limit is where it is said to be, not far below.
+        assert!(verify(&grasp, &ports, &constants, 1.01 * least).is_none());
+    }
+}
+
+/// The search does not fall behind the plain storage functions, also with less than everything fed forward, with a wrong
+/// inertia and with unequal arms.
+#[test]
+fn searches_find_certificates() {
+    let mut grasp = paper();
+    let found = certify(&grasp, &ports(40.0, 50.0)).expect("certified");
+    assert!(found.phi > 4.8, "{}", found.phi);
+    let mut part = ports(40.0, 50.0).map(|port| Port { feedforward: 0.4, ..port });
+    assert!(certify(&grasp, &part).expect("certified").phi > 1.0);
+    part[2].assumed_inertia = 0.3;
+    assert!(certify(&grasp, &part).is_some());
+    grasp.arms[1].ei = 0.2;
+    grasp.arms[0].rho = 0.03;
+    assert!(certify(&grasp, &part).is_some());
+    part[0].feedforward = 0.0;
+    assert!(certify(&grasp, &part).is_none());
+}
+
+/// Bounds scale as they have to: W with the square of the disturbance, errors linearly; none without disturbance.
+#[test]
+fn bounds_follow_the_disturbance() {
+    let (grasp, ports) = (paper(), ports(40.0, 50.0));
+    let constants = plain(&ports, 23.0, 7.1, 94.0);
+    let certificate = verify(&grasp, &ports, &constants, 4.0).expect("certified");
+    let one = certificate.ultimate(&grasp, &ports, [0.0, 0.01, 0.01]);
+    let two = certificate.ultimate(&grasp, &ports, [0.0, 0.02, 0.02]);
+    assert!((two.energy / one.energy - 4.0).abs() < 1e-9 && (two.position / one.position - 2.0).abs() < 1e-9);
+    assert_eq!(certificate.ultimate(&grasp, &ports, [0.0; 3]).energy, 0.0);
+    let energy = certificate.energy_at_rest(&grasp, &ports, [0.0, 0.0], 1e-3);
+    let now = certificate.implied(&grasp, energy);
+    assert!(now.position >= 1e-3 && now.force[0] >= grasp.tip_stiffness(0) * 1e-3);
+}

@@ -1,0 +1,207 @@
+//! Loops whose commands are held over a step: the spectral radius of one coupled step.
+//!
+//! The plant's step is exact: ξ⁺ = e^{Ah} ξ + ∫e^{At}dt B g in energy coordinates of the order that the parameters ask for. The
+//! command of an instant uses the signals of the same instant ("at once"), or of `delay` steps before. θ_1 and θ_2 follow from
+//! (12), so the state is without the two invariants that would show as eigenvalues 1.
+
+use crate::LinearLoop;
+use grasp_plant::nalgebra::DMatrix;
+use grasp_plant::{Plant, StateSpace, held_step};
+
+/// Plant and law between samples. Parameters as in the plant's FMU; actuators without limits.
+#[derive(Clone, Debug)]
+pub struct SampledLoop {
+    a: DMatrix<f64>,
+    b: DMatrix<f64>,
+    /// The commands (τ_1, τ_2, u) as rows on the state, without uncertainties, which are in A.
+    feedback: DMatrix<f64>,
+}
+
+/// Rows on the reduced state that give the signals: θ_i, θ̇_i, y, ẏ, M_i, Ṁ_i, Q_i, Q̇_i.
+struct Signals {
+    rows: DMatrix<f64>,
+}
+
+/// The plant without the two invariants of (12): ξ = (x, y_M).
+#[derive(Clone, Debug)]
+pub struct Reduced {
+    /// A, shape (4k+2)².
+    pub a: DMatrix<f64>,
+    /// B, shape (4k+2) × 3: torques on hubs 1 and 2, force on the object.
+    pub b: DMatrix<f64>,
+    /// C, shape 14 × (4k+2), rows in the order of [`SIGNALS`].
+    pub c: DMatrix<f64>,
+}
+
+/// Names of the signals, as the plant's FMU has them.
+pub const SIGNALS: [&str; 14] = [
+    "theta1",
+    "theta2",
+    "theta1_dot",
+    "theta2_dot",
+    "y_object",
+    "y_object_dot",
+    "root_moment1",
+    "root_moment2",
+    "tip_shear1",
+    "tip_shear2",
+    "tip_shear1_dot",
+    "tip_shear2_dot",
+    "root_moment1_dot",
+    "root_moment2_dot",
+];
+
+impl Reduced {
+    /// The plant's matrices.
+    #[must_use]
+    pub fn new(plant: &Plant) -> Self {
+        let StateSpace { a, b, c, tip_deflection } = plant.state_space();
+        let n = a.nrows() - 3;
+        let keep: Vec<usize> = (0..n).chain([n + 2]).collect();
+        let length = plant.parameters().length;
+        // Rates of the root moments from the rows of the moments, which do not see the inputs at once.
+        let moment_rates = c.rows(6, 2) * &a;
+        let full = DMatrix::from_fn(14, a.ncols(), |row, column| match row {
+            // (12) in deviations: θ_i = (w_i(l) + y_M)/l.
+            0 | 1 => (tip_deflection[(row, column)] + f64::from(u8::from(column == n + 2))) / length,
+            12 | 13 => moment_rates[(row - 12, column)],
+            _ => c[(row, column)],
+        });
+        Self { a: a.select_rows(&keep).select_columns(&keep), b: b.select_rows(&keep), c: full.select_columns(&keep) }
+    }
+
+    /// e^{Ah} and ∫_0^h e^{At} dt B.
+    #[must_use]
+    pub fn step(&self, h: f64) -> (DMatrix<f64>, DMatrix<f64>) {
+        held_step(&self.a, &self.b, h)
+    }
+}
+
+impl SampledLoop {
+    /// Plant and law.
+    #[must_use]
+    pub fn new(plant: &Plant, law: &LinearLoop) -> Self {
+        let Reduced { a, b, c } = Reduced::new(plant);
+        let signals = Signals { rows: c };
+        let feedback = signals.feedback(law);
+        Self { a, b, feedback }
+    }
+
+    /// Largest modulus of an eigenvalue of one step of `h` \[s\] with commands `delay` steps late.
+    #[must_use]
+    pub fn spectral_radius(&self, h: f64, delay: usize) -> f64 {
+        let n = self.a.nrows();
+        let plant = Reduced { a: self.a.clone(), b: self.b.clone(), c: DMatrix::zeros(0, n) };
+        let (step, input) = plant.step(h);
+        if delay == 0 {
+            return radius(&(step + input * &self.feedback));
+        }
+        // State (ξ, u of the last `delay` instants, newest first).
+        let size = n + 3 * delay;
+        let mut whole = DMatrix::zeros(size, size);
+        whole.view_mut((0, 0), (n, n)).copy_from(&step);
+        whole.view_mut((0, size - 3), (n, 3)).copy_from(&input);
+        whole.view_mut((n, 0), (3, n)).copy_from(&self.feedback);
+        for i in 0..3 * (delay - 1) {
+            whole[(n + 3 + i, n + i)] = 1.0;
+        }
+        radius(&whole)
+    }
+
+    /// The first step size \[s\] up to `longest` from which on the loop is unstable, `delay` steps late, on a grid of 1 % refined to 1e-6;
+    /// none if it is stable throughout.
+    #[must_use]
+    pub fn first_unstable_step(&self, delay: usize, shortest: f64, longest: f64) -> Option<f64> {
+        // A loop that the plant alone leaves undamped stands on the circle up to rounding.
+        let unstable = |h: f64| self.spectral_radius(h, delay) > 1.0 + 1e-10;
+        let mut low = shortest;
+        if unstable(low) {
+            return Some(low);
+        }
+        while low < longest {
+            let high = (1.01 * low).min(longest);
+            if unstable(high) {
+                let (mut low, mut high) = (low, high);
+                while high - low > 1e-6 * low {
+                    let middle = 0.5 * (low + high);
+                    if unstable(middle) { high = middle } else { low = middle }
+                }
+                return Some(high);
+            }
+            low = high;
+        }
+        None
+    }
+}
+
+impl Signals {
+    /// Rows of the commands, without what the built-in uncertainties do.
+    fn feedback(&self, law: &LinearLoop) -> DMatrix<f64> {
+        let row = |parts: &[(usize, f64)]| {
+            let mut sum = DMatrix::zeros(1, self.rows.ncols());
+            for (signal, factor) in parts {
+                sum -= self.rows.row(*signal) * *factor;
+            }
+            sum
+        };
+        let mut rows = DMatrix::zeros(3, self.rows.ncols());
+        for (i, hub) in law.hub.iter().enumerate() {
+            let command = row(&[(i, hub.angle), (2 + i, hub.rate), (6 + i, hub.moment), (12 + i, hub.moment_rate)]);
+            rows.row_mut(i).copy_from(&command.row(0));
+        }
+        let object = &law.object;
+        let command = row(&[
+            (4, object.position),
+            (5, object.rate),
+            (8, object.shear[0]),
+            (9, object.shear[1]),
+            (10, object.shear_rate[0]),
+            (11, object.shear_rate[1]),
+        ]);
+        rows.row_mut(2).copy_from(&command.row(0));
+        rows
+    }
+}
+
+fn radius(matrix: &DMatrix<f64>) -> f64 {
+    matrix.complex_eigenvalues().iter().map(|value| value.re.hypot(value.im)).fold(0.0, f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use grasp_plant::Parameters;
+
+    fn pd() -> SampledLoop {
+        let plant = Plant::new(Parameters::default()).unwrap();
+        SampledLoop::new(&plant, &LinearLoop::pds([10.0, 9.0], [60.0; 2], [55.0; 2], [0.0; 2]))
+    }
+
+    /// PD one step late: stable below 0.0895 ms, where the 562 rad/s mode begins to grow with 1e-4 1/s (0.0897 ms for
+    /// orders 6 and 12). At once: 0.266 ms, the limit 2J/k_v of the hubs alone.
+    #[test]
+    fn the_longest_steps_of_pd() {
+        let late = pd().first_unstable_step(1, 5e-5, 2e-4).unwrap();
+        assert!((late - 8.95e-5).abs() < 0.02e-5, "{late:e}");
+        let at_once = pd().first_unstable_step(0, 5e-5, 5e-4).unwrap();
+        assert!((at_once - 2.0 * 0.0073 / 55.0).abs() < 0.02e-4, "{at_once:e}");
+    }
+
+    /// PDS, as the importing guide says: 0.97 ms at once, 0.40 ms one step late.
+    #[test]
+    fn the_longest_steps_of_pds() {
+        let plant = Plant::new(Parameters::default()).unwrap();
+        let pds = SampledLoop::new(&plant, &LinearLoop::pds([40.0, 35.0], [35.0; 2], [15.0; 2], [10.0; 2]));
+        let at_once = pds.first_unstable_step(0, 1e-4, 2e-3).unwrap();
+        let late = pds.first_unstable_step(1, 1e-4, 2e-3).unwrap();
+        assert!((at_once - 0.97e-3).abs() < 0.01e-3 && (late - 0.4e-3).abs() < 0.005e-3, "{at_once:e} {late:e}");
+    }
+
+    /// As h → 0 the step's eigenvalues are those of the exact loop: the slowest of PD, −0.0839 1/s (the 561 rad/s mode).
+    #[test]
+    fn short_steps_meet_the_continuous_loop() {
+        let h = 1e-7;
+        let rate = pd().spectral_radius(h, 0).ln() / h;
+        assert!((rate + 0.083_947).abs() < 0.01, "{rate}");
+    }
+}

@@ -1,0 +1,238 @@
+//! Plant, gains and disturbances by the names that the FMUs give them.
+
+use crate::Grasp;
+use crate::printed;
+use crate::root_strain::Port;
+use grasp_control::laws::nabfc::{Gains, ObjectGains, PostureGains};
+use grasp_control::laws::root_strain::{HubGains, MassGains, ObjectGains as RootObjectGains, RootStrainGains};
+use grasp_control::{Arms, InvalidParameter, Parameter, References, Targets};
+use grasp_plant::{Admissible, Arm, Parameters, Start};
+use std::fmt;
+
+/// What is to be certified.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// The plant. Its built-in uncertainties are off at first: the certificates are about the undamped plant.
+    pub plant: Parameters,
+    /// Gains of the paper's law.
+    pub paper: Gains,
+    /// Gains of the root-strain law.
+    pub root_strain: RootStrainGains,
+    /// Inertias that the root-strain law reckons with \[kg·m²\].
+    pub hub_inertia: [f64; 2],
+    /// Disturbances that stay: bounds of |Δ_1|, |Δ_2| \[N·m\] and |Δ̄| \[N\].
+    pub disturbances: [f64; 3],
+    /// λ_1^d and θ_1^d.
+    pub references: References,
+}
+
+/// Why a value was not taken.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SettingError {
+    /// There is no such name.
+    Unknown(String),
+    /// The value is out of its range.
+    Invalid(InvalidParameter),
+}
+
+impl fmt::Display for SettingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown(name) => write!(
+                f,
+                "there is no \"{name}\" to set here: plant parameters, gains and targets have the names of the FMUs (`dualarm info`)"
+            ),
+            Self::Invalid(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SettingError {}
+
+impl Default for Settings {
+    fn default() -> Self {
+        let plant = Parameters { root_uncertainty: 0.0, tip_uncertainty: 0.0, ..Parameters::default() };
+        let hub_inertia = plant.arms.map(|arm| arm.hub_inertia);
+        Self {
+            plant,
+            paper: Gains::default(),
+            root_strain: RootStrainGains::default(),
+            hub_inertia,
+            disturbances: [0.0; 3],
+            references: References { lambda1_ref: -0.5, theta1_ref: 3f64.to_radians() },
+        }
+    }
+}
+
+/// Sets the row of that name in one of the owners, numbered from 1; whether there is one.
+fn set_in<T>(table: &[Parameter<T>], owners: &mut [T], name: &str, value: f64) -> Result<bool, InvalidParameter> {
+    for (number, owner) in owners.iter_mut().enumerate() {
+        for row in table {
+            if row.name.replace("{}", &(number + 1).to_string()) == name {
+                Admissible::Within(row.range).check(name, value)?;
+                *(row.field)(owner) = value;
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}
+
+impl Settings {
+    /// Gives one value by name.
+    ///
+    /// # Errors
+    /// An unknown name, a value out of its range.
+    pub fn set(&mut self, name: &str, value: f64) -> Result<(), SettingError> {
+        let one = std::slice::from_mut::<Parameters>;
+        let found = (|| {
+            Ok(set_in(&Parameters::COMMON, one(&mut self.plant), name, value)?
+                || set_in(&Arm::PARAMETERS, &mut self.plant.arms, name, value)?
+                || set_in(&Start::ANGLES, std::slice::from_mut(&mut self.plant.start), name, value)?
+                || set_in(&Start::OBJECT, std::slice::from_mut(&mut self.plant.start), name, value)?
+                || set_in(&ObjectGains::PARAMETERS, std::slice::from_mut(&mut self.paper.object), name, value)?
+                || set_in(&PostureGains::PARAMETERS, &mut self.paper.posture, name, value)?
+                || set_in(
+                    &RootObjectGains::PARAMETERS,
+                    std::slice::from_mut(&mut self.root_strain.object),
+                    name,
+                    value,
+                )?
+                || set_in(&HubGains::PARAMETERS, &mut self.root_strain.hub, name, value)?
+                || set_in(&MassGains::FIXED, std::slice::from_mut(&mut self.root_strain.mass), name, value)?)
+        })();
+        match found {
+            Err(error) => return Err(SettingError::Invalid(error)),
+            Ok(true) => return Ok(()),
+            Ok(false) => {}
+        }
+        let place = match name {
+            "observer_inertia1" => &mut self.hub_inertia[0],
+            "observer_inertia2" => &mut self.hub_inertia[1],
+            "delta_f1" => &mut self.disturbances[0],
+            "delta_f2" => &mut self.disturbances[1],
+            "delta_F" => &mut self.disturbances[2],
+            "lambda1_ref" => &mut self.references.lambda1_ref,
+            "theta1_ref" => &mut self.references.theta1_ref,
+            _ => return Err(SettingError::Unknown(name.to_owned())),
+        };
+        *place = value;
+        Ok(())
+    }
+
+    /// The numbers of (8)–(11).
+    #[must_use]
+    pub fn grasp(&self) -> Grasp {
+        Grasp::from(&self.plant)
+    }
+
+    /// The static target.
+    #[must_use]
+    pub fn targets(&self) -> Targets {
+        let ei = self.plant.arms.map(|arm| arm.ei);
+        Arms { ei, length: self.plant.length, hub_distance: self.plant.object_width }.targets(&self.references)
+    }
+
+    /// Errors at the start: e_1, e_2 \[rad\], p \[m\].
+    #[must_use]
+    pub fn start_errors(&self) -> ([f64; 2], f64) {
+        let (targets, start) = (self.targets(), &self.plant.start);
+        (std::array::from_fn(|i| start.theta[i] - targets.theta[i]), start.y_object - targets.y_object)
+    }
+
+    /// The gains that (82)–(88) are about.
+    #[must_use]
+    pub fn printed_gains(&self) -> printed::Gains {
+        let Gains { object, posture, .. } = &self.paper;
+        printed::Gains {
+            g: object.mu_bar + object.c1,
+            k: object.k,
+            g3: posture.each_ref().map(|hub| hub.mu + hub.c3),
+            k_hub: posture.each_ref().map(|hub| hub.k),
+        }
+    }
+
+    /// Learning rates and leakages of the paper's law.
+    #[must_use]
+    pub fn learning(&self) -> printed::Learning {
+        let Gains { object: o, posture, .. } = &self.paper;
+        printed::Learning {
+            weights: [o.a1, o.a2],
+            bias: [o.gamma1, o.gamma2],
+            mass: [o.b1, o.b2],
+            hub_weights: posture.each_ref().map(|hub| [hub.a3, hub.a4]),
+            hub_bias: posture.each_ref().map(|hub| [hub.zeta1, hub.zeta2]),
+            inertia: posture.each_ref().map(|hub| [hub.g1, hub.g2]),
+        }
+    }
+
+    /// The three ends under the root-strain law: hub 1, hub 2, object. The law's rates become gains on loads through the
+    /// compliances l/3EI_i and 1/Σ(3EI_i/l³). Built-in uncertainties are counted as part of the law; None where they can't
+    /// be: arms of different stiffness with `tip_uncertainty`, for which ΔF is no multiple of d/dt ΣQ_i.
+    #[must_use]
+    pub fn ports(&self) -> Option<[Port; 3]> {
+        let (grasp, gains) = (self.grasp(), &self.root_strain);
+        let hub = |i: usize| {
+            let g = &gains.hub[i];
+            Port {
+                inertia: grasp.arms[i].hub_inertia,
+                assumed_inertia: self.hub_inertia[i],
+                slope: g.slope,
+                reach: g.reach,
+                strain: g.strain * grasp.length / (3.0 * grasp.arms[i].ei),
+                feedforward: g.feedforward,
+            }
+        };
+        let object = Port {
+            inertia: grasp.mass,
+            assumed_inertia: gains.mass.initial,
+            slope: gains.object.slope,
+            reach: gains.object.reach,
+            strain: gains.object.strain / (grasp.tip_stiffness(0) + grasp.tip_stiffness(1)),
+            feedforward: gains.object.feedforward,
+        };
+        let with = |port: Port, coefficient: f64| {
+            if coefficient > 0.0 { port.with_load_rate(coefficient) } else { Some(port) }
+        };
+        let [first, second] = grasp.arms.map(|arm| arm.ei);
+        if self.plant.tip_uncertainty > 0.0 && first != second {
+            return None;
+        }
+        let root = self.plant.root_uncertainty;
+        Some([with(hub(0), root)?, with(hub(1), root)?, with(object, 2.0 * self.plant.tip_uncertainty)?])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_name_is_known() {
+        let mut settings = Settings::default();
+        for (name, value) in [
+            ("M", 0.4),
+            ("EI2", 0.2),
+            ("mu_bar", 3.0),
+            ("c31", 2.0),
+            ("r_slope", 9.0),
+            ("r_strain2", 4.0),
+            ("delta_F", 0.1),
+        ] {
+            settings.set(name, value).unwrap();
+        }
+        assert!((settings.grasp().mass - 0.6).abs() < 1e-15);
+        assert_eq!(settings.printed_gains().g, 5.0);
+        assert_eq!(settings.ports().unwrap()[2].slope, 9.0);
+        assert!(matches!(settings.set("nonsense", 1.0), Err(SettingError::Unknown(_))));
+        assert!(matches!(settings.set("EI1", -1.0), Err(SettingError::Invalid(_))));
+    }
+
+    /// The paper's start: 1.1222 mm and 3°, 3.64° (design notes).
+    #[test]
+    fn the_start_is_the_papers() {
+        let (angle, position) = Settings::default().start_errors();
+        assert!((angle[0] + 3f64.to_radians()).abs() < 1e-12 && (angle[1] - 0.063_582_151_4).abs() < 1e-9);
+        assert!((position - 1.122_22e-3).abs() < 1e-8, "{position}");
+    }
+}
