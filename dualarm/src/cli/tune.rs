@@ -1,5 +1,6 @@
 //! `dualarm tune`
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -234,13 +235,13 @@ fn summary(task: &Task, best: &Best, found: &[Option<Cell>]) -> String {
     for (dimension, value) in task.dimensions.iter().zip(&best.values) {
         let at_edge = *value <= dimension.low || *value >= dimension.high;
         let remark = if at_edge { "  at the edge of its range" } else { "" };
-        text += &format!("  {:<24} {value}{remark}\n", dimension.names.join(", "));
+        let _ = writeln!(text, "  {:<24} {value}{remark}", dimension.names.join(", "));
     }
     text += "\n";
     for (case, cell) in task.cases.iter().zip(found) {
         let (first, second) = crate::report::matrix::lines(&cell.ok_or_else(String::new));
         let ratio = cell.map_or("failed".into(), |cell| format!("ratio {:.2}", task.objective.ratio(&cell)));
-        text += &format!("  {:<30} {first:>8}  {second:<10} {ratio}\n", case.scenario.title);
+        let _ = writeln!(text, "  {:<30} {first:>8}  {second:<10} {ratio}", case.scenario.title);
     }
     text + "\n"
 }

@@ -101,8 +101,8 @@ fn digits(values: &[f64]) -> Vec<String> {
 
 /// The first part of two fingerprints that differs.
 fn difference(one: &Value, other: &Value) -> String {
-    let keys = other.as_object().into_iter().flatten().map(|(key, _)| key);
-    keys.filter(|key| one.get(key.as_str()) != other.get(key.as_str())).next().map_or("content".into(), Clone::clone)
+    let mut keys = other.as_object().into_iter().flatten().map(|(key, _)| key);
+    keys.find(|key| one.get(key.as_str()) != other.get(key.as_str())).map_or("content".into(), Clone::clone)
 }
 
 #[cfg(test)]

@@ -144,13 +144,12 @@ impl Task {
         search::minimise(&start, self.seed, self.evaluations, &mut |point| {
             let values: Vec<f64> =
                 self.dimensions.iter().zip(point).map(|(dimension, at)| dimension.value(*at)).collect();
-            let cost = match journal.next(&values)? {
-                Some(cost) => cost,
-                None => {
-                    let cost = self.objective.cost(&self.cells(lab, &values, workers)?);
-                    journal.add(&values, cost)?;
-                    cost
-                }
+            let cost = if let Some(cost) = journal.next(&values)? {
+                cost
+            } else {
+                let cost = self.objective.cost(&self.cells(lab, &values, workers)?);
+                journal.add(&values, cost)?;
+                cost
             };
             evaluation += 1;
             if best.as_ref().is_none_or(|best| cost < best.cost) {

@@ -8,15 +8,15 @@
 //! T = 2 (√(1+ε) − √ε) √(M d/F)          (ε = 2 %: 1.737 √(M d/F))
 //! ```
 //!
-//! What pushes: the force actuator with |u| ≤ u_max, a disturbance ΔF, and the contact forces, of which (M y_M)'' sees the
-//! difference, f_1 − f_2. While contact is kept and no force overshoots the target by more than ε, each of them is between 0
+//! What pushes: the force actuator with |u| ≤ uₘ, a disturbance ΔF, and the contact forces, of which the object sees the
+//! difference, f₁ − f₂. While contact is kept and no force overshoots the target by more than ε, each of them is between 0
 //! and (1+ε)|λᵈ|, so the arms, however strong their hubs, add no more than (1+ε)|λᵈ|:
 //!
 //! ```text
-//! F = u_max + |ΔF| + (1+ε)|λᵈ|
+//! F = uₘ + |ΔF| + (1+ε)|λᵈ|
 //! ```
 //!
-//! A hub of inertia J turns by Δθ_i with its torque limit and the moment (1+ε)|λᵈ| l that the arm then bears (quasi-static
+//! A hub of inertia J turns by Δθ with its torque limit and the moment (1+ε)|λᵈ| l that the arm then bears (quasi-static
 //! arms), likewise. The limit is the longest of the three times. A controller that beats it has broken contact or overshot.
 
 /// Half of the width of a band relative to what it belongs to.

@@ -86,7 +86,7 @@ impl Track {
     fn settled(&self, times: &[f64]) -> Option<f64> {
         let band = self.band;
         let error = |index: usize| self.values[index] - self.target;
-        let is_outside = |index: &usize| !(error(*index).abs() <= band);
+        let is_outside = |index: &usize| error(*index).abs() > band || error(*index).is_nan();
         let Some(last) = (0..self.values.len()).rev().find(is_outside) else { return Some(0.0) };
         // Who has just come back into the band may be on the way out of it again.
         let end = times[times.len() - 1];
@@ -170,9 +170,7 @@ mod tests {
     fn run(constants: [f64; 5], stop: f64) -> Table {
         let columns = SIGNALS.iter().map(|name| Column { name: (*name).into(), ..Column::default() }).collect();
         let mut table = Table::new(columns);
-        let steps = (stop * 1e3) as u32;
-        for index in 0..=steps {
-            let t = f64::from(index) * 1e-3;
+        for t in (0..).map(|index| f64::from(index) * 1e-3).take_while(|t| *t <= stop) {
             let lag = |constant: f64, first: f64, target: f64| target + (first - target) * (-t / constant).exp();
             let row = SIGNALS.map(|name| match name {
                 "contact_force1" => lag(constants[0], 0.0, 0.5),

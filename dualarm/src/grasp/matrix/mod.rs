@@ -105,6 +105,9 @@ pub fn workers() -> usize {
 }
 
 /// Results of the jobs `0..count` in their order, from several threads; the results do not depend on how many.
+///
+/// # Panics
+/// When a job does.
 pub fn parallel<T: Send>(workers: usize, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();

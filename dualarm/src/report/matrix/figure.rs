@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::lines;
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::{Cell, Matrix};
 use crate::report::figures::text::{self, FAMILIES, with_shifts};
 use crate::report::html::escape;
 
@@ -68,7 +68,7 @@ fn left(column: usize) -> f64 {
 
 fn write_cell(svg: &mut String, matrix: &Matrix, row: usize, column: usize, (x, y): (f64, f64)) {
     let cell = &matrix.cells[row][column];
-    let value = cell.as_ref().ok().map(|cell| cell.value());
+    let value = cell.as_ref().ok().map(Cell::value);
     let (fill, ink) = match (value, matrix.best(row)) {
         (None, _) => (EMPTY.to_owned(), SOFT),
         (Some(Some(value)), Some(best)) => (shade(value.max(EXACT) / best.max(EXACT)), INK),
@@ -125,7 +125,7 @@ fn wrapped(words: &str, width: f64) -> Vec<String> {
     for word in words.split(' ') {
         match lines.last_mut() {
             Some(line) if text::width(&format!("{line} {word}"), 12.0, true) <= width => {
-                *line = format!("{line} {word}")
+                *line = format!("{line} {word}");
             }
             _ => lines.push(word.to_owned()),
         }
