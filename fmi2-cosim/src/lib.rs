@@ -4,16 +4,14 @@
 //!   [`ssp`] archive describes one.
 //! * [`master`] steps the FMUs of a system together on a [`grid`], with [`wiring`] by equal names and in convertible [`units`], [`settings`] by name
 //!   and [`signal`]s over time.
-//! * [`names`] answers misspelt ones. [`record`] keeps the results; [`files`] writes files whole or not at all.
+//! * [`run`] does all of that for one system and tells an observer; [`names`] answers misspelt ones. [`record`] keeps the results; [`files`] writes files whole or not at all.
 
-mod bus;
-mod drive;
 pub mod files;
 pub mod grid;
 pub mod master;
 pub mod names;
 pub mod record;
-mod recording;
+pub mod run;
 pub mod scenario;
 pub mod settings;
 pub mod signal;

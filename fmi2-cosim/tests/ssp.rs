@@ -10,13 +10,14 @@ use std::path::{Path, PathBuf};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Coupling;
 use fmi2_cosim::record::Table;
-use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Value};
+use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Reference};
 use fmi2_cosim::ssp::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Mapping, MappingEntry, Point,
-    System, SystemStructure, Values,
+    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Mapping, MappingEntry, Origin,
+    Point, System, SystemStructure, Values,
 };
 use fmi2_cosim::ssp::{Package, package, read, write};
 use fmi2_cosim::system;
+use fmi2_import::Value;
 use fmi2_import::description::{BaseType, Item, Unit};
 use support::{archive, package as package_fmu, package_as};
 
@@ -77,8 +78,28 @@ fn loop_of_two() -> SystemStructure {
     }
 }
 
-fn set(parameters: Vec<(&str, Value)>) -> ParameterSet {
-    let parameters = parameters.into_iter().map(|(name, value)| Parameter { name: name.into(), value, line: LINE });
+/// A real number without a unit.
+fn real(value: f64) -> (Value, Reference) {
+    (value.into(), Reference::Nothing)
+}
+
+/// A real number in a unit.
+fn real_in(value: f64, unit: &str) -> (Value, Reference) {
+    (value.into(), Reference::Unit(unit.into()))
+}
+
+/// A value that is no real number.
+fn plain(value: impl Into<Value>) -> (Value, Reference) {
+    (value.into(), Reference::Nothing)
+}
+
+fn set(parameters: Vec<(&str, (Value, Reference))>) -> ParameterSet {
+    let parameters = parameters.into_iter().map(|(name, (value, refers_to))| Parameter {
+        name: name.into(),
+        value,
+        refers_to,
+        line: LINE,
+    });
     ParameterSet { name: "set".into(), parameters: parameters.collect(), ..ParameterSet::default() }
 }
 
@@ -112,6 +133,7 @@ fn ssp(folder: &Path, structure: &str, others: &[(&str, &[u8])]) -> Option<PathB
 fn what_is_written_reads_back() {
     let mut structure = loop_of_two();
     structure.description = Some("Quotes \" and <angles> & ampersands".into());
+    structure.origin = Origin { license: Some("MIT".into()), generation_tool: Some("editor 1.0".into()) };
     structure.units =
         vec![unit("N.m", [1, 2, -2, 0, 0, 0, 0, 0], 1.0, 0.0), unit("degC", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 273.15)];
     structure.experiment = Experiment { start: Some(0.5), stop: Some(2.0), step: Some(5e-5), tolerance: Some(1e-5) };
@@ -126,11 +148,11 @@ fn what_is_written_reads_back() {
                 enumerations: vec![("E".into(), vec![Item { name: "one".into(), value: 1, description: None }].into())],
                 units: vec![unit("mm", [0, 1, 0, 0, 0, 0, 0, 0], 1e-3, 0.0)],
                 ..set(vec![
-                    ("a", Value::Real(0.1 + 0.2, Some("mm".into()))),
-                    ("b", Value::Integer(-3)),
-                    ("c", Value::Boolean(true)),
-                    ("d", Value::String("text".into())),
-                    ("e", Value::Enumeration("one".into(), Some("E".into()))),
+                    ("a", real_in(0.1 + 0.2, "mm")),
+                    ("b", plain(-3)),
+                    ("c", plain(true)),
+                    ("d", plain("text")),
+                    ("e", ("one".into(), Reference::Enumeration(Some("E".into())))),
                 ])
             }),
             prefix: "p.".into(),
@@ -224,7 +246,7 @@ fn parameters_arrive_with_prefix_mapping_unit_and_precedence() {
     structure.system.components[0].bindings =
         vec![Binding { values: Values::File("resources/lag%20of%20a%20second.ssv".into()), ..Binding::default() }];
     structure.system.components[1].bindings = vec![
-        inline(set(vec![("K", Value::Real(7.0, None))])),
+        inline(set(vec![("K", real(7.0))])),
         // The later of two bindings holds.
         Binding {
             mapping: Some(Mapping::Inline(vec![MappingEntry {
@@ -233,7 +255,7 @@ fn parameters_arrive_with_prefix_mapping_unit_and_precedence() {
                 linear: Some((2.0, -1.0)),
                 line: LINE,
             }])),
-            ..inline(set(vec![("strength", Value::Real(1.25, None)), ("K", Value::Real(100.0, None))]))
+            ..inline(set(vec![("strength", real(1.25)), ("K", real(100.0))]))
         },
     ];
     structure.system.bindings = vec![
@@ -241,14 +263,14 @@ fn parameters_arrive_with_prefix_mapping_unit_and_precedence() {
         Binding {
             prefix: "lag.".into(),
             ..inline(ParameterSet {
-                parameters: set(vec![("T", Value::Real(500.0, Some("ms".into())))]).parameters,
+                parameters: set(vec![("T", real_in(500.0, "ms"))]).parameters,
                 name: "fast".into(),
                 ..milliseconds
             })
         },
-        inline(set(vec![("r", Value::Real(3.0, None)), ("gain.no_such", Value::Integer(1))])),
+        inline(set(vec![("r", real(3.0)), ("gain.no_such", plain(1))])),
     ];
-    let slow = write::parameter_set(&set(vec![("T", Value::Real(9.0, None))]));
+    let slow = write::parameter_set(&set(vec![("T", real(9.0))]));
     let others = [("resources/lag of a second.ssv", slow.as_bytes())];
     let Some(path) = ssp(folder.path(), &write::system_structure(&structure), &others) else { return };
     assert_close(&run(&path), &exact(0.5, 1.5, 3.0));
@@ -375,7 +397,7 @@ fn faulty_parameters_are_named_with_their_line() {
             Err(error) => Some(error.to_string()),
         })
     };
-    let good = write::parameter_set(&set(vec![("T", Value::Real(2.0, Some("s".into())))]));
+    let good = write::parameter_set(&set(vec![("T", real_in(2.0, "s"))]));
     let Some(result) = run(good.as_bytes()) else { return };
     assert_eq!(result, None);
     for (from, to, said) in [
@@ -469,8 +491,8 @@ fn integers_feed_enumerations_and_reals() {
 fn large_sets_that_are_bound_often_are_read_in_no_time() {
     let folder = tempfile::tempdir().unwrap();
     let names: Vec<String> = (0..40_000).map(|index| format!("unknown_parameter_{index}")).collect();
-    let mut parameters: Vec<_> = names.iter().map(|name| (name.as_str(), Value::Real(1.0, None))).collect();
-    parameters.push(("T", Value::Real(0.25, None)));
+    let mut parameters: Vec<_> = names.iter().map(|name| (name.as_str(), real(1.0))).collect();
+    parameters.push(("T", real(0.25)));
     let large = write::parameter_set(&set(parameters));
     let mut structure = loop_of_two();
     let binding = || Binding { values: Values::File("resources/large.ssv".into()), ..Binding::default() };

@@ -145,7 +145,7 @@ impl Unpacked {
         };
         let candidates = libraries(path, &archive, &interface.model_identifier)?;
         let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
-        let folder = tempfile::Builder::new().prefix("dualarm-fmu-").tempdir().map_err(unpack)?;
+        let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
         let parts: Vec<String> = candidates.iter().map(|(platform, _)| format!("binaries/{platform}/")).collect();
         let parts: Vec<&str> = parts.iter().map(String::as_str).chain(["resources/"]).collect();
         archive.unpack(folder.path(), &parts).map_err(|error| match error {

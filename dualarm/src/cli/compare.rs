@@ -29,7 +29,7 @@ use crate::report::matrix::CellDocument;
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::files::{FileSet, NewFile};
 use fmi2_cosim::grid::TimeGrid;
-use fmi2_cosim::master::Master;
+use fmi2_cosim::master::{Coupling, Master};
 use fmi2_cosim::record::{Every, Pick, Table};
 use fmi2_import::Fmu;
 
@@ -259,10 +259,7 @@ fn write_results(
 
 /// How the runs were made, in sentences.
 fn setup(arguments: &Arguments, grid: &TimeGrid) -> String {
-    let coupling = match arguments.coupling {
-        CouplingName::Jacobi => "Jacobi",
-        CouplingName::GaussSeidel => "Gauss–Seidel",
-    };
+    let coupling = Coupling::from(arguments.coupling).title();
     format!(
         "DualArmPlant.fmu with each of the three controller FMUs, co-simulated by dualarm {} through their FMI 2.0 \
          interface: step {} ms, {coupling} coupling, {} s. Plant, PDS and PD have the parameters of the paper (Section IV); \

@@ -26,17 +26,13 @@ pub struct ExperimentDocument {
     pub step: f64,
     /// Number of steps.
     pub steps: u64,
-    coupling: &'static str,
+    coupling: Coupling,
     /// In s.
     interval: f64,
 }
 
 impl ExperimentDocument {
     pub fn new(grid: &TimeGrid, coupling: Coupling, interval: f64) -> Self {
-        let coupling = match coupling {
-            Coupling::Jacobi => "jacobi",
-            Coupling::GaussSeidel => "gauss-seidel",
-        };
         Self { start: grid.start(), stop: grid.stop(), step: grid.step(), steps: grid.steps(), coupling, interval }
     }
 }

@@ -3,7 +3,7 @@
 //! * [`scenarios`] are compiled in: what is run with the parts;
 //! * [`systems`] are SSP archives of the plant with each controller;
 //! * [`instruments`] are sensors and actuators between plant and controller;
-//! * [`metrics`] judge a run;
+//! * [`GraspWatch`] follows a run, [`metrics`] judge it;
 //! * [`matrix`] runs many controllers in many cases.
 
 pub mod instruments;
@@ -11,6 +11,9 @@ pub mod matrix;
 pub mod metrics;
 pub mod scenarios;
 pub mod systems;
+mod watch;
+
+pub use watch::GraspWatch;
 
 use crate::grasp::metrics::Limits;
 use fmi2_cosim::master::Applied;

@@ -22,10 +22,10 @@ use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::ssp::package::{self, DEFAULT_STRUCTURE};
-use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Value};
+use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Reference};
 use fmi2_cosim::ssp::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Point, System, SystemStructure,
-    Values,
+    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Origin, Point, System,
+    SystemStructure, Values,
 };
 use fmi2_cosim::ssp::write;
 use fmi2_cosim::system::Located;
@@ -305,11 +305,21 @@ impl Grasp {
                 step: Some(self.step),
                 tolerance: Some(TOLERANCE),
             },
+            origin: origin(),
             ..SystemStructure::default()
         };
         draw(&mut structure.system);
         set_units(&mut structure, descriptions);
         Ok(structure)
+    }
+}
+
+/// What the documents of this tool say about who wrote them.
+#[must_use]
+pub fn origin() -> Origin {
+    Origin {
+        license: Some(env!("CARGO_PKG_LICENSE").into()),
+        generation_tool: Some(concat!("dualarm ", env!("CARGO_PKG_VERSION")).into()),
     }
 }
 
@@ -354,6 +364,7 @@ fn driven(closed: SystemStructure, descriptions: &[&ModelDescription]) -> (Syste
     let mut start_values = ParameterSet {
         name: DRIVEN.to_lowercase(),
         description: Some("Start values of the system's inputs: those of the FMUs".into()),
+        origin: origin(),
         ..ParameterSet::default()
     };
     for (component, description) in system.components.iter_mut().zip(descriptions) {
@@ -386,6 +397,7 @@ fn paper_set(description: &ModelDescription, connectors: &[Connector]) -> Parame
     let mut set = ParameterSet {
         name: PAPER.into(),
         description: Some(format!("Start values of {}: the paper's case", description.model_name)),
+        origin: origin(),
         ..ParameterSet::default()
     };
     let is_set = |variable: &&Variable| match variable.causality {
@@ -400,14 +412,11 @@ fn paper_set(description: &ModelDescription, connectors: &[Connector]) -> Parame
 
 /// A variable's start value, if it has one and is no enumeration.
 fn parameter(variable: &Variable) -> Option<Parameter> {
-    let value = match &variable.kind {
-        VariableType::Real(real) => Value::Real(real.start?, real.unit.clone()),
-        VariableType::Integer { start, .. } => Value::Integer((*start)?),
-        VariableType::Boolean { start } => Value::Boolean((*start)?),
-        VariableType::String { start } => Value::String(start.clone()?),
-        VariableType::Enumeration { .. } => return None,
-    };
-    Some(Parameter { name: variable.name.clone(), value, line: Line::default() })
+    if matches!(variable.kind, VariableType::Enumeration { .. }) {
+        return None;
+    }
+    let refers_to = variable.unit().map(str::to_owned).into();
+    Some(Parameter { name: variable.name.clone(), value: variable.start()?, refers_to, line: Line::default() })
 }
 
 /// Settings of a scenario as a parameter set of the system, under hierarchical names.
@@ -420,6 +429,7 @@ fn settings_set(
     let mut set = ParameterSet {
         name: variant.to_lowercase(),
         description: Some(scenario.title.clone()),
+        origin: origin(),
         ..ParameterSet::default()
     };
     for Located { item: setting, .. } in scenario.settings.iter().chain(&scenario.held) {
@@ -428,19 +438,16 @@ fn settings_set(
         for (component, model) in components.iter().zip(descriptions) {
             let Some(variable) = model.variable(&setting.target) else { continue };
             let fitted = variable.value(&setting.value).map_err(|_| unfit())?;
-            let value = match (&variable.kind, variable.with_name(fitted)) {
-                (VariableType::Real(real), fmi2_import::Value::Real(value)) => Value::Real(value, real.unit.clone()),
-                (VariableType::Enumeration { declared_type, .. }, item) => {
+            let refers_to = match &variable.kind {
+                VariableType::Enumeration { declared_type, .. } => {
                     let kind = declared_type.map(|index| &model.types[index]);
                     set.enumerations.extend(kind.map(|kind| (kind.name.clone(), kind.items.clone())));
-                    Value::Enumeration(item.to_string(), kind.map(|kind| kind.name.clone()))
+                    Reference::Enumeration(kind.map(|kind| kind.name.clone()))
                 }
-                (_, fmi2_import::Value::Integer(value)) => Value::Integer(value),
-                (_, fmi2_import::Value::Boolean(value)) => Value::Boolean(value),
-                (_, other) => Value::String(other.to_string()),
+                _ => variable.unit().map(str::to_owned).into(),
             };
-            let name = format!("{component}.{}", variable.name);
-            set.parameters.push(Parameter { name, value, line: Line::default() });
+            let (name, value) = (format!("{component}.{}", variable.name), variable.with_name(fitted));
+            set.parameters.push(Parameter { name, value, refers_to, line: Line::default() });
         }
         if set.parameters.len() == before {
             return Err(unfit());
@@ -451,11 +458,7 @@ fn settings_set(
 }
 
 fn parameter_units(set: &ParameterSet) -> Vec<&str> {
-    let units = set.parameters.iter().map(|parameter| match &parameter.value {
-        Value::Real(_, unit) => unit.as_deref(),
-        _ => None,
-    });
-    units.flatten().collect()
+    set.parameters.iter().filter_map(|parameter| parameter.refers_to.unit()).collect()
 }
 
 fn set_units(structure: &mut SystemStructure, descriptions: &[&ModelDescription]) {

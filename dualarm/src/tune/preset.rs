@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use super::{Best, Task};
 use crate::grasp::PLANT;
-use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Value};
+use crate::grasp::systems::origin;
+use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet};
 use fmi2_cosim::ssp::structure::Line;
 use fmi2_cosim::ssp::write;
 use fmi2_import::ModelDescription;
@@ -45,6 +46,7 @@ pub fn ssv(task: &Task, best: &Best, description: &ModelDescription) -> String {
     let mut set = ParameterSet {
         name: task.contender.key.clone(),
         description: Some(format!("Gains of {} from a search", description.model_name)),
+        origin: origin(),
         ..ParameterSet::default()
     };
     for (dimension, value) in task.dimensions.iter().zip(&best.values) {
@@ -54,8 +56,8 @@ pub fn ssv(task: &Task, best: &Best, description: &ModelDescription) -> String {
             if let Some(declared) = declared.filter(|unit| !set.units.iter().any(|known| known.name == unit.name)) {
                 set.units.push(declared.clone());
             }
-            let value = Value::Real(*value, declared.map(|unit| unit.name.clone()));
-            set.parameters.push(Parameter { name: name.clone(), value, line: Line::default() });
+            let refers_to = declared.map(|unit| unit.name.clone()).into();
+            set.parameters.push(Parameter { name: name.clone(), value: (*value).into(), refers_to, line: Line::default() });
         }
     }
     write::parameter_set(&set)

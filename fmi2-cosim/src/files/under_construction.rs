@@ -168,7 +168,7 @@ fn keep_former(target: &Path, part: &Path) -> Option<PathBuf> {
 /// A new file in a folder, with no more permissions than the one it will stand for.
 fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".dualarm-").suffix(".part");
+    builder.prefix(".").suffix(".part");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

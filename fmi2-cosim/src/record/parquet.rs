@@ -34,21 +34,22 @@ impl ParquetSink {
     /// Values that are kept in memory at most: 128 MiB of them.
     const MAX_VALUES: usize = 1 << 24;
 
-    /// Begins the file.
+    /// Begins the file; `created_by` is the name and version of the program, which the file keeps.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn new(file: NewFile, columns: &[Column]) -> std::result::Result<Self, WriteError> {
+    pub fn new(file: NewFile, columns: &[Column], created_by: &str) -> std::result::Result<Self, WriteError> {
         let time = Column { name: "time".into(), unit: Some("s".into()), kind: Kind::Real };
         let columns: Vec<&Column> = std::iter::once(&time).chain(columns).collect();
         let path = file.path().to_owned();
-        let writer = Self::writer(file, &columns).map_err(|error| WriteError { path, source: plain(error) })?;
+        let writer =
+            Self::writer(file, &columns, created_by).map_err(|error| WriteError { path, source: plain(error) })?;
         let kinds: Vec<_> = columns.iter().map(|column| column.kind).collect();
         let rows = (Self::MAX_VALUES / kinds.len()).clamp(1, Self::MAX_ROWS);
         Ok(Self { writer, columns: vec![Vec::new(); kinds.len()], kinds, rows })
     }
 
-    fn writer(file: NewFile, columns: &[&Column]) -> Result<SerializedFileWriter<NewFile>> {
+    fn writer(file: NewFile, columns: &[&Column], created_by: &str) -> Result<SerializedFileWriter<NewFile>> {
         let field = |column: &&Column| {
             let physical = match column.kind {
                 Kind::Real => PhysicalType::DOUBLE,
@@ -64,7 +65,7 @@ impl ParquetSink {
             columns.iter().filter_map(|column| Some((column.name.as_str(), column.unit.as_deref()?))).collect();
         let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(Box::new(error)))?;
         let properties = WriterProperties::builder()
-            .set_created_by(concat!("dualarm ", env!("CARGO_PKG_VERSION")).to_owned())
+            .set_created_by(created_by.to_owned())
             .set_compression(Compression::GZIP(GzipLevel::default()))
             .set_dictionary_enabled(false) // simulated values hardly ever repeat
             .set_key_value_metadata(Some(vec![KeyValue::new("units".to_owned(), units)]))

@@ -41,14 +41,7 @@ struct ExperimentTable {
     step: Option<Spanned<f64>>,
     interval: Option<Spanned<f64>>,
     tolerance: Option<Spanned<f64>>,
-    coupling: Option<CouplingName>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum CouplingName {
-    GaussSeidel,
-    Jacobi,
+    coupling: Option<Coupling>,
 }
 
 /// A number, a truth value or a text.
@@ -124,10 +117,6 @@ impl ExperimentTable {
         if let Some(value) = value(&tolerance).filter(|tolerance| !is_tolerance(*tolerance)) {
             return refuse(&tolerance, format!("the tolerance must be a positive number, not {value}"));
         }
-        let coupling = coupling.map(|name| match name {
-            CouplingName::GaussSeidel => Coupling::GaussSeidel,
-            CouplingName::Jacobi => Coupling::Jacobi,
-        });
         let [start, stop, step, interval, tolerance] = [start, stop, step, interval, tolerance].map(|key| value(&key));
         Ok(Experiment { start, stop, step, tolerance, coupling, interval })
     }

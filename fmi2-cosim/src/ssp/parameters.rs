@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::structure::Line;
+use super::structure::{Line, Origin};
+use fmi2_import::Value;
 use fmi2_import::description::{Item, Unit};
 
 /// One `.ssv` document, or the same thing inside an `.ssd`.
@@ -18,6 +19,8 @@ pub struct ParameterSet {
     pub enumerations: Vec<(String, Arc<[Item]>)>,
     /// Units that parameters refer to.
     pub units: Vec<Unit>,
+    /// Where the file comes from.
+    pub origin: Origin,
 }
 
 /// A name and its value.
@@ -25,23 +28,40 @@ pub struct ParameterSet {
 pub struct Parameter {
     /// Name of the variable.
     pub name: String,
-    /// Its value.
+    /// Its value; of an enumeration, the item's name.
     pub value: Value,
+    /// What the value needs to be understood.
+    pub refers_to: Reference,
     /// Where it is declared.
     pub line: Line,
 }
 
-/// A value of one of the types of FMI 2.0.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    /// A real number in a unit.
-    Real(f64, Option<String>),
-    /// An integer.
-    Integer(i32),
-    /// True or false.
-    Boolean(bool),
-    /// Text.
-    String(String),
-    /// An enumeration's item by its name, and the enumeration's name.
-    Enumeration(String, Option<String>),
+/// What else a parameter names besides its value.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Reference {
+    /// Nothing: the value says all.
+    #[default]
+    Nothing,
+    /// The unit of a real number.
+    Unit(String),
+    /// The enumeration that the text is an item of, by name if the file has one.
+    Enumeration(Option<String>),
+}
+
+impl Reference {
+    /// The unit, if it is one.
+    #[must_use]
+    pub fn unit(&self) -> Option<&str> {
+        match self {
+            Self::Unit(name) => Some(name),
+            Self::Nothing | Self::Enumeration(_) => None,
+        }
+    }
+}
+
+impl From<Option<String>> for Reference {
+    /// The unit of this name, if there is one.
+    fn from(unit: Option<String>) -> Self {
+        unit.map_or(Self::Nothing, Self::Unit)
+    }
 }

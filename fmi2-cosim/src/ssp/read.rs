@@ -5,11 +5,12 @@ use roxmltree::{Document, Node};
 
 use super::error::DocumentError;
 use super::namespace;
-use super::parameters::{Parameter, ParameterSet, Value};
+use super::parameters::{Parameter, ParameterSet, Reference};
 use super::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Mapping, MappingEntry, Point,
-    System, SystemStructure, Values,
+    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Mapping, MappingEntry, Origin,
+    Point, System, SystemStructure, Values,
 };
+use fmi2_import::Value;
 use fmi2_import::description::{BASE_UNITS, BaseType, Item, Unit};
 use fmi2_import::xml::{child, elements, line, listed, missing, needed, number, optional, required, truth, wrong};
 
@@ -39,6 +40,7 @@ pub fn system_structure(bytes: &[u8]) -> Result<SystemStructure> {
             step: step(experiment_node, system_node)?,
             tolerance: annotated(Some(system_node), (namespace::OMS, "FixedStepMaster"), "relativeTolerance")?,
         },
+        origin: origin(root),
     })
 }
 
@@ -73,6 +75,10 @@ fn root<'a>(document: &'a Document<'a>, space: &str, expected: &'static str) -> 
         return Err(DocumentError::Root { found: root.tag_name().name().to_owned(), expected });
     }
     Ok(root)
+}
+
+fn origin(root: Node) -> Origin {
+    Origin { license: optional(root, "license"), generation_tool: optional(root, "generationTool") }
 }
 
 fn version(node: Node) -> Result<()> {
@@ -262,6 +268,7 @@ fn parameters(node: Node, lines: &Lines) -> Result<ParameterSet> {
         parameters: listed(node, "Parameters").map(|node| parameter(node, lines)).collect::<Result<_>>()?,
         enumerations: listed(node, "Enumerations").map(enumeration).collect::<Result<_>>()?,
         units: units(node)?,
+        origin: origin(node),
     })
 }
 
@@ -276,17 +283,14 @@ fn parameter(node: Node, lines: &Lines) -> Result<Parameter> {
         });
     };
     let text = required(typed, "value")?;
-    Ok(Parameter {
-        name: required(node, "name")?.to_owned(),
-        value: match base_type {
-            BaseType::Real => Value::Real(needed(typed, "value")?, optional(typed, "unit")),
-            BaseType::Integer => Value::Integer(needed(typed, "value")?),
-            BaseType::Boolean => Value::Boolean(truth(typed, "value")?.unwrap_or_default()),
-            BaseType::String => Value::String(text.to_owned()),
-            BaseType::Enumeration => Value::Enumeration(text.to_owned(), optional(typed, "name")),
-        },
-        line: Line(lines.of_node(node)),
-    })
+    let (value, refers_to) = match base_type {
+        BaseType::Real => (Value::Real(needed(typed, "value")?), optional(typed, "unit").into()),
+        BaseType::Integer => (Value::Integer(needed(typed, "value")?), Reference::Nothing),
+        BaseType::Boolean => (Value::Boolean(truth(typed, "value")?.unwrap_or_default()), Reference::Nothing),
+        BaseType::String => (Value::from(text), Reference::Nothing),
+        BaseType::Enumeration => (Value::from(text), Reference::Enumeration(optional(typed, "name"))),
+    };
+    Ok(Parameter { name: required(node, "name")?.to_owned(), value, refers_to, line: Line(lines.of_node(node)) })
 }
 
 fn units(node: Node) -> Result<Vec<Unit>> {

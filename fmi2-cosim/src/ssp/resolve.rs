@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::error::{DocumentError, SspError};
 use super::package::{BoundSet, Package};
-use super::parameters::{Parameter, Value as Given};
+use super::parameters::Parameter;
 use super::structure::{Component, Connection, Connector, End, Kind, Line};
 use crate::names::best;
 use crate::settings::Setting;
@@ -337,13 +337,12 @@ impl<'a> Resolver<'a> {
 
     /// A parameter's value in the unit of the variable.
     fn value(&self, parameter: &Parameter, linear: Linear, units: &Units, terminal: Terminal) -> Result<Value> {
-        let (mut number, unit) = match (&parameter.value, linear) {
-            (Given::Real(number, unit), _) => (*number, unit.as_deref()),
-            (Given::Integer(number), Some(_)) => (f64::from(*number), None),
-            (Given::Integer(number), None) => return Ok(Value::Integer(*number)),
-            (Given::Boolean(value), _) => return Ok(Value::Boolean(*value)),
-            (Given::String(text) | Given::Enumeration(text, _), _) => return Ok(Value::Text(text.clone())),
+        let mut number = match (&parameter.value, linear) {
+            (Value::Real(number), _) => *number,
+            (Value::Integer(number), Some(_)) => f64::from(*number),
+            (whole_or_no_number, _) => return Ok(whole_or_no_number.clone()),
         };
+        let unit = parameter.refers_to.unit();
         let line = parameter.line.0;
         let variable = self.described(terminal);
         let wanted = variable.unit().and_then(|name| self.units[terminal.component].named(name));

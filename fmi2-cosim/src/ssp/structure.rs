@@ -17,6 +17,17 @@ pub struct SystemStructure {
     pub units: Vec<Unit>,
     /// How long to simulate.
     pub experiment: Experiment,
+    /// Where the file comes from.
+    pub origin: Origin,
+}
+
+/// Under which licence a document stands, and which program wrote it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Origin {
+    /// The licence, as an SPDX identifier or a sentence.
+    pub license: Option<String>,
+    /// Name and version of the program.
+    pub generation_tool: Option<String>,
 }
 
 /// The system: components and how they are connected.

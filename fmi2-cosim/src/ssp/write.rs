@@ -1,16 +1,14 @@
 //! SSD and SSV documents as XML. The same values always give the same text.
 
 use super::namespace;
-use super::parameters::{Parameter, ParameterSet, Value};
+use super::parameters::{Parameter, ParameterSet, Reference};
 use super::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Mapping, MappingEntry, System, SystemStructure,
-    Values,
+    Binding, Component, Connection, Connector, End, Experiment, Extent, Mapping, MappingEntry, Origin, System,
+    SystemStructure, Values,
 };
 use super::xml::{Attributes, Xml, number};
+use fmi2_import::Value;
 use fmi2_import::description::{BASE_UNITS, BaseType, Item, Unit};
-
-const GENERATION_TOOL: &str = concat!("dualarm ", env!("CARGO_PKG_VERSION"));
-const LICENSE: &str = env!("CARGO_PKG_LICENSE");
 
 /// The text of an `.ssd` file.
 #[must_use]
@@ -25,7 +23,7 @@ pub fn system_structure(structure: &SystemStructure) -> String {
         ("name", structure.name.clone()),
     ];
     describe(&mut root, structure.description.as_ref());
-    root.extend([("license", LICENSE.into()), ("generationTool", GENERATION_TOOL.into())]);
+    credit(&mut root, &structure.origin);
     Xml::document("ssd:SystemStructureDescription", &root, |xml| {
         system(xml, &structure.system, structure.experiment);
         units(xml, "ssd:Units", &structure.units);
@@ -38,12 +36,16 @@ pub fn system_structure(structure: &SystemStructure) -> String {
 pub fn parameter_set(set: &ParameterSet) -> String {
     let mut root = vec![("xmlns:ssc", namespace::SSC.to_owned()), ("xmlns:ssv", namespace::SSV.to_owned())];
     root.extend(set_attributes(set));
-    root.extend([("license", LICENSE.into()), ("generationTool", GENERATION_TOOL.into())]);
     Xml::document("ssv:ParameterSet", &root, |xml| set_content(xml, set))
 }
 
 fn describe(attributes: &mut Attributes<'_>, description: Option<&String>) {
     attributes.extend(description.map(|text| ("description", text.clone())));
+}
+
+fn credit(attributes: &mut Attributes<'_>, origin: &Origin) {
+    attributes.extend(origin.license.clone().map(|text| ("license", text)));
+    attributes.extend(origin.generation_tool.clone().map(|text| ("generationTool", text)));
 }
 
 fn system(xml: &mut Xml, system: &System, experiment: Experiment) {
@@ -234,13 +236,14 @@ fn mapping_entry(xml: &mut Xml, entry: &MappingEntry) {
 fn set_attributes(set: &ParameterSet) -> Attributes<'static> {
     let mut attributes = vec![("version", "1.0".to_owned()), ("name", set.name.clone())];
     describe(&mut attributes, set.description.as_ref());
+    credit(&mut attributes, &set.origin);
     attributes
 }
 
 fn set_content(xml: &mut Xml, set: &ParameterSet) {
     xml.element("ssv:Parameters", &[], |xml| {
-        for Parameter { name, value, .. } in &set.parameters {
-            xml.element("ssv:Parameter", &[("name", name.clone())], |xml| parameter_value(xml, value));
+        for parameter in &set.parameters {
+            xml.element("ssv:Parameter", &[("name", parameter.name.clone())], |xml| parameter_value(xml, parameter));
         }
     });
     if !set.enumerations.is_empty() {
@@ -253,22 +256,22 @@ fn set_content(xml: &mut Xml, set: &ParameterSet) {
     units(xml, "ssv:Units", &set.units);
 }
 
-fn parameter_value(xml: &mut Xml, value: &Value) {
-    match value {
-        Value::Real(value, unit) => {
-            let mut attributes = vec![("value", number(*value))];
-            attributes.extend(unit.clone().map(|unit| ("unit", unit)));
-            xml.empty("ssv:Real", &attributes);
-        }
-        Value::Integer(value) => xml.empty("ssv:Integer", &[("value", value.to_string())]),
-        Value::Boolean(value) => xml.empty("ssv:Boolean", &[("value", value.to_string())]),
-        Value::String(value) => xml.empty("ssv:String", &[("value", value.clone())]),
-        Value::Enumeration(item, name) => {
-            let mut attributes = vec![("value", item.clone())];
-            attributes.extend(name.clone().map(|name| ("name", name)));
-            xml.empty("ssv:Enumeration", &attributes);
-        }
+fn parameter_value(xml: &mut Xml, Parameter { value, refers_to, .. }: &Parameter) {
+    let element = match (value, refers_to) {
+        (_, Reference::Enumeration(_)) => "ssv:Enumeration",
+        (Value::Real(_), _) => "ssv:Real",
+        (Value::Integer(_), _) => "ssv:Integer",
+        (Value::Boolean(_), _) => "ssv:Boolean",
+        (Value::Text(_), _) => "ssv:String",
+    };
+    let text = if let Value::Real(value) = value { number(*value) } else { value.to_string() };
+    let mut attributes = vec![("value", text)];
+    match refers_to {
+        Reference::Nothing | Reference::Enumeration(None) => {}
+        Reference::Unit(unit) => attributes.push(("unit", unit.clone())),
+        Reference::Enumeration(Some(name)) => attributes.push(("name", name.clone())),
     }
+    xml.empty(element, &attributes);
 }
 
 fn enumeration(xml: &mut Xml, name: &str, items: &[Item]) {

@@ -6,9 +6,9 @@ mod output;
 mod source;
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
@@ -16,16 +16,15 @@ use super::fmus::FmuFolder;
 use super::instruments::InstrumentsChoice;
 use super::progress::Progress;
 use super::{Failure, json, print, print_error, process};
-use crate::grasp::metrics::{self, Metrics};
 use crate::grasp::scenarios::BUILT_IN;
-use crate::grasp::{self, CONTROLLERS};
-use experiment::Run;
+use crate::grasp::{self, CONTROLLERS, GraspWatch};
 pub use experiment::grid;
 use fmi2_cosim::master::{Coupling, Master, MasterError};
-use fmi2_cosim::record::{Every, Last, Pick};
+use fmi2_cosim::record::Every;
+use fmi2_cosim::run::Run;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{System, is_tolerance};
-use outcome::{End, Findings, Outcome};
+use outcome::Outcome;
 use output::Output;
 
 const AFTER_HELP: &str = "\
@@ -94,22 +93,24 @@ pub struct Arguments {
     json: bool,
 }
 
-/// [`Coupling`] by name.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
-pub enum CouplingName {
-    /// All exchange at once: every signal arrives one step late
-    Jacobi,
-    /// One after the other with the newest signals: a controller answers without delay
-    #[default]
-    GaussSeidel,
+/// [`Coupling`] as an argument.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct CouplingName(Coupling);
+
+impl ValueEnum for CouplingName {
+    fn value_variants<'a>() -> &'a [Self] {
+        const ALL: &[CouplingName] = &[CouplingName(Coupling::ALL[0]), CouplingName(Coupling::ALL[1])];
+        ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.0.name()).help(self.0.summary()))
+    }
 }
 
 impl From<CouplingName> for Coupling {
     fn from(name: CouplingName) -> Self {
-        match name {
-            CouplingName::Jacobi => Self::Jacobi,
-            CouplingName::GaussSeidel => Self::GaussSeidel,
-        }
+        name.0
     }
 }
 
@@ -132,7 +133,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     arguments.instruments.put_into(&mut system, &arguments.folder.fmus)?;
     system.experiment.tolerance = arguments.tolerance.or(system.experiment.tolerance);
     Output::check(arguments.output.as_deref(), &source::inputs(&arguments.what, &system))?;
-    let run = Run::of(arguments, &system)?;
+    let run = experiment::run(arguments, &system)?;
     let mut master = system.master(run.coupling)?;
     let result = simulate(arguments, quiet, &system, &run, &mut master);
 
@@ -169,51 +170,21 @@ fn simulate(
     // Before the simulation: an unwritable place should not cost the time of a run.
     let output = Output::new(arguments.output.as_deref(), &columns)?;
     let mut rows = Every::new(run.interval, run.grid.stop(), output);
-    let mut measured = Pick::new(&columns, |name| metrics::SIGNALS.contains(&name));
-    let mut last = Last::default();
-    // Metrics are made of every step, however few of them are written.
-    let is_grasp = measured.sink.columns().iter().any(|column| column.name == metrics::CONTACT_FORCE);
-    let recorded = if is_grasp { 0.0 } else { run.interval };
-
-    master.initialize(&run.grid)?;
-    let mut remarks = system.remarks.clone();
-    remarks.extend(run.remarks(master));
-    let limits = (0..system.components.len()).map(|index| grasp::actuator_limits(master.instance(index)));
-    let limits = limits.reduce(|limits, others| if limits == [None; 3] { others } else { limits });
+    let mut watch = GraspWatch::default();
     let bar = Progress::new(quiet).bar("simulating", run.grid.steps());
-    let begin = Instant::now();
-    let mut sinks = (&mut rows, (&mut measured, &mut last));
-    let result = master.run(&run.grid, recorded, &mut sinks, &mut |done| bar.set_position(done));
-    let duration = begin.elapsed();
+    let result = run.execute(system, master, &columns, &mut rows, &mut watch, &mut |done| bar.set_position(done));
     bar.finish_and_clear();
     let output = rows.sink;
-    let end = match result {
-        Ok(()) => None,
-        // An FMU that knows that its simulation is over ends it, and that is no error.
-        Err(MasterError::Ended { time, component, source }) => {
-            Some(End { time, component, reason: source.to_string() })
-        }
+    let results = match result {
         Err(MasterError::Record(error)) => return Err(output.failure(error)),
-        Err(error) => return Err(error.into()),
+        result => result?,
     };
-    let texts = master.texts().unwrap_or_default();
-    let limits = limits.unwrap_or_default();
-    let metrics = Metrics::of(&measured.sink, limits);
-    remarks.extend(metrics::saturations(&measured.sink, limits));
+    let metrics = watch.metrics();
     let controller = grasp::controller(&system.components, master.wires()).map(str::to_owned);
     let to_stdout = output.is_pipe();
     let file = arguments.output.clone().filter(|_| !to_stdout);
-    let findings = Findings {
-        duration,
-        columns: &columns,
-        last: &last.values,
-        texts,
-        metrics: metrics.clone(),
-        output: file,
-        end,
-    };
-    let mut outcome = Outcome::new(system, master, run, findings);
-    outcome.warn(remarks, &master.take_log());
+    let mut outcome = Outcome::new(system, master, run, &columns, results, metrics.as_ref(), file);
+    outcome.warn(&master.take_log());
     output.finish()?;
     if arguments.json {
         return outcome.print_json();

@@ -3,12 +3,10 @@
 use std::collections::HashSet;
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use super::experiment::Run;
 use crate::cli::json::{self, ExperimentDocument, MetricsDocument};
 use crate::cli::printable::one_line;
 use crate::cli::{paragraph, print_error};
@@ -16,6 +14,7 @@ use crate::grasp::metrics::{Metrics, MetricsObstacle};
 use crate::report;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Kind};
+use fmi2_cosim::run::{Ended, Results, Run};
 use fmi2_cosim::system::System;
 use fmi2_cosim::wiring::Terminal;
 use fmi2_import::{Causality, LogMessage, Status};
@@ -74,27 +73,24 @@ pub struct End {
     pub reason: String,
 }
 
-/// What is only known after a run.
-pub struct Findings<'a> {
-    /// Wall time.
-    pub duration: Duration,
-    /// The recorded variables.
-    pub columns: &'a [Column],
-    /// Their values at the stop time.
-    pub last: &'a [f64],
-    /// The outputs that are texts, and their values.
-    pub texts: Vec<(String, String)>,
-    /// If the run was a grasp, or else why there are none.
-    pub metrics: Result<Metrics, MetricsObstacle>,
-    /// The file with the rows.
-    pub output: Option<PathBuf>,
-    /// If an FMU ended it.
-    pub end: Option<End>,
+impl From<Ended> for End {
+    fn from(Ended { time, component, source }: Ended) -> Self {
+        Self { time, component, reason: source.to_string() }
+    }
 }
 
 impl Outcome {
-    /// Gathers everything about a run but its warnings.
-    pub fn new(system: &System, master: &Master, run: &Run, findings: Findings) -> Self {
+    /// Gathers everything about a run but what the FMUs logged. `columns` are those of its rows, `output` is the file with
+    /// them.
+    pub fn new(
+        system: &System,
+        master: &Master,
+        run: &Run,
+        columns: &[Column],
+        results: Results,
+        metrics: Result<&Metrics, &MetricsObstacle>,
+        output: Option<PathBuf>,
+    ) -> Self {
         let component = |(name, fmu): &(String, fmi2_import::Fmu)| Component {
             name: name.clone(),
             model: fmu.description().model_name.clone(),
@@ -106,9 +102,9 @@ impl Outcome {
         };
         let connections = master.wires().iter();
         let value = |(column, value): (&Column, &f64)| (column.name.clone(), json_value(column.kind, *value));
-        let values = findings.columns.iter().zip(findings.last).map(value);
-        let text_names = findings.texts.iter().map(|(name, _)| name.clone()).collect();
-        let texts = findings.texts.into_iter().map(|(name, text)| (name, Value::from(text)));
+        let values = columns.iter().zip(&results.last).map(value);
+        let text_names = results.texts.iter().map(|(name, _)| name.clone()).collect();
+        let texts = results.texts.into_iter().map(|(name, text)| (name, Value::from(text)));
         Self {
             command: "simulate",
             version: env!("CARGO_PKG_VERSION"),
@@ -118,22 +114,21 @@ impl Outcome {
                 .map(|wire| Connection { from: terminal(wire.from), to: terminal(wire.to) })
                 .collect(),
             experiment: ExperimentDocument::new(&run.grid, run.coupling, run.interval),
-            wall_time: findings.duration.as_secs_f64(),
+            wall_time: results.wall_time.as_secs_f64(),
             last: values.chain(texts).collect(),
-            metrics: findings.metrics.as_ref().ok().map(MetricsDocument::from),
-            metrics_obstacle: findings.metrics.err().map(|obstacle| obstacle.to_string()),
-            output: findings.output,
+            metrics: metrics.ok().map(MetricsDocument::from),
+            metrics_obstacle: metrics.err().map(ToString::to_string),
+            output,
             texts: text_names,
-            columns: findings.columns.len(),
-            ended: findings.end,
+            columns: columns.len(),
+            ended: results.ended.map(End::from),
             open_inputs: open_inputs(system, master),
-            warnings: Vec::new(),
+            warnings: results.remarks,
         }
     }
 
-    /// Adds warnings: the tool's, and what the FMUs logged.
-    pub fn warn(&mut self, remarks: Vec<String>, log: &[(String, LogMessage)]) {
-        self.warnings = remarks;
+    /// Adds what the FMUs logged to the warnings.
+    pub fn warn(&mut self, log: &[(String, LogMessage)]) {
         self.warnings.extend(complaints(log));
     }
 

@@ -21,6 +21,9 @@ pub enum Output {
     Pipe(CsvSink<BufWriter<&'static File>>),
 }
 
+/// What a file says about the program that wrote it.
+const TOOL: &str = concat!("dualarm ", env!("CARGO_PKG_VERSION"));
+
 /// What the rows are written as.
 enum Format {
     Csv,
@@ -80,7 +83,7 @@ impl Output {
         }
         let file = NewFile::create(path)?;
         Ok(match Format::of(path)? {
-            Format::Parquet => Self::Parquet(Box::new(ParquetSink::new(file, columns)?)),
+            Format::Parquet => Self::Parquet(Box::new(ParquetSink::new(file, columns, TOOL)?)),
             Format::Csv => Self::Csv(CsvSink::new(file, columns)?),
         })
     }

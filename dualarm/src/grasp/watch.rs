@@ -1,0 +1,61 @@
+//! Watches a run for what is about the grasp: metrics, actuators at their limits, gains that nothing uses.
+
+use std::io;
+
+use super::metrics::{self, CONTACT_FORCE, Limits, Metrics, MetricsObstacle, SIGNALS};
+use super::{actuator_limits, unused_gains};
+use fmi2_cosim::master::Master;
+use fmi2_cosim::record::{Column, Pick, Sink, Table};
+use fmi2_cosim::run::Observer;
+
+/// Collects the signals that metrics are made of, in a grasp those of every step.
+#[derive(Debug)]
+pub struct GraspWatch {
+    measured: Pick<Table>,
+    limits: [Option<Limits>; 3],
+}
+
+impl Default for GraspWatch {
+    fn default() -> Self {
+        Self { measured: Pick::new(&[], |_| false), limits: [None; 3] }
+    }
+}
+
+impl GraspWatch {
+    /// How good the grasp was.
+    ///
+    /// # Errors
+    /// When the run was no grasp.
+    pub fn metrics(&self) -> Result<Metrics, MetricsObstacle> {
+        Metrics::of(&self.measured.sink, self.limits)
+    }
+}
+
+impl Observer for GraspWatch {
+    fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
+        self.measured = Pick::new(columns, |name| SIGNALS.contains(&name));
+        let components = 0..master.names().count();
+        let limits = components.map(|index| actuator_limits(master.instance(index)));
+        let first = limits.reduce(|limits, others| if limits == [None; 3] { others } else { limits });
+        self.limits = first.unwrap_or_default();
+        unused_gains(master.settings())
+    }
+
+    fn wants_every_step(&self) -> bool {
+        self.measured.sink.columns().iter().any(|column| column.name == CONTACT_FORCE)
+    }
+
+    fn conclude(&mut self) -> Vec<String> {
+        metrics::saturations(&self.measured.sink, self.limits)
+    }
+}
+
+impl Sink for GraspWatch {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.measured.row(time, values)
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.measured.end(time, values)
+    }
+}

@@ -1,0 +1,212 @@
+//! From the first exchange of signals to the last step.
+
+use super::{Coupling, Master, MasterError};
+use crate::grid::TimeGrid;
+use crate::record::{Schedule, Sink};
+use crate::system::is_tolerance;
+use fmi2_import::{CallError, Experiment, Status};
+
+impl Master {
+    /// Exchanges at most this often to find consistent initial values.
+    const MAX_SWEEPS: usize = 100;
+
+    /// Initialises all components with consistent signals: they are exchanged in initialisation mode until nothing
+    /// changes any more, which also follows chains of direct feedthrough.
+    ///
+    /// # Errors
+    /// When an FMU refuses, or the signals do not settle.
+    pub fn initialize(&mut self, grid: &TimeGrid) -> Result<(), MasterError> {
+        for component in &self.components {
+            let interface = component.instance.description().co_simulation.as_ref();
+            if grid.has_shorter_last_step()
+                && interface.is_some_and(|interface| !interface.can_handle_variable_communication_step_size)
+            {
+                return Err(MasterError::UnequalSteps {
+                    component: component.name.clone(),
+                    duration: grid.stop() - grid.start(),
+                    step: grid.step(),
+                });
+            }
+        }
+        self.warnings.clone_from(&self.remarks);
+        for drive in &mut self.drives {
+            let component = &self.components[drive.component];
+            let variable = &component.instance.description().variables[drive.variable];
+            self.warnings.extend(drive.fit(grid, &format!("{}.{}", component.name, variable.name)));
+        }
+        for component in &mut self.components {
+            let own = component.instance.description().default_experiment.tolerance;
+            let tolerance = self.tolerance.or(own).filter(|tolerance| is_tolerance(*tolerance));
+            let experiment = Experiment { start: grid.start(), stop: Some(grid.stop()), tolerance };
+            component.instance.setup_experiment(experiment)?;
+            component.instance.enter_initialization_mode()?;
+        }
+        for drive in &mut self.drives {
+            drive.apply(&mut self.components[drive.component].instance, grid.start(), None)?;
+        }
+        self.read_all()?;
+        let mut sweeps = 0;
+        while !self.sweep()? {
+            sweeps += 1;
+            if sweeps == Self::MAX_SWEEPS {
+                return Err(MasterError::AlgebraicLoop { sweeps });
+            }
+        }
+        for component in &mut self.components {
+            component.instance.exit_initialization_mode()?;
+        }
+        self.read_all()?;
+        self.exchanged = false;
+        Ok(())
+    }
+
+    /// Hands every component its inputs and fetches its outputs, one after the other. True when nothing changed.
+    fn sweep(&mut self) -> Result<bool, CallError> {
+        let before = self.buses.snapshot();
+        for (index, component) in self.components.iter_mut().enumerate() {
+            self.buses.write(index, &mut component.instance)?;
+            self.buses.read(index, &mut component.instance)?;
+        }
+        Ok(self.buses.agree_with(&before))
+    }
+
+    fn read_all(&mut self) -> Result<(), CallError> {
+        for (index, component) in self.components.iter_mut().enumerate() {
+            self.buses.read(index, &mut component.instance)?;
+        }
+        Ok(())
+    }
+
+    /// Steps over the whole grid. Rows go to `sink` at the start, then every `interval` s, and at the end; `progress`
+    /// hears from time to time how many steps are done.
+    ///
+    /// # Errors
+    /// When an FMU does not complete a step, or a row cannot be kept. After [`MasterError::Ended`] the rows are whole: the
+    /// last one is that of the time at which the FMU ended the simulation.
+    pub fn run(
+        &mut self,
+        grid: &TimeGrid,
+        interval: f64,
+        sink: &mut dyn Sink,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<(), MasterError> {
+        const STEPS_PER_REPORT: u64 = 1024;
+        let mut schedule = Schedule::new(grid.start(), interval);
+        for index in 0..grid.steps() {
+            let (time, size) = (grid.time(index), grid.size(index));
+            self.apply_drives(time, Some(grid.time(index + 1)))?;
+            if schedule.is_due(time) {
+                self.put_row(time, sink)?;
+            }
+            if let Err(error) = self.step(time, size) {
+                if let MasterError::Ended { time: end, .. } = &error {
+                    self.put_early_end(*end, time, sink)?;
+                }
+                return Err(error);
+            }
+            if index % STEPS_PER_REPORT == 0 {
+                progress(index);
+            }
+        }
+        self.apply_drives(grid.stop(), None)?;
+        self.put_row(grid.stop(), sink)?;
+        sink.end(grid.stop(), self.recording.values()).map_err(MasterError::Record)?;
+        progress(grid.steps());
+        Ok(())
+    }
+
+    /// Gives the driven inputs their values at `time`; `next` is the communication point after it. Outputs that follow
+    /// them at once are fetched again, so that nobody computes with those of the old inputs.
+    fn apply_drives(&mut self, time: f64, next: Option<f64>) -> Result<(), MasterError> {
+        let mut apply = || {
+            for drive in &mut self.drives {
+                let instance = &mut self.components[drive.component].instance;
+                if drive.apply(instance, time, next)? {
+                    self.buses.read(drive.component, instance)?;
+                }
+            }
+            Ok(())
+        };
+        apply().map_err(|source| MasterError::Step { time, source })
+    }
+
+    fn put_row(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
+        let failed = |source| MasterError::Step { time, source };
+        self.exchange().map_err(failed)?;
+        let instances = self.components.iter_mut().map(|component| &mut component.instance);
+        let values = self.recording.read(instances).map_err(failed)?;
+        sink.row(time, values).map_err(MasterError::Record)
+    }
+
+    /// The last row of a simulation that a component ended in the step that began at `begin`. Nothing may be set any more.
+    fn put_early_end(&mut self, end: f64, begin: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
+        // A slave that cannot be read after its end leaves the rows there are.
+        let instances = self.components.iter_mut().map(|component| &mut component.instance);
+        let Ok(values) = self.recording.read(instances) else { return Ok(()) };
+        if end > begin {
+            sink.row(end, values).map_err(MasterError::Record)?;
+        }
+        sink.end(end, values).map_err(MasterError::Record)
+    }
+
+    /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep what they
+    /// have: only [`Master::run`] moves them.
+    ///
+    /// # Errors
+    /// When an FMU does not complete it.
+    #[inline]
+    pub fn step(&mut self, time: f64, size: f64) -> Result<(), MasterError> {
+        let result = match self.coupling {
+            Coupling::Jacobi => self.step_all(time, size),
+            Coupling::GaussSeidel => self.step_in_turn(time, size),
+        };
+        self.exchanged = false;
+        result.map_err(|(index, source)| self.failure(index, time, size, source))
+    }
+
+    fn step_all(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
+        self.exchange().map_err(|source| (0, source))?;
+        for (index, component) in self.components.iter_mut().enumerate() {
+            component.instance.do_step(time, size).map_err(|source| (index, source))?;
+        }
+        Ok(())
+    }
+
+    fn step_in_turn(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
+        for (index, component) in self.components.iter_mut().enumerate() {
+            let mut turn = || {
+                self.buses.write(index, &mut component.instance)?;
+                component.instance.do_step(time, size)?;
+                self.buses.read(index, &mut component.instance)
+            };
+            turn().map_err(|source| (index, source))?;
+        }
+        Ok(())
+    }
+
+    /// Brings every input up to the current communication point.
+    fn exchange(&mut self) -> Result<(), CallError> {
+        if self.exchanged {
+            return Ok(());
+        }
+        if self.coupling == Coupling::Jacobi {
+            self.read_all()?;
+        }
+        for (index, component) in self.components.iter_mut().enumerate() {
+            self.buses.write(index, &mut component.instance)?;
+        }
+        self.exchanged = true;
+        Ok(())
+    }
+
+    #[cold]
+    fn failure(&mut self, index: usize, time: f64, size: f64, source: CallError) -> MasterError {
+        let component = &mut self.components[index];
+        if source.status() == Some(Status::Discard) && component.instance.wants_to_end() {
+            let reached = component.instance.last_successful_time().filter(|reached| reached.is_finite());
+            let time = reached.unwrap_or(time).clamp(time, time + size);
+            return MasterError::Ended { time, component: component.name.clone(), source };
+        }
+        MasterError::Step { time, source }
+    }
+}

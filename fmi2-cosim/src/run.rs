@@ -1,0 +1,191 @@
+//! One run of a [`System`]: completes how to run it, runs it, tells an [`Observer`] what happens, and says what came out.
+
+use std::time::{Duration, Instant};
+
+use crate::grid::{GridError, TimeGrid};
+use crate::master::{Coupling, Master, MasterError};
+use crate::record::{Column, Last, Sink};
+use crate::system::{Experiment, System};
+use fmi2_import::CallError;
+
+/// How to run a system, with nothing left open.
+#[derive(Debug, Clone, Copy)]
+pub struct Run {
+    /// The communication points.
+    pub grid: TimeGrid,
+    /// How signals are exchanged.
+    pub coupling: Coupling,
+    /// Time in s between two rows of the output; 0 for every step.
+    pub interval: f64,
+}
+
+/// Why a system cannot be run as somebody wants it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// Start, stop and step make no grid.
+    #[error(transparent)]
+    Grid(#[from] GridError),
+    /// The first step would lead beyond the stop time.
+    #[error("a step of {step} s is longer than the run from {start} s to {stop} s")]
+    LongStep {
+        /// Start time in s.
+        start: f64,
+        /// Stop time in s.
+        stop: f64,
+        /// Step size in s.
+        step: f64,
+    },
+    /// Rows cannot come at such an interval.
+    #[error("the interval must be 0 or more seconds, not {0}")]
+    Interval(f64),
+}
+
+/// Who follows a run from the start values to the last row, and may have something to say about it. It gets rows as any
+/// [`Sink`] does.
+pub trait Observer: Sink {
+    /// The components are initialised; rows with these columns follow. Returns what the user should know.
+    fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String>;
+
+    /// Whether it needs the row of every step, however few of them are written. Asked after [`Observer::begin`].
+    fn wants_every_step(&self) -> bool {
+        false
+    }
+
+    /// The last row has come. Returns what the user should know.
+    fn conclude(&mut self) -> Vec<String>;
+}
+
+/// Nobody.
+impl Observer for () {
+    fn begin(&mut self, _: &mut Master, _: &[Column]) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn conclude(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// What came out of a run.
+#[derive(Debug)]
+pub struct Results {
+    /// Wall time of the steps.
+    pub wall_time: Duration,
+    /// The last row.
+    pub last: Vec<f64>,
+    /// The outputs that are texts, which rows do not have: names and last values.
+    pub texts: Vec<(String, String)>,
+    /// What the user should know: remarks of the description's reader, of the master, of the observer.
+    pub remarks: Vec<String>,
+    /// If a component ended the simulation, which is no error: it knows that its own is over.
+    pub ended: Option<Ended>,
+}
+
+/// That a component ended the simulation.
+#[derive(Debug)]
+pub struct Ended {
+    /// How far it got, in s.
+    pub time: f64,
+    /// The component.
+    pub component: String,
+    /// What the FMU says.
+    pub source: CallError,
+}
+
+impl Run {
+    /// Completes what is wanted with the default experiment of the system's first FMU, and that with 0 s to 5 s in
+    /// steps of 0.1 ms and rows 1 ms apart.
+    ///
+    /// # Errors
+    /// When that cannot be run.
+    pub fn of(wanted: &Experiment, system: &System) -> Result<Self, RunError> {
+        let suggested =
+            system.components.first().map(|(_, fmu)| fmu.description().default_experiment).unwrap_or_default();
+        let start = wanted.start.or(suggested.start_time).unwrap_or(0.0);
+        let stop = wanted.stop.or(suggested.stop_time).unwrap_or(start + 5.0);
+        let step = wanted.step.or(suggested.step_size).unwrap_or(1e-4);
+        let grid = grid(start, stop, step)?;
+        let interval = wanted.interval.unwrap_or(1e-3);
+        if !(interval >= 0.0 && interval.is_finite()) {
+            return Err(RunError::Interval(interval));
+        }
+        Ok(Self { grid, coupling: wanted.coupling.unwrap_or_default(), interval })
+    }
+
+    /// Initialises the master, which comes from the system and records `columns`, and steps it over the grid. Rows go to
+    /// `rows` and `observer`, both of which may get more of them than one per interval; `progress` hears how many steps
+    /// are done.
+    ///
+    /// # Errors
+    /// When an FMU refuses, or a row cannot be kept.
+    pub fn execute(
+        &self,
+        system: &System,
+        master: &mut Master,
+        columns: &[Column],
+        rows: &mut dyn Sink,
+        observer: &mut dyn Observer,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<Results, MasterError> {
+        master.initialize(&self.grid)?;
+        let mut remarks = system.remarks.clone();
+        remarks.extend_from_slice(master.warnings());
+        remarks.extend(self.uneven_rows());
+        remarks.extend(unconnected(master));
+        remarks.extend(observer.begin(master, columns));
+        let interval = if observer.wants_every_step() { 0.0 } else { self.interval };
+        let mut last = Last::default();
+        let begin = Instant::now();
+        let result = master.run(&self.grid, interval, &mut (rows, (&mut *observer, &mut last)), progress);
+        let wall_time = begin.elapsed();
+        let ended = match result {
+            Ok(()) => None,
+            Err(MasterError::Ended { time, component, source }) => Some(Ended { time, component, source }),
+            Err(error) => return Err(error),
+        };
+        let texts = master.texts().unwrap_or_default();
+        remarks.extend(observer.conclude());
+        Ok(Results { wall_time, last: last.values, texts, remarks, ended })
+    }
+
+    /// What to say about rows that are not equally spaced: they are taken at communication points only.
+    fn uneven_rows(&self) -> Option<String> {
+        let (interval, step) = (self.interval, self.grid.step());
+        let steps = interval / step;
+        let is_multiple = (steps - steps.round()).abs() <= 1e-6 * steps.max(1.0);
+        // An interval shorter than the step means every step, and nobody misses anything.
+        (steps > 1.0 && !is_multiple).then(|| {
+            format!(
+                "the interval of {interval} s is no multiple of the step of {step} s: rows come at the first communication \
+                 point after each multiple, not equally spaced"
+            )
+        })
+    }
+}
+
+/// The communication points from `start` s to `stop` s, `step` s apart.
+///
+/// # Errors
+/// When there are none.
+pub fn grid(start: f64, stop: f64, step: f64) -> Result<TimeGrid, RunError> {
+    let grid = TimeGrid::new(start, stop, step)?;
+    if step > (stop - start) * (1.0 + 1e-9) {
+        return Err(RunError::LongStep { start, stop, step });
+    }
+    Ok(grid)
+}
+
+/// What to say about FMUs that were given together but share no signal.
+fn unconnected(master: &Master) -> Vec<String> {
+    let names: Vec<_> = master.names().collect();
+    if names.len() < 2 {
+        return Vec::new();
+    }
+    let is_alone =
+        |index: usize| !master.wires().iter().any(|wire| wire.from.component == index || wire.to.component == index);
+    let alone = names.iter().enumerate().filter(|(index, _)| is_alone(*index));
+    alone
+        .map(|(_, name)| format!("{name} shares no signal with the other FMUs: no output has an input's name"))
+        .collect()
+}
