@@ -19,7 +19,7 @@ pub struct Run {
     pub interval: f64,
 }
 
-/// Why a system cannot be run as somebody wants it.
+/// Why a system cannot be run as wanted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
@@ -41,8 +41,8 @@ pub enum RunError {
     Interval(f64),
 }
 
-/// Who follows a run from the start values to the last row, and may have something to say about it. It gets rows as any
-/// [`Sink`] does.
+/// Follows a run from the start values to the last row, and may have remarks for the user. It gets rows as any [`Sink`]
+/// does.
 pub trait Observer: Sink {
     /// The components are initialised; rows with these columns follow. Returns what the user should know.
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String>;
@@ -56,7 +56,7 @@ pub trait Observer: Sink {
     fn conclude(&mut self) -> Vec<String>;
 }
 
-/// Nobody.
+/// Has no remarks.
 impl Observer for () {
     fn begin(&mut self, _: &mut Master, _: &[Column]) -> Vec<String> {
         Vec::new()
@@ -154,7 +154,7 @@ impl Run {
         let (interval, step) = (self.interval, self.grid.step());
         let steps = interval / step;
         let is_multiple = (steps - steps.round()).abs() <= 1e-6 * steps.max(1.0);
-        // An interval shorter than the step means every step, and nobody misses anything.
+        // An interval shorter than the step means every step: no row is missing.
         (steps > 1.0 && !is_multiple).then(|| {
             format!(
                 "the interval of {interval} s is no multiple of the step of {step} s: rows come at the first communication \

@@ -18,11 +18,11 @@ pub struct System {
     pub components: Vec<(String, Fmu)>,
     /// How they are connected.
     pub connections: Connections,
-    /// Values for parameters and free inputs; of two for one variable the later one holds.
+    /// Values for parameters and free inputs; the later of two for one variable holds.
     pub settings: Vec<Located<Setting>>,
     /// Free inputs (`name` or `Component.name`) that change over time.
     pub inputs: Vec<Located<(String, Signal)>>,
-    /// What the reader of the description noticed and the user should hear.
+    /// Remarks of the description's reader, for the user.
     pub remarks: Vec<String>,
     /// How the author suggests to run it.
     pub experiment: Experiment,

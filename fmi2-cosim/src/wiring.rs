@@ -31,12 +31,12 @@ pub struct Terminal {
     pub variable: usize,
 }
 
-/// Connections, and what their maker should know.
+/// Connections, and what the user should know about them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Wiring {
     /// The connections.
     pub wires: Vec<Wire>,
-    /// What is not as one would think.
+    /// Connections that a user may not expect, in sentences.
     pub remarks: Vec<String>,
 }
 

@@ -1,4 +1,5 @@
-//! Zip archives, with limits that keep a small file from filling memory or disk.
+//! Zip archives, with limits that keep a small file from filling memory or disk. The readers of FMUs and of SSP files share
+//! it; it is no part of the stable interface.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

@@ -8,7 +8,7 @@ use super::library::{LibraryError, REQUIRED};
 
 /// Whether the system's loader can be asked to load these bytes at all: they are for this system and this processor, and
 /// all that their headers promise is there (the loader would map a file that is cut off, and the process would die of the
-/// first access beyond its end). What is no library at all the loader refuses itself.
+/// first access beyond its end). The loader itself refuses a file that is no library at all.
 pub(crate) fn check_loadable(data: &[u8]) -> Result<(), LibraryError> {
     if data.is_empty() {
         return Err(LibraryError::Empty);

@@ -1,4 +1,5 @@
 //! XML documents, with limits that keep a small file from taking hours or all memory, and the lines of their elements.
+//! The readers of descriptions, SSP documents and scenarios share it; it is no part of the stable interface.
 
 use roxmltree::{Document, Node, ParsingOptions};
 
@@ -79,7 +80,7 @@ impl Lines {
     }
 }
 
-/// Counts what the parser takes more than linear time for. What is not well-formed is left to the parser.
+/// Counts what the parser takes more than linear time for. The parser itself refuses a text that is not well-formed.
 fn check_limits(text: &str) -> Result<(), XmlError> {
     let limit = |what, most, rest: &str| {
         let before = &text[..text.len() - rest.len()];

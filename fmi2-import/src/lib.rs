@@ -3,8 +3,7 @@
 //! * [`Fmu`] opens the archive and hands out instances;
 //! * [`ModelDescription`] is what `modelDescription.xml` says, [`Variable`] what it says about a variable;
 //! * [`Instance`] is one running slave, behind safe calls whose errors carry the slave's own messages;
-//! * [`Value`] is a value of any variable;
-//! * [`archive`] and [`document`] read files of strangers within limits.
+//! * [`Value`] is a value of any variable.
 //!
 //! ```no_run
 //! use fmi2_import::{Experiment, Fmu};
@@ -24,9 +23,11 @@
 
 #![deny(clippy::undocumented_unsafe_blocks)]
 
+#[doc(hidden)]
 pub mod archive;
 mod binary;
 pub mod description;
+#[doc(hidden)]
 pub mod document;
 mod error;
 mod fmu;
@@ -37,10 +38,13 @@ mod value;
 #[doc(hidden)]
 pub mod xml;
 
+pub use archive::ArchiveError;
 pub use description::{Causality, DescriptionError, Initial, ModelDescription, Variability, Variable, VariableType};
+pub use document::XmlError;
 pub use error::{CallError, FmuError};
 pub use fmu::{Contents, Fmu, Unpacked};
 pub use instance::{Experiment, Instance, LogMessage, SavedState};
 pub use library::{LibraryError, Status, ValueReference};
 pub use platform::platform;
 pub use value::{Mismatch, Value};
+pub use xml::Fault;

@@ -144,7 +144,7 @@ fn print(text: &str) {
     }
 }
 
-/// Prints a result, which somebody has to take: a reader that has gone makes [`main`] fail too.
+/// Prints a result, which must arrive: a reader that has gone makes [`main`] fail too.
 fn print_result(text: &str) {
     if let Err(error) = process::standard_output().write_all(text.as_bytes()) {
         drop(LOST.set(error));

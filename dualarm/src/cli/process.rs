@@ -121,7 +121,7 @@ mod unix {
 
     /// Takes standard output away from everybody else; what they print goes to standard error.
     fn keep_standard_output() {
-        // SAFETY: no memory is involved; the new descriptor is nobody else's.
+        // SAFETY: no memory is involved; nothing else owns the new descriptor.
         let kept = [OUT_OF_THE_WAY, 3]
             .into_iter()
             .map(|least| unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_DUPFD_CLOEXEC, least) })

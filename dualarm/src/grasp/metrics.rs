@@ -25,7 +25,7 @@ pub enum MetricsObstacle {
 }
 
 impl MetricsObstacle {
-    /// Whether it was a grasp, whose metrics somebody may miss.
+    /// Whether it was a grasp, so that the user may miss its metrics.
     #[must_use]
     pub fn is_grasp(&self) -> bool {
         !matches!(self, Self::Missing(names) if names.contains(&CONTACT_FORCE))

@@ -143,7 +143,7 @@ pub fn metrics_csv<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics)>
         ]);
     }
     let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
-    let mut text = header.join(",") + "\n";
+    let mut rows = vec![header];
     for (title, metrics) in results {
         let mut line = vec![title.to_owned()];
         for force in &metrics.forces {
@@ -155,9 +155,20 @@ pub fn metrics_csv<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics)>
             let EffortMetrics { peak, rms, saturated } = *effort;
             line.extend([peak.to_string(), rms.to_string(), optional(saturated)]);
         }
-        text += &(line.join(",") + "\n");
+        rows.push(line);
     }
-    text
+    csv(rows)
+}
+
+/// Rows as comma-separated values (RFC 4180).
+#[must_use]
+pub fn csv(rows: impl IntoIterator<Item = Vec<String>>) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        // Writing to memory cannot fail, and all rows of a table have the same length.
+        let _ = writer.write_record(row);
+    }
+    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
 /// The metrics of a comparison as Markdown.

@@ -15,11 +15,12 @@ pub mod plant;
 pub mod rig;
 
 use std::fmt::Write;
+use std::iter;
 use std::path::Path;
 
 use crate::grasp;
-use crate::report::TextTable;
 use crate::report::figures::NamedFigure;
+use crate::report::{TextTable, csv};
 use fmi2_cosim::master::MasterError;
 use fmi2_cosim::settings::SettingError;
 use fmi2_import::{CallError, Fmu, FmuError};
@@ -193,23 +194,14 @@ impl Verification {
     /// All rows as CSV with errors and bounds in full digits.
     #[must_use]
     pub fn to_csv(&self) -> String {
-        let mut text = String::from("subject,check,exact,found,error,bound,unit,pass\n");
-        for check in &self.checks {
-            let quoted = |value: &str| format!("\"{}\"", value.replace('"', "\"\""));
-            let _ = writeln!(
-                text,
-                "{},{},{},{},{:e},{:e},{},{}",
-                quoted(check.subject.title()),
-                quoted(&check.what),
-                quoted(&check.exact),
-                quoted(&check.found),
-                check.error,
-                check.bound,
-                check.unit,
-                check.passes()
-            );
-        }
-        text
+        let header = ["subject", "check", "exact", "found", "error", "bound", "unit", "pass"].map(str::to_owned);
+        let rows = self.checks.iter().map(|check| {
+            let Check { subject, what, exact, found, error, bound, unit } = check;
+            let [what, exact, found] = [what, exact, found].map(Clone::clone);
+            let (error, bound) = (format!("{error:e}"), format!("{bound:e}"));
+            vec![subject.title().into(), what, exact, found, error, bound, (*unit).into(), check.passes().to_string()]
+        });
+        csv(iter::once(header.to_vec()).chain(rows))
     }
 }
 

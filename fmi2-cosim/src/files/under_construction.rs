@@ -29,7 +29,7 @@ pub fn abandon() {
             let _ = fs::remove_dir(path);
         }
     }
-    // Until the process has ended nobody begins or moves anything.
+    // No file is begun or moved until the process has ended.
     std::mem::forget(unfinished);
 }
 
@@ -68,7 +68,7 @@ impl Part {
         let opened = existing.as_ref().map(|_| OpenOptions::new().write(true).open(&target)).transpose()?;
         let part = match begin(&folder, existing.as_ref()) {
             Ok(part) => part,
-            // Where no file may be made beside it, an existing one can still be filled.
+            // An existing file can still be filled where none may be made beside it.
             Err(_) if opened.is_some() => begin(&std::env::temp_dir(), existing.as_ref())?,
             Err(error) => return Err(error),
         };

@@ -66,7 +66,7 @@ pub struct Master {
     buses: Buses,
     drives: Vec<Drive>,
     settings: Vec<(Place, Value)>,
-    /// What whoever connected the components noticed.
+    /// Remarks about the connections, for the user.
     remarks: Vec<String>,
     warnings: Vec<String>,
     /// Relative tolerance for every component, instead of its own.
@@ -189,7 +189,7 @@ impl Master {
         })? {
             self.drives.retain(|drive| (drive.component, drive.variable) != place);
             let description = self.components[place.0].instance.description();
-            // What has no values here was an obstacle before.
+            // A signal that has no values for this variable was refused above.
             let Ok(signal) = signal.of(&description.variables[place.1]) else { continue };
             self.drives.push(Drive::new(place, description, signal));
         }

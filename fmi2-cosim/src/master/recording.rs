@@ -1,4 +1,4 @@
-//! What of the components a row holds, and how it is read from them.
+//! The outputs that a row holds, and how they are read from the components.
 
 use std::collections::HashSet;
 

@@ -116,7 +116,7 @@ impl Master {
     }
 
     /// Gives the driven inputs their values at `time`; `next` is the communication point after it. Outputs that follow
-    /// them at once are fetched again, so that nobody computes with those of the old inputs.
+    /// them at once are fetched again, so that no component computes with those of the old inputs.
     fn apply_drives(&mut self, time: f64, next: Option<f64>) -> Result<(), MasterError> {
         let mut apply = || {
             for drive in &mut self.drives {

@@ -149,13 +149,13 @@ impl Scenario {
         })
     }
 
-    /// What stands under `[parameters]` are no inputs, and what stands under `[inputs]` are.
+    /// Checks that `[inputs]` has inputs and `[parameters]` has none.
     fn check_tables(&self, system: &System) -> Result<(), ScenarioError> {
         for (table, other, settings) in [("parameters", "inputs", &self.settings), ("inputs", "parameters", &self.held)]
         {
             for Located { item, place } in settings {
                 let mut meant = system.variables(&item.target).peekable();
-                // A name nobody has is reported with suggestions when it is applied.
+                // A name that no component has is reported with suggestions when it is applied.
                 let is_known = meant.peek().is_some();
                 let belongs = |variable: &Variable| (variable.causality == Causality::Input) == (table == "inputs");
                 if is_known && !meant.any(belongs) {

@@ -79,7 +79,7 @@ struct Connections<'a> {
     remarks: Vec<String>,
 }
 
-/// What the parameters of a package mean. Of two values for one variable the later one holds.
+/// What the parameters of a package mean. The later of two values for one variable holds.
 #[derive(Default)]
 struct Values {
     driven: HashSet<Terminal>,

@@ -11,7 +11,7 @@ use fmi2_cosim::record::{Column, CsvSink, ParquetSink, Sink};
 
 /// Takes the recorded rows.
 pub enum Output {
-    /// Nobody asked for them.
+    /// The user did not ask for rows.
     None,
     /// A file that appears when the run is over.
     Csv(CsvSink<NewFile>),
