@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::grid::{GridError, TimeGrid};
 use crate::master::{Coupling, Master, MasterError};
 use crate::record::{Column, Last, Sink};
-use crate::system::{Experiment, System};
+use crate::system::{RunOptions, System};
 use fmi2_import::CallError;
 
 /// How to run a system, with nothing left open.
@@ -99,7 +99,7 @@ impl Run {
     ///
     /// # Errors
     /// When that cannot be run.
-    pub fn of(wanted: &Experiment, system: &System) -> Result<Self, RunError> {
+    pub fn of(wanted: &RunOptions, system: &System) -> Result<Self, RunError> {
         let suggested =
             system.components.first().map(|(_, fmu)| fmu.description().default_experiment).unwrap_or_default();
         let start = wanted.start.or(suggested.start_time).unwrap_or(0.0);

@@ -25,7 +25,7 @@ pub struct System {
     /// Remarks of the description's reader, for the user.
     pub remarks: Vec<String>,
     /// How the author suggests to run it.
-    pub experiment: Experiment,
+    pub experiment: RunOptions,
 }
 
 /// How components are connected.
@@ -48,7 +48,7 @@ pub struct Located<T> {
 
 /// How to run a system. What is `None` is left to the first FMU's default experiment, or the tool.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Experiment {
+pub struct RunOptions {
     /// Start time in s.
     pub start: Option<f64>,
     /// Stop time in s.
@@ -97,7 +97,7 @@ impl System {
             settings: Vec::new(),
             inputs: Vec::new(),
             remarks: Vec::new(),
-            experiment: Experiment::default(),
+            experiment: RunOptions::default(),
         }
     }
 

@@ -12,8 +12,8 @@ use fmi2_cosim::master::Coupling;
 use fmi2_cosim::record::Table;
 use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Reference};
 use fmi2_cosim::ssp::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Mapping, MappingEntry, Origin,
-    Point, System, SystemStructure, Values,
+    Binding, Component, Connection, Connector, DefaultExperiment, End, Extent, Kind, Line, Mapping, MappingEntry,
+    Origin, Point, System, SystemStructure, Values,
 };
 use fmi2_cosim::ssp::{Package, package, read, write};
 use fmi2_cosim::system;
@@ -136,7 +136,8 @@ fn what_is_written_reads_back() {
     structure.origin = Origin { license: Some("MIT".into()), generation_tool: Some("editor 1.0".into()) };
     structure.units =
         vec![unit("N.m", [1, 2, -2, 0, 0, 0, 0, 0], 1.0, 0.0), unit("degC", [0, 0, 0, 0, 1, 0, 0, 0], 1.0, 273.15)];
-    structure.experiment = Experiment { start: Some(0.5), stop: Some(2.0), step: Some(5e-5), tolerance: Some(1e-5) };
+    structure.experiment =
+        DefaultExperiment { start: Some(0.5), stop: Some(2.0), step: Some(5e-5), tolerance: Some(1e-5) };
     let lag = &mut structure.system.components[0];
     lag.extent = Some(Extent::new(-1.5, 0.0, 10.0, 20.25));
     lag.connectors[0].unit = Some("N.m".into());
@@ -283,14 +284,14 @@ fn parameters_arrive_with_prefix_mapping_unit_and_precedence() {
 fn variants_and_experiments_are_read() {
     let folder = tempfile::tempdir().unwrap();
     let mut variant = loop_of_two();
-    variant.experiment = Experiment { start: Some(1.0), stop: Some(3.0), step: Some(0.25), tolerance: None };
+    variant.experiment = DefaultExperiment { start: Some(1.0), stop: Some(3.0), step: Some(0.25), tolerance: None };
     let variant = write::system_structure(&variant);
     let others = [("Slow.ssd", variant.as_bytes())];
     let Some(path) = ssp(folder.path(), &write::system_structure(&loop_of_two()), &others) else { return };
     let experiment = |path: &Path| Package::open(path).unwrap().system().unwrap().experiment;
-    let system::Experiment { start, stop, step, .. } = experiment(&folder.path().join("Loop.ssp#Slow.ssd"));
+    let system::RunOptions { start, stop, step, .. } = experiment(&folder.path().join("Loop.ssp#Slow.ssd"));
     assert_eq!((start, stop, step), (Some(1.0), Some(3.0), Some(0.25)));
-    assert_eq!(experiment(&path), system::Experiment::default());
+    assert_eq!(experiment(&path), system::RunOptions::default());
     let message = Package::open(folder.path().join("Loop.ssp#Fast.ssd")).unwrap_err().to_string();
     assert!(message.contains("no Fast.ssd at its root (it has: Slow.ssd, SystemStructure.ssd)"), "{message}");
 }

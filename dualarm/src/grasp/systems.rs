@@ -10,7 +10,10 @@
 //! * `OMSimulator` 2 stops at `<SystemGeometry>` and wants identifiers as names. The drawing needs no canvas of its own:
 //!   all connections are straight lines between the two boxes.
 
+mod drawing;
 mod instrumented;
+mod parameters;
+mod units;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -18,20 +21,22 @@ use std::path::{Path, PathBuf};
 use crate::grasp::instruments::{ACTUATORS, INSTRUMENTS};
 use crate::grasp::scenarios::{BuiltIn, UnknownScenario};
 use crate::grasp::{self, Controller};
+use drawing::draw;
 use fmi2_cosim::files::{FileSet, WriteError};
-use fmi2_cosim::scenario::{Scenario, ScenarioError};
+use fmi2_cosim::scenario::ScenarioError;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::ssp::package::{self, DEFAULT_STRUCTURE};
-use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Reference};
+use fmi2_cosim::ssp::parameters::ParameterSet;
 use fmi2_cosim::ssp::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Origin, Point, System,
-    SystemStructure, Values,
+    Binding, Component, Connection, Connector, DefaultExperiment, End, Kind, Line, Origin, System, SystemStructure,
+    Values,
 };
 use fmi2_cosim::ssp::write;
-use fmi2_cosim::system::Located;
 use fmi2_cosim::wiring::{WiringError, wire_by_name};
-use fmi2_import::description::{DescriptionError, Unit, VariableType};
+use fmi2_import::description::DescriptionError;
 use fmi2_import::{Causality, Fmu, FmuError, ModelDescription, Variable};
+use parameters::{paper_set, parameter, parameter_units, settings_set};
+use units::{set_units, units_of};
 
 /// A grasp to package: the plant with one controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -299,7 +304,7 @@ impl Grasp {
                 connections,
                 ..System::default()
             },
-            experiment: Experiment {
+            experiment: DefaultExperiment {
                 start: Some(0.0),
                 stop: scenario.experiment.stop,
                 step: Some(self.step),
@@ -390,152 +395,4 @@ fn driven(closed: SystemStructure, descriptions: &[&ModelDescription]) -> (Syste
     draw(system);
     set_units(&mut structure, descriptions);
     (structure, start_values)
-}
-
-/// Start values of an FMU's parameters, except enumerations, and of the inputs that are not among its connectors.
-fn paper_set(description: &ModelDescription, connectors: &[Connector]) -> ParameterSet {
-    let mut set = ParameterSet {
-        name: PAPER.into(),
-        description: Some(format!("Start values of {}: the paper's case", description.model_name)),
-        origin: origin(),
-        ..ParameterSet::default()
-    };
-    let is_set = |variable: &&Variable| match variable.causality {
-        Causality::Parameter => true,
-        Causality::Input => !connectors.iter().any(|connector| connector.name == variable.name),
-        _ => false,
-    };
-    set.parameters = description.variables.iter().filter(is_set).filter_map(parameter).collect();
-    set.units = units_of(&[description], &parameter_units(&set));
-    set
-}
-
-/// A variable's start value, if it has one and is no enumeration.
-fn parameter(variable: &Variable) -> Option<Parameter> {
-    if matches!(variable.kind, VariableType::Enumeration { .. }) {
-        return None;
-    }
-    let refers_to = variable.unit().map(str::to_owned).into();
-    Some(Parameter { name: variable.name.clone(), value: variable.start()?, refers_to, line: Line::default() })
-}
-
-/// Settings of a scenario as a parameter set of the system, under hierarchical names.
-fn settings_set(
-    variant: &str,
-    scenario: &Scenario,
-    components: &[&str],
-    descriptions: &[&ModelDescription],
-) -> Result<ParameterSet, ComposeError> {
-    let mut set = ParameterSet {
-        name: variant.to_lowercase(),
-        description: Some(scenario.title.clone()),
-        origin: origin(),
-        ..ParameterSet::default()
-    };
-    for Located { item: setting, .. } in scenario.settings.iter().chain(&scenario.held) {
-        let unfit = || ComposeError::Setting { scenario: scenario.title.clone(), setting: setting.clone() };
-        let before = set.parameters.len();
-        for (component, model) in components.iter().zip(descriptions) {
-            let Some(variable) = model.variable(&setting.target) else { continue };
-            let fitted = variable.value(&setting.value).map_err(|_| unfit())?;
-            let refers_to = match &variable.kind {
-                VariableType::Enumeration { declared_type, .. } => {
-                    let kind = declared_type.map(|index| &model.types[index]);
-                    set.enumerations.extend(kind.map(|kind| (kind.name.clone(), kind.items.clone())));
-                    Reference::Enumeration(kind.map(|kind| kind.name.clone()))
-                }
-                _ => variable.unit().map(str::to_owned).into(),
-            };
-            let (name, value) = (format!("{component}.{}", variable.name), variable.with_name(fitted));
-            set.parameters.push(Parameter { name, value, refers_to, line: Line::default() });
-        }
-        if set.parameters.len() == before {
-            return Err(unfit());
-        }
-    }
-    set.units = units_of(descriptions, &parameter_units(&set));
-    Ok(set)
-}
-
-fn parameter_units(set: &ParameterSet) -> Vec<&str> {
-    set.parameters.iter().filter_map(|parameter| parameter.refers_to.unit()).collect()
-}
-
-fn set_units(structure: &mut SystemStructure, descriptions: &[&ModelDescription]) {
-    let system = &structure.system;
-    let connectors = system.components.iter().flat_map(|component| &component.connectors).chain(&system.connectors);
-    let used: Vec<_> = connectors.filter_map(|connector| connector.unit.as_deref()).collect();
-    structure.units = units_of(descriptions, &used);
-}
-
-/// Definitions of the units, sorted by name.
-fn units_of(descriptions: &[&ModelDescription], names: &[&str]) -> Vec<Unit> {
-    let mut units: Vec<_> = descriptions
-        .iter()
-        .flat_map(|description| &description.units)
-        .filter(|unit| names.contains(&unit.name.as_str()))
-        .cloned()
-        .collect();
-    units.sort_by(|a, b| a.name.cmp(&b.name));
-    units.dedup_by(|a, b| a.name == b.name);
-    for unit in &mut units {
-        unit.display_units.clear(); // SSP has none
-    }
-    units
-}
-
-/// Draws the block diagram of the field: the controller at the left, the plant at the right, commands and measured
-/// signals as straight lines between them. References come from the left, disturbances from above, forces leave to the
-/// right.
-fn draw(system: &mut System) {
-    let between = system
-        .connections
-        .iter()
-        .filter(|connection| connection.start.element.is_some() && connection.end.element.is_some());
-    // Commands above measured signals, each in the order of the file.
-    let mut rows: Vec<(bool, String)> = between
-        .map(|connection| (connection.start.element.as_deref() == Some(PLANT), connection.start.connector.clone()))
-        .collect();
-    rows.sort_by_key(|(is_measured, _)| *is_measured);
-    let is_driven = !system.connectors.is_empty();
-    let first_row = PITCH * rows.len() as f64;
-    // Names of the connectors at the top need room above the first row.
-    let height = first_row + if is_driven { 4.0 * PITCH } else { PITCH };
-    let row = |index: usize| first_row - PITCH * index as f64;
-    let boxes = |name: &str| {
-        let left = if name == CONTROLLER { 0.0 } else { 2.0 * WIDTH };
-        Extent::new(left, 0.0, left + WIDTH, height)
-    };
-    let canvas = Extent::new(-WIDTH, -2.0 * PITCH, 4.0 * WIDTH, height + 4.0 * PITCH);
-
-    for component in &mut system.components {
-        let extent = boxes(&component.name);
-        component.extent = Some(extent);
-        let is_plant = component.name == PLANT;
-        let (mut outer_rows, mut columns) = (0.., 0..);
-        for connector in &mut component.connectors {
-            let shared = rows.iter().position(|(_, name)| *name == connector.name);
-            let (inner, outer) = if is_plant { (extent.low.x, extent.high.x) } else { (extent.high.x, extent.low.x) };
-            let point = match (shared, connector.kind) {
-                (Some(index), _) => Point { x: inner, y: row(index) },
-                (None, Kind::Input) if is_plant => {
-                    let column: usize = columns.next().unwrap_or_default();
-                    Point { x: extent.low.x + 2.0 * PITCH * (column + 1) as f64, y: extent.high.y }
-                }
-                (None, _) => Point { x: outer, y: row(outer_rows.next().unwrap_or_default()) },
-            };
-            connector.position = Some(extent.relative(point));
-            if let Some(own) = system.connectors.iter_mut().find(|own| own.name == connector.name) {
-                let at_border = if point.y >= extent.high.y {
-                    Point { y: canvas.high.y, ..point }
-                } else if is_plant {
-                    Point { x: canvas.high.x, ..point }
-                } else {
-                    Point { x: canvas.low.x, ..point }
-                };
-                own.position = Some(canvas.relative(at_border));
-            }
-        }
-    }
-    system.canvas = is_driven.then_some(canvas);
 }

@@ -57,7 +57,12 @@ pub fn ssv(task: &Task, best: &Best, description: &ModelDescription) -> String {
                 set.units.push(declared.clone());
             }
             let refers_to = declared.map(|unit| unit.name.clone()).into();
-            set.parameters.push(Parameter { name: name.clone(), value: (*value).into(), refers_to, line: Line::default() });
+            set.parameters.push(Parameter {
+                name: name.clone(),
+                value: (*value).into(),
+                refers_to,
+                line: Line::default(),
+            });
         }
     }
     write::parameter_set(&set)

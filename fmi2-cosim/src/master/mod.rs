@@ -60,7 +60,7 @@ pub struct Applied<'a> {
 
 /// FMUs that run together.
 pub struct Master {
-    components: Vec<Component>,
+    components: Vec<Slave>,
     wires: Vec<Wire>,
     coupling: Coupling,
     buses: Buses,
@@ -77,7 +77,7 @@ pub struct Master {
     exchanged: bool,
 }
 
-struct Component {
+struct Slave {
     name: String,
     instance: Instance,
     drivers: HashMap<usize, String>,
@@ -112,9 +112,9 @@ impl Master {
             let driver = format!("{}.{}", named[wire.from.component].0, variable(wire.from).name);
             drivers[wire.to.component].insert(wire.to.variable, driver);
         }
-        let mut components: Vec<Component> = Vec::with_capacity(named.len());
+        let mut components: Vec<Slave> = Vec::with_capacity(named.len());
         for ((name, fmu), drivers) in named.iter().zip(drivers) {
-            components.push(Component { name: name.clone(), instance: fmu.instantiate(name)?, drivers });
+            components.push(Slave { name: name.clone(), instance: fmu.instantiate(name)?, drivers });
         }
         let descriptions: Vec<_> = named.iter().map(|(_, fmu)| fmu.description()).collect();
         let buses = Buses::new(&descriptions, &wires);
@@ -171,7 +171,7 @@ impl Master {
     /// What [`Master::apply`] has set, in its order.
     pub fn settings(&self) -> impl Iterator<Item = Applied<'_>> {
         self.settings.iter().map(|((component, variable), value)| {
-            let Component { name: component, instance, .. } = &self.components[*component];
+            let Slave { name: component, instance, .. } = &self.components[*component];
             let description = instance.description();
             Applied { component, model: &description.model_name, variable: &description.variables[*variable], value }
         })
@@ -271,7 +271,7 @@ impl Master {
     }
 }
 
-impl settings::Target for Component {
+impl settings::Target for Slave {
     fn name(&self) -> &str {
         &self.name
     }

@@ -15,7 +15,7 @@ use crate::master::Coupling;
 use crate::names::{closest, suggestion};
 use crate::settings::Setting;
 use crate::signal::{Level, Shape, Signal};
-use crate::system::{Experiment, Located, is_tolerance};
+use crate::system::{Located, RunOptions, is_tolerance};
 use fmi2_import::Value;
 
 #[derive(Deserialize)]
@@ -95,7 +95,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
 
 impl ExperimentTable {
     /// What it says, if that can be run; or else where and what is wrong.
-    fn check(self) -> Result<Experiment, (usize, String)> {
+    fn check(self) -> Result<RunOptions, (usize, String)> {
         let Self { start, stop, step, interval, tolerance, coupling } = self;
         let value = |key: &Option<Spanned<f64>>| key.as_ref().map(|value| *value.get_ref());
         let refuse = |key: &Option<Spanned<f64>>, message: String| {
@@ -118,7 +118,7 @@ impl ExperimentTable {
             return refuse(&tolerance, format!("the tolerance must be a positive number, not {value}"));
         }
         let [start, stop, step, interval, tolerance] = [start, stop, step, interval, tolerance].map(|key| value(&key));
-        Ok(Experiment { start, stop, step, tolerance, coupling, interval })
+        Ok(RunOptions { start, stop, step, tolerance, coupling, interval })
     }
 }
 
@@ -284,7 +284,7 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
         let scenario = parse("x.toml", GOOD).unwrap();
         assert_eq!((scenario.title.as_str(), scenario.description.as_str()), ("Two", "Long."));
         assert_eq!(scenario.fmus.len(), 2);
-        let Experiment { start, stop, step, tolerance, coupling, interval } = scenario.experiment;
+        let RunOptions { start, stop, step, tolerance, coupling, interval } = scenario.experiment;
         assert_eq!((start, stop, step, interval), (None, Some(2.0), Some(1e-3), None));
         assert_eq!(tolerance, Some(1e-6));
         assert_eq!(coupling, Some(Coupling::Jacobi));

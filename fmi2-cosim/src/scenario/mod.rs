@@ -30,7 +30,7 @@ use std::path::{Path, PathBuf};
 
 use crate::settings::Setting;
 use crate::signal::Signal;
-use crate::system::{Experiment, Located, System};
+use crate::system::{Located, RunOptions, System};
 use fmi2_import::archive::plain_file;
 use fmi2_import::{Causality, Fmu, FmuError, Variable};
 
@@ -44,7 +44,7 @@ pub struct Scenario {
     /// The FMU files as written, in the order in which they run.
     pub fmus: Vec<PathBuf>,
     /// How to run it.
-    pub experiment: Experiment,
+    pub experiment: RunOptions,
     /// Start values, from `[parameters]`.
     pub settings: Vec<Located<Setting>>,
     /// Inputs that keep one value, from `[inputs]`.

@@ -14,7 +14,7 @@ use super::error::{DocumentError, SspError};
 use super::parameters::ParameterSet;
 use super::read;
 use super::resolve::{Resolved, resolve};
-use super::structure::{Binding, Experiment, Line, Mapping, MappingEntry, SystemStructure, Values};
+use super::structure::{Binding, DefaultExperiment, Line, Mapping, MappingEntry, SystemStructure, Values};
 use crate::names::best;
 use crate::system::{self, Connections, System};
 use fmi2_import::xml::Fault;
@@ -109,7 +109,7 @@ impl Package {
         let components = self.open_fmus()?;
         let descriptions: Vec<_> = components.iter().map(|(_, fmu)| fmu.description()).collect();
         let Resolved { wires, settings, remarks } = resolve(self, &descriptions)?;
-        let Experiment { start, stop, step, tolerance } = self.structure.experiment;
+        let DefaultExperiment { start, stop, step, tolerance } = self.structure.experiment;
         let tolerance = tolerance.filter(|tolerance| system::is_tolerance(*tolerance));
         let description = self.structure.description.clone();
         Ok(System {
@@ -117,7 +117,7 @@ impl Package {
             connections: Connections::Explicit(wires),
             settings,
             inputs: Vec::new(),
-            experiment: system::Experiment { start, stop, step, tolerance, ..system::Experiment::default() },
+            experiment: system::RunOptions { start, stop, step, tolerance, ..system::RunOptions::default() },
             remarks,
             components,
         })

@@ -7,8 +7,8 @@ use super::error::DocumentError;
 use super::namespace;
 use super::parameters::{Parameter, ParameterSet, Reference};
 use super::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Kind, Line, Mapping, MappingEntry, Origin,
-    Point, System, SystemStructure, Values,
+    Binding, Component, Connection, Connector, DefaultExperiment, End, Extent, Kind, Line, Mapping, MappingEntry,
+    Origin, Point, System, SystemStructure, Values,
 };
 use fmi2_import::Value;
 use fmi2_import::description::{BASE_UNITS, BaseType, Item, Unit};
@@ -34,7 +34,7 @@ pub fn system_structure(bytes: &[u8]) -> Result<SystemStructure> {
         description: optional(root, "description"),
         system: system(system_node, lines)?,
         units: units(root)?,
-        experiment: Experiment {
+        experiment: DefaultExperiment {
             start: experiment_node.map(|node| number(node, "startTime")).transpose()?.flatten(),
             stop: experiment_node.map(|node| number(node, "stopTime")).transpose()?.flatten(),
             step: step(experiment_node, system_node)?,

@@ -16,7 +16,7 @@ pub struct SystemStructure {
     /// Units that connectors refer to.
     pub units: Vec<Unit>,
     /// How long to simulate.
-    pub experiment: Experiment,
+    pub experiment: DefaultExperiment,
     /// Where the file comes from.
     pub origin: Origin,
 }
@@ -209,7 +209,7 @@ pub struct MappingEntry {
 
 /// How long to simulate, and with which step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Experiment {
+pub struct DefaultExperiment {
     /// Start time in s.
     pub start: Option<f64>,
     /// Stop time in s.

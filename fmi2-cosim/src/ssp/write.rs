@@ -3,7 +3,7 @@
 use super::namespace;
 use super::parameters::{Parameter, ParameterSet, Reference};
 use super::structure::{
-    Binding, Component, Connection, Connector, End, Experiment, Extent, Mapping, MappingEntry, Origin, System,
+    Binding, Component, Connection, Connector, DefaultExperiment, End, Extent, Mapping, MappingEntry, Origin, System,
     SystemStructure, Values,
 };
 use super::xml::{Attributes, Xml, number};
@@ -48,7 +48,7 @@ fn credit(attributes: &mut Attributes<'_>, origin: &Origin) {
     attributes.extend(origin.generation_tool.clone().map(|text| ("generationTool", text)));
 }
 
-fn system(xml: &mut Xml, system: &System, experiment: Experiment) {
+fn system(xml: &mut Xml, system: &System, experiment: DefaultExperiment) {
     let mut attributes = vec![("name", system.name.clone())];
     describe(&mut attributes, system.description.as_ref());
     xml.element("ssd:System", &attributes, |xml| {
@@ -92,7 +92,7 @@ fn oms_master(xml: &mut Xml, step: f64, tolerance: Option<f64>) {
     });
 }
 
-fn experiment(xml: &mut Xml, experiment: Experiment) {
+fn experiment(xml: &mut Xml, experiment: DefaultExperiment) {
     let mut attributes = Vec::new();
     attributes.extend(experiment.start.map(|time| ("startTime", number(time))));
     attributes.extend(experiment.stop.map(|time| ("stopTime", number(time))));

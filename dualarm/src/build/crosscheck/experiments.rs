@@ -2,7 +2,7 @@
 
 /// An experiment with one FMU.
 #[derive(Debug, Clone, Copy)]
-pub struct Experiment {
+pub struct SoloExperiment {
     /// The FMU.
     pub model: &'static str,
     /// What happens, and what to look at.
@@ -38,8 +38,8 @@ const FIRMER_GRASP: (&str, Points) = ("lambda1_ref", &[(0.0, -0.5), (0.6, -0.5),
 const COMMANDS: [&str; 6] = ["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p"];
 
 /// All experiments.
-pub const EXPERIMENTS: [Experiment; 6] = [
-    Experiment {
+pub const EXPERIMENTS: [SoloExperiment; 6] = [
+    SoloExperiment {
         model: "DualArmPlant",
         story: "Open loop: the motors of both arms push against each other with 0.1 N.m, which squeezes the object with \
                 0.5 N; then a push of 0.05 N on the object is felt by one arm as more force and by the other as less.",
@@ -62,7 +62,7 @@ pub const EXPERIMENTS: [Experiment; 6] = [
             "energy",
         ],
     },
-    Experiment {
+    SoloExperiment {
         model: "NabfcController",
         story: "The signals it measured while it closed the grasp and then, at 0.6 s, was asked for a firmer one: its \
                 commands and its estimates of the object's mass and of the hubs' inertias.",
@@ -70,7 +70,7 @@ pub const EXPERIMENTS: [Experiment; 6] = [
         inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
         outputs: &["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p", "m_hat", "J1_hat", "J2_hat", "W_norm"],
     },
-    Experiment {
+    SoloExperiment {
         model: "PdsController",
         story: "The signals it measured while it closed the grasp and, at 0.6 s, was asked for a firmer one. Its law has \
                 no memory: the commands follow the inputs at once.",
@@ -78,7 +78,7 @@ pub const EXPERIMENTS: [Experiment; 6] = [
         inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
         outputs: &COMMANDS,
     },
-    Experiment {
+    SoloExperiment {
         model: "PdController",
         story: "The signals it measured while it closed the grasp and, at 0.6 s, was asked for a firmer one, long before \
                 the first force had settled. Its law has no memory: the commands follow the inputs at once.",
@@ -86,7 +86,7 @@ pub const EXPERIMENTS: [Experiment; 6] = [
         inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
         outputs: &COMMANDS,
     },
-    Experiment {
+    SoloExperiment {
         model: "GraspInstruments",
         story: "With its start values a sensor shows its signal as it is: hub 1 turns to and fro, the object moves aside.",
         stop: 1.0,
@@ -96,7 +96,7 @@ pub const EXPERIMENTS: [Experiment; 6] = [
         ]),
         outputs: &["theta1_measured", "y_object_measured"],
     },
-    Experiment {
+    SoloExperiment {
         model: "GraspActuators",
         story: "With its start values every command is passed on as it is: the hubs' torques rise, the force has a pulse.",
         stop: 1.0,

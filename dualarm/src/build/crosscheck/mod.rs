@@ -16,7 +16,7 @@ mod readme;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-pub use experiments::{EXPERIMENTS, Experiment, Source};
+pub use experiments::{EXPERIMENTS, SoloExperiment, Source};
 use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::grid::{GridError, TimeGrid};
 use fmi2_cosim::master::{Coupling, MasterError};
@@ -83,7 +83,7 @@ pub fn release(fmus: &Path, out: &Path, progress: &mut dyn FnMut(&str)) -> Resul
 }
 
 /// The experiment's inputs at the rows of the input file.
-fn inputs(experiment: &Experiment, fmus: &Path) -> Result<Table, ReleaseError> {
+fn inputs(experiment: &SoloExperiment, fmus: &Path) -> Result<Table, ReleaseError> {
     match experiment.inputs {
         Source::Ramps(ramps) => {
             // Only where a line begins or ends: the rules interpolate linearly.
@@ -130,7 +130,7 @@ fn complete(inputs: &Table, description: &ModelDescription) -> Table {
 
 /// What a controller gets while it controls the plant and one of its references changes.
 fn recorded(
-    experiment: &Experiment,
+    experiment: &SoloExperiment,
     plant: &Fmu,
     controller: &Fmu,
     (name, points): (&str, &[(f64, f64)]),
@@ -155,7 +155,7 @@ fn recorded(
 }
 
 /// The solution: outputs of the FMU alone, driven by these inputs.
-fn simulate(fmu: &Fmu, experiment: &Experiment, inputs: &Table) -> Result<Table, ReleaseError> {
+fn simulate(fmu: &Fmu, experiment: &SoloExperiment, inputs: &Table) -> Result<Table, ReleaseError> {
     let missing = |what: String| ReleaseError::Missing { model: experiment.model.to_owned(), what };
     let mut system = System::of_fmus(std::slice::from_ref(fmu));
     for input in inputs.columns() {
@@ -189,7 +189,7 @@ fn keep(table: &mut Table, time: f64, values: &[f64]) {
 fn write(
     fmu: &Fmu,
     file: &Path,
-    experiment: &Experiment,
+    experiment: &SoloExperiment,
     inputs: &Table,
     reference: &Table,
     out: &Path,
@@ -227,7 +227,7 @@ fn csv(table: &Table) -> String {
 }
 
 /// The options file. The validator of fmpy reads numbers only, so the optional `SolverType` is left out.
-fn options(experiment: &Experiment) -> String {
+fn options(experiment: &SoloExperiment) -> String {
     let mut text = String::new();
     for (name, value) in [
         ("StartTime", 0.0),

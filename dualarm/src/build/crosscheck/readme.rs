@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
-use super::{Experiment, INTERVAL, STEP};
+use super::{INTERVAL, STEP, SoloExperiment};
 use fmi2_cosim::record::Table;
 use fmi2_import::ModelDescription;
 
 /// The page.
-pub fn text(description: &ModelDescription, experiment: &Experiment, inputs: &Table) -> String {
+pub fn text(description: &ModelDescription, experiment: &SoloExperiment, inputs: &Table) -> String {
     let model = experiment.model;
     let or_none = |text: &Option<String>| text.clone().unwrap_or_else(|| "none".into());
     format!(

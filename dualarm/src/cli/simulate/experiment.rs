@@ -5,12 +5,12 @@ use crate::cli::Failure;
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Coupling;
 use fmi2_cosim::run::{self, Run};
-use fmi2_cosim::system::{Experiment, System};
+use fmi2_cosim::system::{RunOptions, System};
 
 /// Completes what the user wants with what the system suggests.
 pub fn run(arguments: &Arguments, system: &System) -> Result<Run, Failure> {
     let suggested = system.experiment;
-    let wanted = Experiment {
+    let wanted = RunOptions {
         start: arguments.start.or(suggested.start),
         stop: arguments.stop.or(suggested.stop),
         step: arguments.step.or(suggested.step),

@@ -1,7 +1,8 @@
 //! The variant with sensors and actuators: what the default structure connects, led through them.
 
+use super::units::set_units;
 use super::{COMPONENTS as CLOSED, CONTROLLER, INSTRUMENTED, PITCH, PLANT, WIDTH};
-use super::{connector, file_binding, fmu_path, paper_set_path, set_units};
+use super::{connector, file_binding, fmu_path, paper_set_path};
 use crate::grasp::instruments::{ACTUATORS, INSTRUMENTS, Passage};
 use fmi2_cosim::scenario::Scenario;
 use fmi2_cosim::ssp::structure::{Component, Connection, End, Extent, Kind, Line, Point, System, SystemStructure};
