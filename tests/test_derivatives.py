@@ -166,6 +166,7 @@ def test_directional_derivatives_are_linear(case: Case, fmus: dict[str, Fmu]) ->
 
 # --- Output derivatives ----------------------------------------------------------------------------------------------
 
+
 @each_case
 @pytest.mark.parametrize("ramped", [False, True], ids=["held", "ramped"])
 def test_output_derivatives(case: Case, ramped: bool, fmus: dict[str, Fmu]) -> None:
@@ -313,3 +314,74 @@ def test_adaptation_follows_ramps(bandwidth: float, networks: dict[str, float], 
     for hold, order in (("middle", 2.0), ("ramp", 4.0)):
         ends = [end_of_ramp(controller, parameters, CONTROLLER_RAMP, n, hold)[chosen] for n in panels]
         assert observed_order(panels, [np.abs(e - end) for e in ends]) == pytest.approx(order, abs=0.1)
+
+
+# --- Directional derivatives in initialization mode ------------------------------------------------------------------
+
+
+def initial_values(fmu: Fmu, start: dict[str, float | str | bool], outputs: list[str]) -> np.ndarray:
+    """The outputs in initialization mode of a new instance with these start values."""
+    slave = fmu.instantiate()
+    try:
+        slave.fmi.setupExperiment(startTime=0.0)
+        slave.fmi.enterInitializationMode()
+        slave.set(**start)
+        return np.array(slave.reader(outputs).read())
+    finally:
+        slave.fmi.freeInstance()
+
+
+@pytest.mark.parametrize("name", [PLANT, "PdController", "PdsController", "NabfcController", INSTRUMENTS, ACTUATORS])
+def test_every_initial_dependency_has_its_derivative(name: str, fmus: dict[str, Fmu]) -> None:
+    """Each output by each real known that InitialUnknowns lists for it, against central differences of new instances.
+
+    The point is off rest and off the kinks of sat and saturation. Where a parameter stands at the end of its range, the
+    difference is one-sided. A quantiser that is off (`lsb` = 0) has no derivative: it jumps as soon as it is on.
+    """
+    fmu = fmus[name]
+    variables = fmu.variables
+    outputs = fmu.names("output", "Real")
+    inputs = fmu.names("input", "Real")
+    point: dict[str, float | str | bool] = {
+        known: 0.011 * SIZES.get(known, 1.0) * (i + 1) for i, known in enumerate(inputs)
+    }
+    point |= {"sample_time": 2e-3} if "sample_time" in variables else {}  # noise and delays need samples
+    listed = {
+        unknown.variable.name: {known.name for known in unknown.dependencies}
+        for unknown in fmu.description.initialUnknowns
+    }
+    knowns = [v.name for v in variables.values() if v.type == "Real" and v.causality in ("input", "parameter")]
+    knowns = [known for known in knowns if not known.endswith("_lsb")]
+    slave = fmu.instantiate()
+    compared = 0
+    try:
+        slave.fmi.setupExperiment(startTime=0.0)
+        slave.fmi.enterInitializationMode()
+        slave.set(**point)
+        for known in knowns:
+            unknowns = [output for output in outputs if known in listed[output]]
+            if not unknowns:
+                continue
+            value = point.get(known, float(variables[known].start))
+            size = abs(value) or SIZES.get(known, 1.0)
+            low, high = (
+                float(x) if x else y for x, y in zip((variables[known].min, variables[known].max), (-np.inf, np.inf))
+            )
+            quotients = []
+            for width in (1e-4 * size, 5e-5 * size):
+                right, left = min(value + width, high), max(value - width, low)
+                values = [initial_values(fmu, point | {known: x}, unknowns) for x in (right, left)]
+                quotients.append((values[0] - values[1]) / (right - left))
+            # How much the quotient still changes, and the round-off of what it is made of: of all outputs, since a
+            # small one is the difference of large ones.
+            rounding = (
+                1e3 * EPS * max(np.max(np.abs(values[0])), np.max(np.abs(quotients[1])) * abs(value)) / (5e-5 * size)
+            )
+            tolerance = 2 * np.abs(quotients[0] - quotients[1]) + rounding
+            given = np.array(directional_derivative(slave, unknowns, {known: 1.0}))
+            wrong = np.flatnonzero(np.abs(given - quotients[1]) > tolerance)
+            assert not wrong.size, (known, [(unknowns[i], given[i], quotients[1][i]) for i in wrong])
+            compared += len(unknowns)
+    finally:
+        slave.fmi.freeInstance()
+    assert compared > len(outputs)

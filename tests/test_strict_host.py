@@ -1,6 +1,6 @@
 """Every scenario in a host that stops at any status but fmi2OK, as OMSimulator, PyFMI, MasterSim and others do.
 
-The host is a C program, `strict_host.c`, made here with the system's compiler; this file turns scenarios into its plans.
+The host is a C program, `strict_host.c`, made here with the system's compiler; this file turns scenarios into plans.
 """
 
 from __future__ import annotations

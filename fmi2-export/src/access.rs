@@ -8,15 +8,17 @@ use crate::enumeration::Enumeration;
 pub(crate) type Lens<M, T> = Arc<dyn Fn(&mut M) -> &mut T + Send + Sync>;
 
 type Getter<M, T> = Box<dyn Fn(&mut M) -> T + Send + Sync>;
+/// A value as FMI's 32-bit integer, or what is wrong with it: a model can compute what such an integer cannot hold.
+type Narrowed = Result<i32, String>;
 type Setter<M, T> = Box<dyn Fn(&mut M, T) -> bool + Send + Sync>;
 
 /// The way to a variable's value, by base type.
 pub(crate) enum Access<M> {
     Real(Lens<M, f64>),
-    Integer { get: Getter<M, i32>, set: Setter<M, i32>, fits: fn(i32) -> bool },
+    Integer { get: Getter<M, Narrowed>, set: Setter<M, i32>, fits: fn(i32) -> bool },
     Boolean(Lens<M, bool>),
     String(Lens<M, String>),
-    Enumeration { get: Getter<M, i32>, set: Setter<M, i32>, kind: EnumerationKind },
+    Enumeration { get: Getter<M, Narrowed>, set: Setter<M, i32>, kind: EnumerationKind },
 }
 
 /// What `<TypeDefinitions>` says of an enumeration.
@@ -72,8 +74,10 @@ macro_rules! integer {
                 let field = Arc::new(field);
                 let shared = Arc::clone(&field);
                 Access::Integer {
-                    // A value beyond 32 bits can only be one that the model computed.
-                    get: Box::new(move |model| i32::try_from(*field(model)).unwrap_or(i32::MAX)),
+                    get: Box::new(move |model| {
+                        let value = *field(model);
+                        i32::try_from(value).map_err(|_| format!("{value} does not fit into the 32 bits of FMI's integers"))
+                    }),
                     set: Box::new(move |model, value| match Self::try_from(value) {
                         Ok(value) => {
                             *shared(model) = value;
@@ -112,6 +116,7 @@ impl<E: Enumeration> Scalar for E {
 }
 
 /// Position of an enumeration's value among its items, from 1 as FMI counts.
-fn item_number<E: Enumeration>(value: E) -> i32 {
-    E::VALUES.iter().position(|item| *item == value).map_or(0, |i| i32::try_from(i + 1).unwrap_or(i32::MAX))
+fn item_number<E: Enumeration>(value: E) -> Narrowed {
+    let position = E::VALUES.iter().position(|item| *item == value);
+    position.and_then(|i| i32::try_from(i + 1).ok()).ok_or_else(|| format!("its value is no item of {}", E::NAME))
 }

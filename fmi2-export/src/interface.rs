@@ -87,8 +87,8 @@ impl Interface {
 fn facts<M>(variable: &Variable<M>, reference: Reference, model: &mut M) -> VariableFacts {
     let (kind, start) = match &variable.access {
         Access::Real(field) => (Kind::Real, number(*field(model))),
-        Access::Integer { get, .. } => (Kind::Integer, get(model).to_string()),
-        Access::Enumeration { get, kind, .. } => (Kind::Enumeration(*kind), get(model).to_string()),
+        Access::Integer { get, .. } => (Kind::Integer, whole(get(model))),
+        Access::Enumeration { get, kind, .. } => (Kind::Enumeration(*kind), whole(get(model))),
         Access::Boolean(field) => (Kind::Boolean, field(model).to_string()),
         Access::String(field) => (Kind::String, field(model).clone()),
     };
@@ -109,6 +109,11 @@ fn facts<M>(variable: &Variable<M>, reference: Reference, model: &mut M) -> Vari
         depends_on: variable.depends_on.clone(),
         starts_from: variable.starts_from.clone(),
     }
+}
+
+/// A start value that has been checked, or the value of an output, which nobody looks at.
+fn whole(value: Result<i32, String>) -> String {
+    value.map_or_else(|_| String::new(), |value| value.to_string())
 }
 
 impl VariableFacts {

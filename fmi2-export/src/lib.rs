@@ -7,6 +7,7 @@ extern crate self as fmi2_export;
 mod access;
 mod builder;
 mod categories;
+mod difference;
 mod enumeration;
 mod export;
 #[doc(hidden)]

@@ -95,7 +95,11 @@ pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send
     ///
     /// On entry the input fields of `direction` hold the seed `dv_known` and its output fields are zero; on exit its
     /// output fields hold `dv_unknown`, the derivative of the outputs along the seed. Only called if
-    /// [`Info::directional_derivatives`] is set.
+    /// [`Info::directional_derivatives`] is set, and at communication points.
+    ///
+    /// In initialization mode outputs also follow from parameters, and from inputs through the initial state. There the
+    /// library initializes copies of the model with neighbouring values and extrapolates the differences: exact up to
+    /// rounding where the outputs are linear in them, ten digits where they are smooth.
     fn directional_derivative(&mut self, direction: &mut Self) {
         let _ = direction;
     }

@@ -25,6 +25,9 @@ pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations:
         if name.is_empty() || name.chars().any(char::is_control) {
             problems.push(format!("variable name {name:?} is empty or has control characters"));
         }
+        if name == "time" {
+            problems.push("no variable can be called time: tools record the time under this name".into());
+        }
         if seen.insert(name.as_str(), variable.causality).is_some() {
             problems.push(format!("variable {name} is declared twice"));
         }
@@ -102,10 +105,13 @@ fn value_problems<M>(variable: &Variable<M>, model: &mut M, problems: &mut Vec<S
     }
     let start = match &variable.access {
         Access::Real(lens) => *lens(model),
-        Access::Integer { get, .. } => f64::from(get(model)),
+        Access::Integer { get, .. } => match get(model) {
+            Ok(start) => f64::from(start),
+            Err(why) => return problems.push(format!("start value of variable {name}: {why}")),
+        },
         Access::Enumeration { get, .. } => {
-            if get(model) == 0 {
-                problems.push(format!("the start value of variable {name} is no item of its enumeration"));
+            if let Err(why) = get(model) {
+                problems.push(format!("start value of variable {name}: {why}"));
             }
             return;
         }

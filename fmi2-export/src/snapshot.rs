@@ -46,14 +46,24 @@ pub enum SnapshotError {
     /// The checksum is wrong.
     #[error("the state's checksum is wrong: it was damaged")]
     Checksum,
+    /// There is no memory for the bytes.
+    #[error("there is no memory for the {0} bytes of the state")]
+    Memory(usize),
     /// The payload does not decode, or decodes to a state the model cannot be in.
     #[error("the state cannot be used: {0}")]
     Content(String),
 }
 
+/// How many bytes a state becomes.
+pub(crate) fn encoded_size(state: &impl Serialize) -> Result<usize, SnapshotError> {
+    let payload = postcard::experimental::serialized_size(state).map_err(|e| SnapshotError::Content(e.to_string()))?;
+    Ok(HEADER + payload + TRAILER)
+}
+
 pub(crate) fn encode(guid: &str, state: &impl Serialize) -> Result<Vec<u8>, SnapshotError> {
-    let payload = postcard::to_allocvec(state).map_err(|e| SnapshotError::Content(e.to_string()))?;
-    let mut bytes = Vec::with_capacity(HEADER + payload.len() + TRAILER);
+    let size = encoded_size(state)?;
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(size).map_err(|_| SnapshotError::Memory(size))?;
     bytes.extend_from_slice(MAGIC);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
     let mut padded = [b' '; GUID_LENGTH];
@@ -61,8 +71,9 @@ pub(crate) fn encode(guid: &str, state: &impl Serialize) -> Result<Vec<u8>, Snap
         *to = from;
     }
     bytes.extend_from_slice(&padded);
-    bytes.extend_from_slice(&(payload.len() as u64).to_le_bytes());
-    bytes.extend_from_slice(&payload);
+    bytes.extend_from_slice(&((size - HEADER - TRAILER) as u64).to_le_bytes());
+    bytes.resize(size - TRAILER, 0);
+    postcard::to_slice(state, &mut bytes[HEADER..]).map_err(|e| SnapshotError::Content(e.to_string()))?;
     bytes.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
     Ok(bytes)
 }

@@ -280,12 +280,18 @@ fn model_structure(xml: &mut Xml, interface: &Interface) {
             .filter(|(_, v)| v.causality == Causality::Parameter)
             .map(|(i, _)| i + 1)
             .collect();
+        let all = parameters.len() + interface.variables.iter().filter(|v| v.causality == Causality::Input).count();
         xml.element("InitialUnknowns", &[], |xml| {
             for (i, variable) in outputs() {
                 let inputs = variable.depends_on.iter().map(|(input, _)| input).chain(&variable.starts_from);
                 let inputs = inputs.filter_map(|name| index_of.get(name.as_str()).copied());
                 let knowns: BTreeSet<usize> = parameters.iter().copied().chain(inputs).collect();
-                unknown(xml, i + 1, &knowns.into_iter().map(|index| (index, "dependent")).collect::<Vec<_>>());
+                if knowns.len() == all {
+                    // Without a list it is all knowns; a thousand outputs of a thousand parameters would list a million.
+                    xml.empty("Unknown", &[("index", (i + 1).to_string())]);
+                } else {
+                    unknown(xml, i + 1, &knowns.into_iter().map(|index| (index, "dependent")).collect::<Vec<_>>());
+                }
             }
         });
     });

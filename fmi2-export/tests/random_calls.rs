@@ -501,7 +501,7 @@ impl Host<'_> {
         };
         let end = now + size;
         // Past the stop time by more than rounding.
-        let past = end > stop + 1e-3 * size + 1e-14 * end.abs();
+        let past = end > stop + (1.1e-6 + 2e-7 * stop.abs()).min(0.5 * size) + 1e-14 * end.abs();
         let possible = right && size > 0.0 && end > now && end.is_finite() && !past;
         let allowed = if phase == Stepping && possible { Allowed::Perhaps } else { Allowed::No };
         let before = self.before(i);

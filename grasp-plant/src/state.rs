@@ -63,7 +63,7 @@ pub enum StepError {
     /// An input or an input's derivative is infinite or not a number.
     #[error("an input or its derivative is not finite")]
     InputNotFinite,
-    /// The state would leave the range of floating-point numbers.
+    /// The state, or the outputs that follow from it, would leave the range of floating-point numbers.
     #[error("the state would overflow")]
     Overflow,
 }

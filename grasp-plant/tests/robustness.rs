@@ -2,7 +2,7 @@
 
 #![allow(clippy::doc_markdown)]
 
-use grasp_plant::{Arm, Inputs, LONGEST_STEP, Parameters, Plant, Start, State, StateError, StepError};
+use grasp_plant::{ActuatorModel, Arm, Inputs, LONGEST_STEP, Parameters, Plant, Start, State, StateError, StepError};
 
 const PUSH: Inputs = Inputs { torque_command: [1.0, -1.0], force_command: 0.2, ..Inputs::ZERO };
 
@@ -29,6 +29,49 @@ fn refused_steps_change_nothing() {
     assert_eq!(plant.step(100.0, &PUSH, &kinked), Err(StepError::Overflow));
     assert_eq!((plant.state(), plant.measured()), (&before, measured));
     plant.step(1e-3, &PUSH, &Inputs::ZERO).unwrap();
+}
+
+/// A step that is made leaves outputs that are finite, whatever finite inputs it had: energies are squares of the state.
+#[test]
+fn every_output_is_finite_or_the_step_is_refused() {
+    let set: [fn(&mut Inputs, f64); 6] = [
+        |inputs, value| inputs.torque_command[0] = value,
+        |inputs, value| inputs.torque_command[1] = -value,
+        |inputs, value| inputs.force_command = value,
+        |inputs, value| inputs.hub_disturbance[0] = value,
+        |inputs, value| inputs.hub_disturbance[1] = -value,
+        |inputs, value| inputs.object_disturbance = value,
+    ];
+    let (mut made, mut refused) = (0, 0);
+    for actuator_model in [ActuatorModel::Ideal, ActuatorModel::Compensated, ActuatorModel::Raw] {
+        for magnitude in [1.0, 1e50, 1e99, 1e103, 1e120, 1e150, 1e154, 1e200, 1e307, f64::MAX] {
+            for (set, h) in set.iter().flat_map(|set| [1e-9, 1e-4, 0.1, 3.0].map(|h| (set, h))) {
+                for ramp in [false, true] {
+                    let (mut inputs, mut rates) = (Inputs::ZERO, Inputs::ZERO);
+                    set(if ramp { &mut rates } else { &mut inputs }, magnitude);
+                    let mut plant = Plant::new(Parameters { actuator_model, ..Parameters::default() }).unwrap();
+                    for _ in 0..3 {
+                        if plant.step(h, &inputs, &rates).is_err() {
+                            refused += 1;
+                            break;
+                        }
+                        made += 1;
+                        let (direct, rates) = (plant.direct(&inputs), plant.rates(&inputs, &rates));
+                        let text = format!(
+                            "{:?} {direct:?} {rates:?} {:?} {:?} {} {}",
+                            plant.measured(),
+                            plant.uncertainty(),
+                            plant.deflection(),
+                            plant.energy(),
+                            plant.supplied_energy()
+                        );
+                        assert!(!text.contains("inf") && !text.contains("NaN"), "{magnitude:e} {h}: {text}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(made > 100 && refused > 100, "{made} {refused}");
 }
 
 #[test]

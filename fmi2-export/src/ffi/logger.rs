@@ -59,10 +59,11 @@ impl Logger {
         self.callback.is_some() && self.enabled & (1 << category as u8) != 0
     }
 
-    /// Logs a message, if its category is enabled; it is formatted only then.
+    /// Logs a message, if its category is enabled; it is formatted only then. Why a call failed is always told (section
+    /// 2.1.3 has the logger called for it, whatever is enabled): hosts that log nothing would know a number only.
     pub fn log(&self, status: Status, category: Category, message: fmt::Arguments<'_>) {
         let Some(callback) = self.callback else { return };
-        if !self.wants(category) {
+        if !(self.wants(category) || matches!(status, Status::Discard | Status::Error | Status::Fatal)) {
             return;
         }
         let text = escape(message);

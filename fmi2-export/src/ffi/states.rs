@@ -71,7 +71,8 @@ pub unsafe fn serialized_fmu_state_size(component: Component, state: FmuState, s
     unsafe {
         call(component, |instance| {
             let size = out(size, 1, "size")?;
-            size.write([encode(instance, state)?.len()]);
+            let snapshot = instance.library.states.snapshot(state.addr()).ok_or_else(unknown_state)?;
+            size.write([instance.slave.encoded_size(&snapshot)?]);
             Ok(())
         })
     }
@@ -84,8 +85,13 @@ pub unsafe fn serialize_fmu_state(component: Component, state: FmuState, bytes: 
         call(component, |instance| {
             let encoded = encode(instance, state)?;
             let bytes = out(bytes.cast::<u8>(), size, "serializedState")?;
-            if bytes.len() < encoded.len() {
-                return Err(Refusal::error(format!("the state needs {} bytes, size is {size}", encoded.len())));
+            // A longer one would hold bytes that nobody has written, which fmi2DeSerializeFMUstate would have to trust.
+            if bytes.len() != encoded.len() {
+                let message = format!(
+                    "the state has {} bytes, size is {size}: fmi2SerializedFMUstateSize tells how many it needs",
+                    encoded.len()
+                );
+                return Err(Refusal::error(message));
             }
             bytes.write(encoded);
             Ok(())

@@ -1,4 +1,4 @@
-//! Derivatives: of inputs and outputs by time, of outputs by inputs.
+//! Derivatives: of inputs and outputs by time, of outputs by inputs at communication points.
 
 use super::{Slave, out_of_range};
 use crate::model::Model;
@@ -92,16 +92,25 @@ impl<M: Model> Derive for Slave<M> {
         }
         for (reference, value) in knowns.iter().zip(seed) {
             let slot = &self.real(*reference)?.slot;
-            if slot.causality != Causality::Input {
-                return Err(Refusal::error(format!("{} is no input: nothing is derived by it", self.name(slot))));
+            match (slot.causality, self.state.phase) {
+                (Causality::Input, _) | (Causality::Parameter, Phase::Initialization) => {}
+                (Causality::Parameter, _) => {
+                    let hint = "is no input: outputs are derived by parameters in initialization mode only";
+                    return Err(Refusal::error(format!("{} {hint}", self.name(slot))));
+                }
+                _ => return Err(Refusal::error(format!("{} is no input: nothing is derived by it", self.name(slot)))),
             }
             if !value.is_finite() {
                 return Err(out_of_range(self.name(slot), *value, f64::NEG_INFINITY, f64::INFINITY));
             }
         }
-        self.evaluate(0)?;
         if self.state.phase == Phase::Error {
             values.write(unknowns.iter().map(|_| 0.0));
+            return Ok(());
+        }
+        if self.state.phase == Phase::Initialization {
+            // Of copies: the instance itself is not even initialized for it.
+            values.write(self.initial_derivative(unknowns, knowns, seed)?);
             return Ok(());
         }
         let reals = self.layout.reals.as_slice();

@@ -39,11 +39,15 @@ impl<M: Model> Get for Slave<M> {
 
     fn get_integer(&mut self, references: &[u32], values: Out<'_, i32>) -> Outcome {
         let layout = self.prepare(|l| &l.integers, "fmi2GetInteger", references)?;
-        values.write(self.each(&layout, &layout.integers, references, |access, model| match access {
+        let mut wrong = None;
+        let read = self.each(&layout, &layout.integers, references, |access, model| match access {
             Access::Integer { get, .. } | Access::Enumeration { get, .. } => get(model),
-            _ => 0,
-        }));
-        Ok(())
+            _ => Ok(0),
+        });
+        values.write(read.zip(0..).map_while(|(value, i)| value.map_err(|why| wrong = Some((i, why))).ok()));
+        let Some((i, why)) = wrong else { return Ok(()) };
+        let slot = find(&layout.integers, references[i])?;
+        Err(Refusal::error(format!("{}: {why}", self.name(slot))))
     }
 
     fn get_boolean(&mut self, references: &[u32], values: Out<'_, i32>) -> Outcome {

@@ -3,6 +3,7 @@
 
 mod derivatives;
 mod get;
+mod initial;
 mod life;
 mod set;
 mod states;

@@ -19,6 +19,8 @@ pub(crate) trait Remember {
     fn save(&self) -> Snapshot;
     fn restore(&mut self, snapshot: &Snapshot) -> Outcome;
     fn encode(&self, snapshot: &Snapshot) -> Result<Vec<u8>, Refusal>;
+    /// How many bytes [`encode`](Self::encode) gives.
+    fn encoded_size(&self, snapshot: &Snapshot) -> Result<usize, Refusal>;
     fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal>;
 }
 
@@ -41,6 +43,10 @@ impl<M: Model> Remember for Slave<M> {
 
     fn encode(&self, snapshot: &Snapshot) -> Result<Vec<u8>, Refusal> {
         Ok(snapshot::encode(self.guid, Self::own(snapshot)?)?)
+    }
+
+    fn encoded_size(&self, snapshot: &Snapshot) -> Result<usize, Refusal> {
+        Ok(snapshot::encoded_size(Self::own(snapshot)?)?)
     }
 
     fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal> {
@@ -81,8 +87,9 @@ impl<M: Model> Slave<M> {
         for slot in self.layout.integers.iter().filter(|slot| slot.settable != 0) {
             let variable = &self.layout.variables[slot.variable as usize];
             if let Access::Integer { get, .. } = &variable.access {
-                let value = get(&mut state.model);
-                accept_integer(variable, value).map_err(|why| format!("{}: {why}", variable.name))?;
+                get(&mut state.model)
+                    .and_then(|value| accept_integer(variable, value))
+                    .map_err(|why| format!("{}: {why}", variable.name))?;
             }
         }
         Ok(())

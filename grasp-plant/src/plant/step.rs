@@ -38,6 +38,10 @@ impl Plant {
         if *rates == Inputs::ZERO {
             self.whole_step(h, &self.model.forces(inputs), None);
         } else {
+            // Outputs change at these rates, whatever becomes of the state.
+            if !(all_usable(&rates.commands()) & all_usable(&rates.disturbances())) {
+                return Err(StepError::Overflow);
+            }
             let mut times = [0.0; MAX_KINK_TIMES];
             let kinks = self.model.kink_times(h, inputs, rates, &mut times);
             if kinks.is_empty() {
@@ -50,8 +54,11 @@ impl Plant {
         let next = &mut self.work.next;
         flush(&mut next.coordinates);
         let signals = self.model.dynamics.signals(&next.coordinates);
-        let finite = all_finite(&next.coordinates) & all_finite(&next.position) & all_finite(&signals);
-        if !(finite & next.supplied_energy.is_finite()) {
+        let usable = all_usable(&inputs.disturbances())
+            & all_usable(&next.coordinates)
+            & all_usable(&next.position)
+            & all_usable(&signals);
+        if !(usable & next.supplied_energy.is_finite()) {
             return Err(StepError::Overflow);
         }
         self.signals = signals;
@@ -151,16 +158,22 @@ fn flush(coordinates: &mut [f64]) {
     }
 }
 
-/// Whether all numbers are finite, several at a time: 0·x is zero or NaN, and a NaN stays in a sum.
-fn all_finite(numbers: &[f64]) -> bool {
+/// Times this, what is larger than some 1e100 is infinite: squares of it (energies), and its rates, would leave the range of
+/// floating-point numbers.
+const REACH: f64 = 1e208;
+
+/// Whether all numbers are so far from the ends of the floating-point numbers that every output made of them is finite. Several
+/// at a time: what is infinite, or no number, stays so in a sum.
+fn all_usable(numbers: &[f64]) -> bool {
     let (chunks, rest) = numbers.as_chunks::<4>();
     let mut sums = [0.0; 4];
     for chunk in chunks {
         for (sum, x) in sums.iter_mut().zip(chunk) {
-            *sum += 0.0 * x;
+            *sum += REACH * x;
         }
     }
-    sums.iter().chain(rest).fold(0.0, |sum, x| sum + 0.0 * x) == 0.0
+    let rest: f64 = rest.iter().map(|x| REACH * x).sum();
+    sums.iter().fold(rest, |sum, x| sum + x).is_finite()
 }
 
 /// Inputs at time t of a ramp.
