@@ -1,7 +1,7 @@
 //! `dualarm`: packages the dual-arm grasp FMUs, co-simulates any FMI 2.0 FMUs and compares the paper's controllers.
 //!
-//! No model is linked in: [`fmi2_import`] loads FMUs at run time through their C interface, as any other importer would,
-//! and [`fmi2_cosim`] runs them. What is here is about the grasp:
+//! Every run is one of FMUs: [`fmi2_import`] loads them through their C interface, as any other importer would, and
+//! [`fmi2_cosim`] runs them. Only the analysis of the equations links the physics. What is here is about the grasp:
 //!
 //! * [`grasp`] names its parts, scenarios and systems, and judges a run;
 //! * [`mod@build`] makes the project's own FMUs and lays them out with their reference solutions;

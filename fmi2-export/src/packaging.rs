@@ -46,7 +46,7 @@ impl Instance {
     /// A new one.
     ///
     /// # Errors
-    /// What the model has against it.
+    /// If the model refuses; the error says why.
     pub fn new(model: &'static dyn ExportedModel, resources: &Resources) -> Result<Self, String> {
         Ok(Self { slave: model.instantiate(resources).map_err(message)? })
     }
@@ -54,7 +54,7 @@ impl Instance {
     /// Into initialization mode of an experiment from 0 s on without an end.
     ///
     /// # Errors
-    /// What the model has against it.
+    /// If the model refuses; the error says why.
     pub fn enter_initialization(&mut self) -> Result<(), String> {
         let experiment = Experiment { start_time: 0.0, stop_time: None, tolerance: None };
         self.slave.setup_experiment(experiment).and_then(|()| self.slave.enter_initialization()).map_err(message)
@@ -63,7 +63,7 @@ impl Instance {
     /// Out of initialization mode.
     ///
     /// # Errors
-    /// What the model has against it.
+    /// If the model refuses; the error says why.
     pub fn exit_initialization(&mut self) -> Result<(), String> {
         self.slave.exit_initialization().map_err(message)
     }
@@ -71,7 +71,7 @@ impl Instance {
     /// A communication step (s).
     ///
     /// # Errors
-    /// What the model has against it.
+    /// If the model refuses; the error says why.
     pub fn step(&mut self, time: f64, size: f64) -> Result<(), String> {
         self.slave.do_step(time, size, &mut |_| {}).map_err(message)
     }
@@ -102,7 +102,7 @@ impl Instance {
     /// The value of a variable that is no string, as [`set`](Self::set) takes it.
     ///
     /// # Errors
-    /// What the model has against it.
+    /// If the model refuses; the error says why.
     pub fn get(&mut self, variable: &VariableFacts) -> Result<f64, String> {
         let reference = [variable.reference.index];
         let (mut real, mut integer) = ([0.0], [0]);

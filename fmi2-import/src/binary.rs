@@ -38,7 +38,7 @@ pub(crate) fn check_usable(data: &[u8], is_alone: bool) -> Result<(), LibraryErr
     let Ok(kind) = FileKind::parse(data) else { return Err(LibraryError::NoLibrary) };
     let Some(file) = native_part(kind, data) else { return Err(LibraryError::NoLibrary) };
     let Ok(exports) = file.exports() else { return Err(LibraryError::NoLibrary) };
-    // Without sections an ELF file's symbols are the loader's secret.
+    // An ELF file without sections does not show its symbols; only the loader finds them.
     if !is_alone || (exports.is_empty() && file.sections().next().is_none()) {
         return Ok(());
     }

@@ -98,7 +98,7 @@ pub fn check_target(folder: &Path, model: &str, package: &str) -> Result<(), Pac
         if !name.eq_ignore_ascii_case(&wanted) {
             continue;
         }
-        // What is no archive, or does not say whose it is, was there before and may go.
+        // A file that is not an archive, or does not name its crate, may be replaced.
         let files = read(&path).unwrap_or_default();
         let page =
             files.iter().find(|(name, _)| name == document::INDEX).map(|(_, page)| String::from_utf8_lossy(page));

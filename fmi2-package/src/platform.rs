@@ -96,7 +96,7 @@ impl Platform {
     /// If there is none; the message names those there are.
     pub fn named(folder: &str) -> Result<&'static Self, String> {
         PLATFORMS.iter().find(|platform| platform.folder == folder).ok_or_else(|| {
-            format!("there is no platform {folder:?}, but {}", PLATFORMS.map(|platform| platform.folder).join(", "))
+            format!("unknown platform {folder:?}; known are {}", PLATFORMS.map(|platform| platform.folder).join(", "))
         })
     }
 

@@ -56,7 +56,7 @@ pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
 pub use extended::LONGEST_STEP;
 pub use grasp_parameter::{Admissible, InvalidParameter, Parameter, Range};
-/// The matrices of a [`StateSpace`] are its.
+/// Re-exported because a [`StateSpace`] holds its matrices.
 pub use nalgebra;
 pub use parameters::{ActuatorModel, Arm, Channel, ORDER_RANGE, Parameters, Start};
 pub use plant::Plant;

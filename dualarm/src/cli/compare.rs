@@ -102,7 +102,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let grid = grid(0.0, arguments.stop, arguments.step)?;
     arguments.job.package(quiet)?;
     let begin = Instant::now();
-    // What an interrupted comparison leaves is the former one, whole.
+    // If a comparison is interrupted, the previous results stay complete.
     let results = FileSet::new();
     let runs = if arguments.matrix.is_alone() { Vec::new() } else { simulate_all(arguments, &grid, &results, quiet)? };
     let matrix = matrix::run(&arguments.matrix, &arguments.job.folder.fmus, quiet)?;

@@ -15,7 +15,7 @@ pub struct FmuFolder {
     pub fmus: PathBuf,
 }
 
-/// Of commands that make the FMUs first and leave results.
+/// Options of commands that build the FMUs first and write results.
 #[derive(Debug, Clone, Args)]
 pub struct Job {
     /// Folder for the results; it is created if need be

@@ -6,6 +6,7 @@ use super::plant::pole_checks;
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
 use fmi2_cosim::settings::Setting;
+use nalgebra::ComplexField;
 
 /// Limit of a quantity as the step goes to zero, from its values at steps that are halved: the diagonal of Richardson's
 /// scheme, for an error of whole powers of the step. The second number is how far the last two diagonals are apart.
@@ -46,7 +47,7 @@ pub fn poles(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
             let is_slow = sample > 0.01;
             let exact: Vec<Pole> = oracle::poles(name)
                 .into_iter()
-                .filter(|pole| pole.re > -110.0 && pole.im < 1000.0 && (pole.norm() < 20.0) == is_slow)
+                .filter(|pole| pole.re > -110.0 && pole.im < 1000.0 && (pole.modulus() < 20.0) == is_slow)
                 .collect();
             let mut found_at = vec![Vec::new(); exact.len()];
             for step in STEPS {
@@ -58,7 +59,7 @@ pub fn poles(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
                 }
             }
             for (list, pole) in found_at.into_iter().zip(exact) {
-                found.push((pole, extrapolate(list, |a: Pole, b| (a - b).norm()).0));
+                found.push((pole, extrapolate(list, |a: Pole, b| (a - b).modulus()).0));
             }
         }
         checks.extend(pole_checks(Subject::ClosedLoop, title, &found, |_| 1e-7, name != "unequal_pds"));

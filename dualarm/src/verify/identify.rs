@@ -4,7 +4,7 @@
 //! A slave that steps a linear system is x ← A x, y = C x at equally spaced times. Hankel matrices of its responses give
 //! the eigenvalues of A to round-off if the outputs see every state. Nothing of the FMU's inside is used.
 
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, ComplexField, DMatrix};
 
 use super::VerifyError;
 use super::rig::{Rig, Settings};
@@ -97,7 +97,7 @@ pub fn realise(responses: &[DMatrix<f64>]) -> Vec<Complex<f64>> {
 #[must_use]
 pub fn nearest(found: &[Complex<f64>], expected: Complex<f64>, sample: f64) -> Complex<f64> {
     let z = (expected * sample).exp();
-    let distance = |candidate: &&Complex<f64>| (*candidate - z).norm();
+    let distance = |candidate: &&Complex<f64>| (*candidate - z).modulus();
     let best = found.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
     best.map_or(Complex::new(f64::NAN, f64::NAN), |best| expected + (best / z).ln() / sample)
 }
@@ -122,7 +122,7 @@ mod tests {
         let found = realise(&responses);
         for pole in poles {
             let identified = nearest(&found, pole, sample);
-            assert!((identified - pole).norm() < 1e-8 * pole.norm(), "{identified} instead of {pole}");
+            assert!((identified - pole).modulus() < 1e-8 * pole.modulus(), "{identified} instead of {pole}");
         }
     }
 }

@@ -6,6 +6,7 @@ use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
 use crate::report::figures::NamedFigure;
 use crate::report::figures::chart::{Curve, Figure, Panel, palette};
+use nalgebra::ComplexField;
 
 const COMMANDS: [&str; 3] = ["tau1_cmd", "tau2_cmd", "u_cmd"];
 
@@ -34,14 +35,14 @@ pub(super) fn pole_checks(
             what: format!("{title}{name}"),
             exact: written(exact),
             found: written(if exact.re == 0.0 { Pole::new(0.0, got.im) } else { got }),
-            error: (got - exact).norm() / exact.norm(),
+            error: (got - exact).modulus() / exact.modulus(),
             bound: bounds(index),
             unit: "1",
         }
     };
     let ratio = |index: usize| {
         let (exact, got) = found[index];
-        (got - exact).norm() / exact.norm() / bounds(index)
+        (got - exact).modulus() / exact.modulus() / bounds(index)
     };
     if each {
         return (0..found.len()).map(|index| check(index, None)).collect();
@@ -239,7 +240,7 @@ pub fn convergence(fmus: &Fmus) -> Result<(NamedFigure, Vec<Check>), VerifyError
         let mut row = Vec::new();
         for pole in &exact {
             let found = identified(fmus, &plant, &[*pole], sample(&[*pole]))?;
-            row.extend(found.iter().map(|(exact, got)| (got - exact).norm() / exact.norm()));
+            row.extend(found.iter().map(|(exact, got)| (got - exact).modulus() / exact.modulus()));
         }
         errors.push((order, row));
     }

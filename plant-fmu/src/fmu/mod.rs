@@ -85,7 +85,7 @@ impl DualArmPlant {
         }
     }
 
-    /// Apart from the shape: a controller may want the rates of the root moments in every step, and nobody energies with them.
+    /// Separate from the shape: a controller may read the rates of the root moments in every step and needs no energies.
     fn uncertainty(&mut self) {
         if let Some(plant) = &self.plant {
             self.outputs.uncertainty = plant.uncertainty();

@@ -100,7 +100,7 @@ impl fmt::Display for Printed {
             1e3 * self.start_position,
             1e3 * b.least_position
         )?;
-        for i in 0..2 {
+        for (i, force) in force.iter().enumerate() {
             writeln!(
                 f,
                 "  (94): |e_{}| <= {:.3} rad, at the start {:.4}; never less than {:.3} rad. Force within {:.3e} mN",
@@ -108,7 +108,7 @@ impl fmt::Display for Printed {
                 b.angle[i],
                 self.start_angle[i],
                 b.least_angle[i],
-                1e3 * force[i]
+                1e3 * force
             )?;
         }
         writeln!(f, "Corrected, no gains satisfy them: --mode corrected")

@@ -76,7 +76,7 @@ fn facts(document: &Document) -> Vec<(&'static str, String)> {
     };
     facts.push(("runs here", runs_here));
     if document.obstacle.is_none() && !document.was_loaded {
-        facts.push(("", "as far as the file of its library tells; --load tries it".into()));
+        facts.push(("", "judged by the library file alone; --load tries it".into()));
     }
     if needs_tool {
         facts.push(("needs", "the tool it was made with".into()));

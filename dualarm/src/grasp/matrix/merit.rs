@@ -204,7 +204,7 @@ mod tests {
         assert_eq!(merit.overshoot, 0.0);
         // Just in time is too late: 0.6·ln 50 = 2.35 s of 2.4 s.
         assert_eq!(Merit::of(&run([0.6, 0.2, 0.05, 0.3, 0.4], 2.4), limits).unwrap().settling_forces, None);
-        // What is settled is better than anything that is not, and of two that are not the more exact one.
+        // Settled beats not settled; of two that did not settle, the smaller error wins.
         let slow = Merit::of(&run([0.1, 0.2, 0.05, 0.3, 40.0], 4.0), limits).unwrap();
         assert_eq!(slow.settling, None);
         assert!(slow.time_or_worse(4.0, 0.5) > merit.time_or_worse(4.0, 0.5));

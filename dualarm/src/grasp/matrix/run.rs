@@ -57,7 +57,7 @@ pub enum CellError {
     #[error("{0}; `dualarm package` makes the FMUs, --fmus says where they are")]
     Fmu(#[from] FmuError),
     /// The case has no controller that another one could replace.
-    #[error("the case {0} names none of the project's controllers, whose place others could take")]
+    #[error("the case {0} uses none of the project's controllers, so there is none to replace")]
     NoController(String),
     /// The run failed.
     #[error("{0}")]
