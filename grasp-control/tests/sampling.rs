@@ -58,7 +58,7 @@ fn radius(law: &mut dyn Law, h: f64, late: bool) -> f64 {
         }
     }
     let eigenvalues = matrix.complex_eigenvalues();
-    eigenvalues.iter().filter(|z| (z.re - 1.0).hypot(z.im) > 1e-7).map(|z| z.norm()).fold(0.0, f64::max)
+    eigenvalues.iter().filter(|z| (z.re - 1.0).hypot(z.im) > 1e-7).map(|z| z.re.hypot(z.im)).fold(0.0, f64::max)
 }
 
 /// The limits of README.md: stable just below, unstable just above.
