@@ -166,6 +166,7 @@ impl<M: Model> Layout<M> {
     }
 
     /// Runs evaluations, a bit each.
+    #[inline]
     pub fn evaluate(&self, mut todo: u64, model: &mut M) {
         while todo != 0 {
             let index = todo.trailing_zeros() as usize;

@@ -16,6 +16,7 @@ impl<'a, T: Copy> Out<'a, T> {
     }
 
     /// Writes one value after the other. Nobody relies on there being as many values as places.
+    #[inline]
     pub fn write(self, values: impl IntoIterator<Item = T>) {
         for (place, value) in self.0.iter_mut().zip(values) {
             place.write(value);
