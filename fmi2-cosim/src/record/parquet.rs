@@ -31,8 +31,11 @@ pub struct ParquetSink {
 impl ParquetSink {
     /// Rows that are written together, if there are few columns.
     const MAX_ROWS: usize = 1 << 16;
-    /// Values that are kept in memory at most: 128 MiB of them.
-    const MAX_VALUES: usize = 1 << 24;
+    /// Values that are kept in memory at most: 32 MiB of them.
+    const MAX_VALUES: usize = 1 << 22;
+    /// Columns that are compressed at most. Each takes a compressor of a quarter megabyte anew, and what it leaves behind makes
+    /// the allocator's memory as large as all of them together: gigabytes for ten thousand columns.
+    const MAX_COMPRESSED: usize = 1 << 10;
 
     /// Begins the file; `created_by` is the name and version of the program, which the file keeps.
     ///
@@ -64,9 +67,10 @@ impl ParquetSink {
         let units: BTreeMap<&str, &str> =
             columns.iter().filter_map(|column| Some((column.name.as_str(), column.unit.as_deref()?))).collect();
         let units = serde_json::to_string(&units).map_err(|error| ParquetError::External(Box::new(error)))?;
+        let is_wide = columns.len() > Self::MAX_COMPRESSED;
         let properties = WriterProperties::builder()
             .set_created_by(created_by.to_owned())
-            .set_compression(Compression::GZIP(GzipLevel::default()))
+            .set_compression(if is_wide { Compression::UNCOMPRESSED } else { Compression::GZIP(GzipLevel::default()) })
             .set_dictionary_enabled(false) // simulated values hardly ever repeat
             .set_key_value_metadata(Some(vec![KeyValue::new("units".to_owned(), units)]))
             .build();
@@ -134,5 +138,35 @@ fn plain(error: ParquetError) -> io::Error {
             Err(other) => io::Error::other(other),
         },
         other => io::Error::other(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ::parquet::file::reader::{FileReader, SerializedFileReader};
+    use ::parquet::record::RowAccessor;
+
+    use super::*;
+
+    /// Ten thousand columns took gigabytes: a compressor each. Wide files go without; narrow ones keep theirs.
+    #[test]
+    fn wide_tables_go_without_compressors_and_read_back() {
+        for (width, compressed) in [(3, true), (3000, false)] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("t.parquet");
+            let column = |n: usize| Column { name: format!("y{n}"), ..Column::default() };
+            let columns: Vec<_> = (0..width).map(column).collect();
+            let mut sink = ParquetSink::new(NewFile::create(&path).unwrap(), &columns, "test").unwrap();
+            let values: Vec<_> = (0..width).map(|n| n as f64).collect();
+            for time in [0.0, 0.5] {
+                sink.row(time, &values).unwrap();
+            }
+            sink.finish().unwrap();
+            let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
+            let chunk = reader.metadata().row_group(0).column(width);
+            assert_eq!(chunk.compression() != Compression::UNCOMPRESSED, compressed, "{width} columns");
+            let row = reader.get_row_iter(None).unwrap().nth(1).unwrap().unwrap();
+            assert_eq!((row.get_double(0).unwrap(), row.get_double(width).unwrap()), (0.5, values[width - 1]));
+        }
     }
 }
