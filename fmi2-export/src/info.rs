@@ -17,7 +17,7 @@ pub struct Info {
     pub license: &'static str,
     /// Default experiment: how long to simulate and with which communication step (s).
     pub default_experiment: DefaultExperiment,
-    /// Whether [`Model::directional_derivative`] is implemented.
+    /// Whether [`Model::directional_derivative`](crate::Model::directional_derivative) is implemented.
     pub directional_derivatives: bool,
 }
 

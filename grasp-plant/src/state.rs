@@ -52,7 +52,7 @@ pub enum StepError {
         /// The step size \[s\].
         h: f64,
     },
-    /// The step is longer than [`Plant::longest_step`].
+    /// The step is longer than [`Plant::longest_step`](crate::Plant::longest_step).
     #[error("step size {h:e} s is longer than {longest:e} s, the longest for these parameters")]
     TooLong {
         /// The step size \[s\].

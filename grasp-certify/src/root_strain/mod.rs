@@ -1,7 +1,7 @@
 //! The law with root strain in the posture surface: a certified decay rate and ultimate bounds.
 //!
 //! What is proved holds for the undiscretised, undamped beams in continuous time, without limits of the actuators, for
-//! fixed gains: constants ε_1, ε_2, τ_i and storage functions V exist for which H of [`form`] satisfies
+//! fixed gains: constants ε_1, ε_2, τ_i and storage functions V exist for which H of `form` satisfies
 //!
 //! ```text
 //! Ḣ ≤ −φ H + D √(2H/θ),   θ W ≤ H ≤ (2−θ) W,   D² = Σ B Δ²/m²,

@@ -1,4 +1,4 @@
-//! The matrix as tables, data and a [figure](figure).
+//! The matrix as tables, data and a [figure].
 
 pub mod figure;
 
