@@ -5,6 +5,7 @@
 //! (12), so the state is without the two invariants that would show as eigenvalues 1.
 
 use crate::LinearLoop;
+use grasp_control::INPUT_NAMES;
 use grasp_plant::nalgebra::DMatrix;
 use grasp_plant::{Plant, StateSpace, held_step};
 
@@ -33,23 +34,8 @@ pub struct Reduced {
     pub c: DMatrix<f64>,
 }
 
-/// Names of the signals, as the plant's FMU has them.
-pub const SIGNALS: [&str; 14] = [
-    "theta1",
-    "theta2",
-    "theta1_dot",
-    "theta2_dot",
-    "y_object",
-    "y_object_dot",
-    "root_moment1",
-    "root_moment2",
-    "tip_shear1",
-    "tip_shear2",
-    "tip_shear1_dot",
-    "tip_shear2_dot",
-    "root_moment1_dot",
-    "root_moment2_dot",
-];
+/// Names of the signals, as the plant's FMU has them: the measurements among the inputs of every controller.
+pub const SIGNALS: [&str; 14] = *INPUT_NAMES.first_chunk().unwrap();
 
 impl Reduced {
     /// The plant's matrices.
