@@ -2,8 +2,6 @@
 
 pub mod figure;
 
-use std::fmt::Write;
-
 use serde::Serialize;
 
 use crate::grasp::matrix::{Cell, Judged, Matrix, Merit};
@@ -73,41 +71,44 @@ pub fn markdown(matrix: &Matrix) -> String {
 /// Everything in plain names and SI units, one line per cell; absent values are empty.
 #[must_use]
 pub fn csv(matrix: &Matrix) -> String {
-    let mut text = String::from(
-        "case,controller,judged,settling_s,settling_forces_s,settling_angles_s,settling_position_s,overshoot_percent,\
-         steady_error_N,error_rms_N,peak_torque_Nm,peak_force_N,saturated_s,tension_N,limit_s,failure\n",
-    );
+    const COLUMNS: &str = "case,controller,judged,settling_s,settling_forces_s,settling_angles_s,settling_position_s,\
+        overshoot_percent,steady_error_N,error_rms_N,peak_torque_Nm,peak_force_N,saturated_s,tension_N,limit_s,failure";
     let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    let header: Vec<String> = COLUMNS.split(',').map(Into::into).collect();
+    let width = header.len();
+    let mut rows = vec![header];
     for (case, cells) in matrix.cases.iter().zip(&matrix.cells) {
         for (contender, cell) in matrix.contenders.iter().zip(cells) {
-            let _ = write!(text, "{},{},", case.key, contender.key);
-            let _ = match cell {
-                Ok(Cell { judged, merit, limit, .. }) => {
-                    let judged = match judged {
-                        Judged::Settling => "settling",
-                        Judged::Error => "error",
-                    };
-                    let numbers = [
-                        optional(merit.settling),
-                        optional(merit.settling_forces),
-                        optional(merit.settling_angles),
-                        optional(merit.settling_position),
-                        merit.overshoot.to_string(),
-                        merit.steady_error.to_string(),
-                        merit.error_rms.to_string(),
-                        merit.peak_torque.to_string(),
-                        merit.peak_force.to_string(),
-                        merit.saturated.to_string(),
-                        merit.tension.to_string(),
-                        limit.to_string(),
-                    ];
-                    writeln!(text, "{judged},{},", numbers.join(","))
+            let mut row = vec![case.key.clone(), contender.key.clone()];
+            match cell {
+                Ok(Cell { judged, merit, limit, .. }) => row.extend([
+                    match judged {
+                        Judged::Settling => "settling".to_owned(),
+                        Judged::Error => "error".to_owned(),
+                    },
+                    optional(merit.settling),
+                    optional(merit.settling_forces),
+                    optional(merit.settling_angles),
+                    optional(merit.settling_position),
+                    merit.overshoot.to_string(),
+                    merit.steady_error.to_string(),
+                    merit.error_rms.to_string(),
+                    merit.peak_torque.to_string(),
+                    merit.peak_force.to_string(),
+                    merit.saturated.to_string(),
+                    merit.tension.to_string(),
+                    limit.to_string(),
+                    String::new(),
+                ]),
+                Err(reason) => {
+                    row.resize(width - 1, String::new());
+                    row.push(reason.replace(['"', '\n'], " "));
                 }
-                Err(reason) => writeln!(text, "{}\"{}\"", ",".repeat(13), reason.replace(['"', '\n'], " ")),
-            };
+            }
+            rows.push(row);
         }
     }
-    text
+    crate::report::csv(rows)
 }
 
 /// One cell of [`documents`].
