@@ -1,8 +1,9 @@
 //! The variant with sensors and actuators: what the default structure connects, led through them.
 
+use super::structure::connector;
 use super::units::set_units;
 use super::{COMPONENTS as CLOSED, CONTROLLER, INSTRUMENTED, PITCH, PLANT, WIDTH};
-use super::{connector, file_binding, fmu_path, paper_set_path};
+use super::{file_binding, fmu_path, paper_set_path};
 use crate::grasp::instruments::{ACTUATORS, INSTRUMENTS, Passage};
 use fmi2_cosim::scenario::Scenario;
 use fmi2_cosim::ssp::structure::{Component, Connection, End, Extent, Kind, Line, Point, System, SystemStructure};

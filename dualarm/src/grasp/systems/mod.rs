@@ -11,32 +11,28 @@
 //!   all connections are straight lines between the two boxes.
 
 mod drawing;
+mod error;
 mod instrumented;
 mod parameters;
+mod structure;
 mod units;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::grasp::instruments::{ACTUATORS, INSTRUMENTS};
-use crate::grasp::scenarios::{BuiltIn, UnknownScenario};
+use crate::grasp::scenarios::BuiltIn;
 use crate::grasp::{self, Controller};
-use drawing::draw;
 use fmi2_cosim::files::{FileSet, WriteError};
-use fmi2_cosim::scenario::ScenarioError;
-use fmi2_cosim::settings::Setting;
 use fmi2_cosim::ssp::package::{self, DEFAULT_STRUCTURE};
 use fmi2_cosim::ssp::parameters::ParameterSet;
-use fmi2_cosim::ssp::structure::{
-    Binding, Component, Connection, Connector, DefaultExperiment, End, Kind, Line, Origin, System, SystemStructure,
-    Values,
-};
+use fmi2_cosim::ssp::structure::{Binding, Component, Origin, SystemStructure, Values};
 use fmi2_cosim::ssp::write;
-use fmi2_cosim::wiring::{WiringError, wire_by_name};
-use fmi2_import::description::DescriptionError;
-use fmi2_import::{Causality, Fmu, FmuError, ModelDescription, Variable};
-use parameters::{paper_set, parameter, parameter_units, settings_set};
-use units::{set_units, units_of};
+use fmi2_import::{Fmu, ModelDescription};
+use parameters::{paper_set, settings_set};
+use structure::driven;
+
+pub use error::ComposeError;
 
 /// A grasp to package: the plant with one controller.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,51 +69,6 @@ pub const PRELOAD: &str = "Preload";
 pub const INSTRUMENTED: &str = "Instruments";
 /// Name of the parameter sets that the default structure binds to its components.
 pub const PAPER: &str = "paper";
-
-/// Why a system cannot be composed.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ComposeError {
-    /// Equal names do not say what to connect.
-    #[error(transparent)]
-    Wiring(#[from] WiringError),
-    /// A built-in scenario is not there.
-    #[error(transparent)]
-    Unknown(#[from] UnknownScenario),
-    /// A built-in scenario cannot be read.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
-    /// A scenario sets what neither FMU has, or to what its type does not allow.
-    #[error("the scenario \"{scenario}\" sets {setting}, which fits no variable of the FMUs")]
-    Setting {
-        /// Title of the scenario.
-        scenario: String,
-        /// The setting.
-        setting: Setting,
-    },
-    /// An FMU cannot be used.
-    #[error(transparent)]
-    Fmu(#[from] FmuError),
-    /// A file cannot be read.
-    #[error("cannot read {}: {source}; `dualarm package` and `cargo xtask describe` make it", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
-    /// A description cannot be used.
-    #[error("cannot use {}: {source}", path.display())]
-    Description {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        source: DescriptionError,
-    },
-    /// A file cannot be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-}
 
 /// `OMSimulator` wants one; the FMUs have no use for it.
 const TOLERANCE: f64 = 1e-4;
@@ -249,74 +200,6 @@ impl Grasp {
         files.sort();
         Ok(files)
     }
-
-    /// The default structure: two components, connected by equal names.
-    fn structure(&self, descriptions: &[&ModelDescription]) -> Result<SystemStructure, ComposeError> {
-        let scenario = BuiltIn::find(self.controller.key)?.scenario()?;
-        let names = COMPONENTS;
-        let named: Vec<_> = names.into_iter().zip(descriptions.iter().copied()).collect();
-        let connections: Vec<Connection> = wire_by_name(&named)?
-            .wires
-            .iter()
-            .map(|wire| {
-                let end = |terminal: fmi2_cosim::wiring::Terminal| {
-                    let variable = &descriptions[terminal.component].variables[terminal.variable];
-                    End::of(names[terminal.component], &variable.name)
-                };
-                Connection {
-                    start: end(wire.from),
-                    end: end(wire.to),
-                    suppress_unit_conversion: false,
-                    line: Line::default(),
-                }
-            })
-            .collect();
-        let components: Vec<_> = names
-            .iter()
-            .zip(descriptions)
-            .map(|(name, description)| {
-                let is_connected = |variable: &&Variable| {
-                    let end = End::of(name, &variable.name);
-                    connections.iter().any(|connection| connection.start == end || connection.end == end)
-                };
-                let variables = description
-                    .variables
-                    .iter()
-                    .filter(|variable| is_connected(variable) || SHOWN.contains(&variable.name.as_str()));
-                Component {
-                    name: (*name).to_owned(),
-                    description: description.description.clone(),
-                    source: fmu_path(&format!("{}.fmu", description.model_name)),
-                    connectors: variables.filter_map(connector).collect(),
-                    extent: None,
-                    bindings: vec![file_binding(paper_set_path(description))],
-                    line: Line::default(),
-                }
-            })
-            .collect();
-        let mut structure = SystemStructure {
-            name: self.name().replace('-', "_"),
-            description: Some(scenario.title),
-            system: System {
-                name: "DualArmGrasp".into(),
-                description: Some("The arms with the object between them, and the controller".into()),
-                components,
-                connections,
-                ..System::default()
-            },
-            experiment: DefaultExperiment {
-                start: Some(0.0),
-                stop: scenario.experiment.stop,
-                step: Some(self.step),
-                tolerance: Some(TOLERANCE),
-            },
-            origin: origin(),
-            ..SystemStructure::default()
-        };
-        draw(&mut structure.system);
-        set_units(&mut structure, descriptions);
-        Ok(structure)
-    }
 }
 
 /// What the documents of this tool say about who wrote them.
@@ -338,61 +221,4 @@ fn paper_set_path(description: &ModelDescription) -> String {
 
 fn file_binding(path: String) -> Binding {
     Binding { values: Values::File(path), ..Binding::default() }
-}
-
-/// The connector of an input or output.
-fn connector(variable: &Variable) -> Option<Connector> {
-    let kind = match variable.causality {
-        Causality::Input => Kind::Input,
-        Causality::Output => Kind::Output,
-        _ => return None,
-    };
-    Some(Connector {
-        name: variable.name.clone(),
-        kind,
-        base_type: Some(variable.base_type()),
-        unit: variable.unit().map(str::to_owned),
-        description: variable.description.clone(),
-        position: None,
-        line: Line::default(),
-    })
-}
-
-/// The variant in which all inputs that the components leave open are inputs of the system, and the shown outputs its
-/// outputs; with the start values of those inputs.
-fn driven(closed: SystemStructure, descriptions: &[&ModelDescription]) -> (SystemStructure, ParameterSet) {
-    let mut structure = closed;
-    structure.name = format!("{}_{DRIVEN}", structure.name);
-    structure.description =
-        Some("References and disturbances are inputs of the system, the contact forces its outputs".into());
-    let system = &mut structure.system;
-    let mut start_values = ParameterSet {
-        name: DRIVEN.to_lowercase(),
-        description: Some("Start values of the system's inputs: those of the FMUs".into()),
-        origin: origin(),
-        ..ParameterSet::default()
-    };
-    for (component, description) in system.components.iter_mut().zip(descriptions) {
-        let is_free = |variable: &&Variable| {
-            variable.causality == Causality::Input
-                && !component.connectors.iter().any(|connector| connector.name == variable.name)
-        };
-        let free: Vec<&Variable> = description.variables.iter().filter(is_free).collect();
-        component.connectors.extend(free.iter().copied().filter_map(connector));
-        start_values.parameters.extend(free.iter().copied().filter_map(parameter));
-        let outer = component.connectors.iter().filter(|connector| {
-            free.iter().any(|variable| variable.name == connector.name) || SHOWN.contains(&connector.name.as_str())
-        });
-        for connector in outer {
-            let (inside, outside) = (End::of(&component.name, &connector.name), End::system(&connector.name));
-            let (start, end) = if connector.kind == Kind::Input { (outside, inside) } else { (inside, outside) };
-            let line = Line::default();
-            system.connections.push(Connection { start, end, suppress_unit_conversion: false, line });
-            system.connectors.push(connector.clone());
-        }
-    }
-    start_values.units = units_of(descriptions, &parameter_units(&start_values));
-    draw(system);
-    set_units(&mut structure, descriptions);
-    (structure, start_values)
 }

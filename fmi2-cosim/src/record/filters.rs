@@ -1,0 +1,129 @@
+//! Sinks that pass on a part of a run: [some columns](Pick), [some rows](Every).
+
+use std::io;
+
+use super::{Column, Sink, Table};
+
+/// Passes on only some columns.
+#[derive(Debug)]
+pub struct Pick<S> {
+    indices: Vec<usize>,
+    picked: Vec<f64>,
+    /// Takes the picked columns.
+    pub sink: S,
+}
+
+impl Pick<Table> {
+    /// A table of those of `columns` that `wanted` accepts.
+    pub fn new(columns: &[Column], wanted: impl Fn(&str) -> bool) -> Self {
+        let indices: Vec<_> = (0..columns.len()).filter(|&index| wanted(&columns[index].name)).collect();
+        let picked = indices.iter().map(|&index| columns[index].clone()).collect();
+        Self { picked: vec![0.0; indices.len()], indices, sink: Table::new(picked) }
+    }
+}
+
+impl<S> Pick<S> {
+    fn pick(&mut self, values: &[f64]) {
+        for (picked, &index) in self.picked.iter_mut().zip(&self.indices) {
+            *picked = values[index];
+        }
+    }
+}
+
+impl<S: Sink> Sink for Pick<S> {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.pick(values);
+        self.sink.row(time, &self.picked)
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.pick(values);
+        self.sink.end(time, &self.picked)
+    }
+}
+
+/// Passes on only the rows at multiples of an interval, and the first and the last one.
+#[derive(Debug)]
+pub struct Every<S> {
+    interval: f64,
+    stop: f64,
+    schedule: Option<Schedule>,
+    passed: Option<f64>,
+    /// Takes these rows.
+    pub sink: S,
+}
+
+impl<S> Every<S> {
+    /// Rows `interval` s apart, and the one at `stop`, for `sink`.
+    pub fn new(interval: f64, stop: f64, sink: S) -> Self {
+        Self { interval, stop, schedule: None, passed: None, sink }
+    }
+}
+
+impl<S: Sink> Sink for Every<S> {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        let interval = self.interval;
+        let schedule = self.schedule.get_or_insert_with(|| Schedule::new(time, interval));
+        if schedule.is_due(time) || time >= self.stop {
+            self.passed = Some(time);
+            return self.sink.row(time, values);
+        }
+        Ok(())
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        // A run that ends before its time does so between two multiples of the interval.
+        if self.passed != Some(time) {
+            self.passed = Some(time);
+            self.sink.row(time, values)?;
+        }
+        self.sink.end(time, values)
+    }
+}
+
+/// Which communication points are recorded: the first one at or after each multiple of the interval.
+#[derive(Debug, Clone, Copy)]
+pub struct Schedule {
+    start: f64,
+    interval: f64,
+    next: f64,
+}
+
+impl Schedule {
+    /// Points that miss their instant by this fraction of the interval are on time.
+    const ROUNDING: f64 = 1e-6;
+
+    /// Multiples of `interval` s, counted from `start`.
+    #[must_use]
+    pub fn new(start: f64, interval: f64) -> Self {
+        Self { start, interval, next: 0.0 }
+    }
+
+    /// Whether the communication point at `time` s is one of them; to be asked in the order of time.
+    pub fn is_due(&mut self, time: f64) -> bool {
+        if self.interval <= 0.0 {
+            return true;
+        }
+        let position = (time - self.start) / self.interval + Self::ROUNDING;
+        let due = position >= self.next;
+        if due {
+            self.next = position.floor() + 1.0;
+        }
+        due
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_schedule_tolerates_rounding_but_skips_nothing() {
+        let mut schedule = Schedule::new(0.0, 1e-3);
+        let due = (0..=50_000_u32).filter(|&step| schedule.is_due(f64::from(step) * 1e-4)).count();
+        assert_eq!(due, 5_001);
+        let mut odd = Schedule::new(0.0, 0.25);
+        let due: Vec<_> = (0..=10_u32).filter(|&step| odd.is_due(f64::from(step) * 0.1)).collect();
+        assert_eq!(due, [0, 3, 5, 8, 10]);
+    }
+}

@@ -1,0 +1,116 @@
+//! Rows in memory.
+
+use std::io;
+use std::path::PathBuf;
+
+use super::{Column, CsvSink, Sink};
+use crate::files::{NewFile, WriteError};
+
+/// Rows in memory.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    columns: Vec<Column>,
+    times: Vec<f64>,
+    values: Vec<f64>,
+}
+
+impl Table {
+    /// An empty table.
+    #[must_use]
+    pub fn new(columns: Vec<Column>) -> Self {
+        Self { columns, times: Vec::new(), values: Vec::new() }
+    }
+
+    /// The columns.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// Time of each row in s.
+    #[must_use]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// All values of one column, if there is one of that name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+        let index = self.columns.iter().position(|column| column.name == name)?;
+        Some(self.values.iter().skip(index).step_by(self.columns.len()).copied().collect())
+    }
+
+    /// Row by row.
+    pub fn rows(&self) -> impl Iterator<Item = (f64, &[f64])> {
+        let width = self.columns.len();
+        self.times.iter().enumerate().map(move |(row, time)| (*time, &self.values[row * width..][..width]))
+    }
+
+    /// Writes all rows as CSV.
+    ///
+    /// # Errors
+    /// When the file cannot be written; nothing is left behind then.
+    pub fn write_csv(&self, path: impl Into<PathBuf>) -> Result<(), WriteError> {
+        self.to_csv(NewFile::create(path)?)?.finish()
+    }
+
+    /// Writes all rows as CSV to a file, which is finished or added to others next.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn to_csv(&self, file: NewFile) -> Result<NewFile, WriteError> {
+        let mut sink = CsvSink::new(file, &self.columns)?;
+        for (time, values) in self.rows() {
+            if let Err(source) = sink.row(time, values) {
+                return Err(sink.error(source));
+            }
+        }
+        sink.into_file()
+    }
+}
+
+impl Sink for Table {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.times.push(time);
+        self.values.extend_from_slice(values);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Every, Pick};
+
+    fn table() -> Table {
+        let column = |name: &str| Column { name: name.into(), ..Column::default() };
+        let mut table = Table::new(vec![column("a"), column("b,c")]);
+        for row in 0..6 {
+            let time = f64::from(row) * 0.1;
+            table.row(time, &[time * 2.0, -1e-9]).unwrap();
+        }
+        table
+    }
+
+    #[test]
+    fn csv_reads_back_exactly() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.csv");
+        let mut every = Every::new(0.2, 0.5, Table::new(table().columns().to_vec()));
+        for (time, values) in table().rows() {
+            every.row(time, values).unwrap();
+        }
+        every.sink.write_csv(&path).unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "time,a,\"b,c\"\n0,0,-1e-9\n0.2,0.4,-1e-9\n0.4,0.8,-1e-9\n0.5,1,-1e-9\n");
+    }
+
+    #[test]
+    fn columns_are_found_by_name_and_can_be_picked() {
+        assert_eq!(table().column("a").unwrap()[5].to_bits(), 1.0_f64.to_bits());
+        assert_eq!(table().column("x"), None);
+        let mut pick = Pick::new(table().columns(), |name| name == "b,c");
+        pick.row(0.0, &[1.0, 2.0]).unwrap();
+        assert_eq!(pick.sink.column("b,c"), Some(vec![2.0]));
+    }
+}

@@ -1,0 +1,138 @@
+//! What parameters mean: a value for each variable, in the variable's unit.
+
+use std::collections::{HashMap, HashSet};
+
+use super::{Resolver, Result};
+use crate::names::best;
+use crate::settings::Setting;
+use crate::ssp::error::{DocumentError, SspError};
+use crate::ssp::package::BoundSet;
+use crate::ssp::parameters::Parameter;
+use crate::system::Located;
+use crate::units::{Conversion, Units};
+use crate::wiring::{Terminal, Wire};
+use fmi2_import::{Value, VariableType};
+
+/// Parameters that the bindings of a package may apply, each counted as often as it is bound.
+const MAX_APPLIED: usize = 10_000_000;
+
+/// Factor and offset of a transformation, if there is one.
+type Linear = Option<(f64, f64)>;
+
+/// What the parameters of a package mean. The later of two values for one variable holds.
+#[derive(Default)]
+pub(super) struct Values {
+    driven: HashSet<Terminal>,
+    pub settings: Vec<Option<Located<Setting>>>,
+    latest: HashMap<Terminal, usize>,
+    pub remarks: Vec<String>,
+    remarked: HashSet<(String, u32)>,
+    applied: usize,
+}
+
+impl Values {
+    /// None yet, in a system whose wires drive these inputs.
+    pub fn driven_by(wires: &[Wire]) -> Self {
+        Self { driven: wires.iter().map(|wire| wire.to).collect(), ..Self::default() }
+    }
+}
+
+impl Resolver<'_> {
+    /// What a name in a parameter set of the system means.
+    pub(super) fn hierarchical(&self, name: &str, aliases: &HashMap<&str, Vec<Terminal>>) -> Option<Vec<Terminal>> {
+        let mut meant = aliases.get(name).cloned().unwrap_or_default();
+        // A component's name may have dots, and so may a variable's.
+        let dots = name.bytes().take(self.longest_name + 1).enumerate().filter(|(_, byte)| *byte == b'.');
+        for (at, _) in dots {
+            let Some(&component) = self.indices.get(&name[..at]) else { continue };
+            let variable = self.descriptions[component].index_of(&name[at + 1..]);
+            meant.extend(variable.map(|variable| Terminal { component, variable }));
+        }
+        (!meant.is_empty()).then_some(meant)
+    }
+
+    /// Adds the settings of one parameter set; `find` knows what a name means.
+    pub(super) fn apply(
+        &self,
+        bound: &BoundSet,
+        values: &mut Values,
+        find: &dyn Fn(&str) -> Option<Vec<Terminal>>,
+    ) -> std::result::Result<(), SspError> {
+        let units = Units::among(&bound.set.units);
+        let parameters = mapped(bound);
+        values.applied += parameters.len();
+        if let Some((_, parameter, _)) = parameters.first().filter(|_| values.applied > MAX_APPLIED) {
+            let error = DocumentError::TooMany { most: MAX_APPLIED, line: parameter.line.0 };
+            return Err(self.package.error_in(&bound.document, error));
+        }
+        for (name, parameter, linear) in parameters {
+            let Some(meant) = find(&name) else {
+                if values.remarked.insert((bound.document.clone(), parameter.line.0)) {
+                    let place = self.package.place(&bound.document, parameter.line);
+                    values.remarks.push(format!("{place}: \"{name}\" names no variable; it is ignored"));
+                }
+                continue;
+            };
+            for terminal in meant {
+                // A start value of a connected input lasts until the first exchange.
+                if values.driven.contains(&terminal) {
+                    continue;
+                }
+                let value = self
+                    .value(parameter, linear, &units, terminal)
+                    .map_err(|error| self.package.error_in(&bound.document, error))?;
+                let place = Some(self.package.place(&bound.document, parameter.line));
+                let setting = Located { item: Setting::new(self.name(terminal), value), place };
+                if let Some(former) = values.latest.insert(terminal, values.settings.len()) {
+                    values.settings[former] = None;
+                }
+                values.settings.push(Some(setting));
+            }
+        }
+        Ok(())
+    }
+
+    /// A parameter's value in the unit of the variable.
+    fn value(&self, parameter: &Parameter, linear: Linear, units: &Units, terminal: Terminal) -> Result<Value> {
+        let mut number = match (&parameter.value, linear) {
+            (Value::Real(number), _) => *number,
+            (Value::Integer(number), Some(_)) => f64::from(*number),
+            (whole_or_no_number, _) => return Ok(whole_or_no_number.clone()),
+        };
+        let unit = parameter.refers_to.unit();
+        let line = parameter.line.0;
+        let variable = self.described(terminal);
+        let wanted = variable.unit().and_then(|name| self.units[terminal.component].named(name));
+        if let (Some(name), Some(wanted)) = (unit, wanted)
+            && name != wanted.name
+        {
+            let Some(given) = units.named(name) else {
+                let what = format!("unit \"{name}\" in the document");
+                return Err(DocumentError::Unknown { what, similar: best(name, units.names()), line });
+            };
+            let is_difference = matches!(&variable.kind, VariableType::Real(real) if real.relative_quantity);
+            let conversion = Conversion::between(given, wanted, (is_difference, is_difference)).map_err(|error| {
+                DocumentError::Conflict { problem: format!("{}: {error}", self.name(terminal)), line }
+            })?;
+            number = conversion.map_or(number, |conversion| conversion.apply(number));
+        }
+        if let Some((factor, offset)) = linear {
+            number = factor * number + offset;
+        }
+        Ok(Value::Real(number))
+    }
+}
+
+/// The parameters of a set under the names they are applied to, with the transformation of the mapping.
+fn mapped(bound: &BoundSet) -> Vec<(String, &Parameter, Linear)> {
+    let prefixed = |name: &str| format!("{}{name}", bound.prefix);
+    let Some(entries) = &bound.mapping else {
+        return bound.set.parameters.iter().map(|parameter| (prefixed(&parameter.name), parameter, None)).collect();
+    };
+    let parameters: HashMap<_, _> =
+        bound.set.parameters.iter().rev().map(|parameter| (prefixed(&parameter.name), parameter)).collect();
+    entries
+        .iter()
+        .filter_map(|entry| Some((entry.target.clone(), *parameters.get(&entry.source)?, entry.linear)))
+        .collect()
+}
