@@ -305,3 +305,53 @@ def test_adaptive_loop_of_other_plants(parameters: dict[str, float], fmus: dict[
     # Not through chattering: the last tenth of a second is smooth.
     assert np.max(np.abs(np.diff(result["tau1"][-100:]))) < 0.02
     assert np.max(np.abs(np.diff(result["u"][-100:]))) < 0.02
+
+
+# --- Numbers near the end of all numbers ------------------------------------------------------------------------------
+
+LARGEST = np.finfo(float).max
+# The powers of ten in which inputs are drawn, and what stands at the ends.
+EXTREMES = (0.0, SUBNORMAL, 5e-324, 1.0, 1e50, 1e100, 1e154, 1.4e154, 1e200, 1e300, LARGEST / 2, LARGEST)
+
+
+@pytest.mark.parametrize("name", FMUS)
+def test_every_output_is_finite_or_the_step_is_refused(name: str, fmus: dict[str, Fmu]) -> None:
+    """Inputs drawn from the whole range of numbers, each for itself, and steps of many sizes.
+
+    After a step every output is finite. Before it, one that answers an input at once may overflow: then the step is
+    refused, with a reason, and a reset leads on.
+    """
+    random = np.random.default_rng(11)
+    inputs, outputs = fmus[name].names("input", "Real"), fmus[name].names("output", "Real")
+    refused = 0
+    with fmus[name].instantiate(logging=True) as slave:
+        for _ in range(150):
+            slave.fmi.reset()
+            if "actuator_model" in fmus[name].variables:
+                slave.set(actuator_model=str(random.choice(["ideal", "compensated", "raw"])))
+            slave.start()
+            slave.log.clear()
+            time = 0.0
+            # Half of the runs have a few large inputs among usual ones.
+            few = random.random() < 0.5
+            overflows = False
+            try:
+                for _ in range(4):
+                    values = random.choice(EXTREMES, len(inputs)) * random.choice([-1.0, 1.0], len(inputs))
+                    if few:
+                        values = np.where(random.random(len(inputs)) < 0.2, values, random.normal(size=len(inputs)))
+                    size = float(random.choice([1e-6, 1e-4, 1e-3, 0.1]))
+                    slave.set(**dict(zip(inputs, map(float, values))))
+                    overflows = not all(map(math.isfinite, slave.get(*outputs)))
+                    slave.step(time, size, 1)
+                    time += size
+                    assert not overflows, "a step from values that are no numbers"
+                    assert all(map(math.isfinite, slave.get(*outputs)))
+            except FmuError:
+                refused += 1
+                assert slave.log[-1].text
+                slave.fmi.reset()
+                slave.start()
+                slave.step(0.0, 1e-4, 1)
+                assert all(map(math.isfinite, slave.get(*outputs)))
+    assert refused < 150 or name in CONTROLLERS, "controllers refuse what is beyond 1e50 in any input"
