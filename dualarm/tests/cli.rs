@@ -95,7 +95,8 @@ fn bad_numbers_and_names_are_usage_errors() {
         (["--controller", "pd"], "cannot be used with"),
         (["--set", "trouble_a=1"], "no variable \"trouble_a\" in Lag or Gain; did you mean trouble_at"),
         (["--set", "Leg.T=1"], "no component \"Leg\"; the components are Lag, Gain"),
-        (["--set", "Lag.T=-1"], "Lag.T=-1 is refused: Lag: fmi2SetReal returned fmi2Error: T = -1 must be positive"),
+        (["--set", "Lag.T=-1"], "Lag.T must be at least 0, not -1"),
+        (["--set", "Lag.T=0"], "Lag.T=0 is refused: Lag: fmi2SetReal returned fmi2Error: T = 0 must be positive"),
         (["--step", "10"], "a step of 10 s is longer than the run from 0 s to 2 s"),
         (["--set", "T"], "expected name=value"),
         (["--set", "T=fast"], "Lag.T needs a number, not \"fast\""),
@@ -155,7 +156,8 @@ fn scenario_files_describe_runs() {
         ("stop = 1", "stp = 1", 2, "error: bad.toml:4:1: unknown field `stp`"),
         ("K = 3", "k1 = 3", 2, "error: bad.toml:9: there is no variable \"k1\" in Lag or Gain"),
         ("K = 3", "K = \"3x\"", 2, "error: bad.toml:9: Gain.K needs a number, not \"3x\""),
-        ("K = 3", "\"Lag.T\" = -3", 2, "error: bad.toml:9: Lag.T=-3 is refused"),
+        ("K = 3", "\"Lag.T\" = -3", 2, "error: bad.toml:9: Lag.T must be at least 0, not -3"),
+        ("K = 3", "\"Lag.T\" = 0", 2, "error: bad.toml:9: Lag.T=0 is refused"),
         ("reference", "y", 2, "error: bad.toml:11: Lag.y cannot be set: only inputs can change over time"),
         ("stop = 1", "stop = -1", 2, "error: bad.toml:4:8: the stop time (-1 s) must lie behind the start time (0 s)"),
         ("step = 0.1", "step = 0", 2, "error: bad.toml:5:8: the step size must be a positive number"),
@@ -223,7 +225,15 @@ fn foreign_files_are_named() {
 #[test]
 fn results_that_standard_output_does_not_take_are_a_failure() {
     let Some(folder) = fixtures() else { return };
-    for arguments in [&["info", "Lag.fmu"][..], &["simulate", "--list"], &["completions", "bash"]] {
+    let runs: [&[&str]; 6] = [
+        &["info", "Lag.fmu"],
+        &["simulate", "--list"],
+        &["completions", "bash"],
+        &["--help"],
+        &["help", "compare"],
+        &["--version"],
+    ];
+    for arguments in runs {
         let mut command = Command::new(env!("CARGO_BIN_EXE_dualarm"));
         command.args(arguments).current_dir(folder.path()).stdout(fs::File::create("/dev/full").unwrap());
         let output = command.output().unwrap();

@@ -116,6 +116,71 @@ fn a_slave_that_ends_the_simulation_leaves_its_results() {
     assert_eq!(document["ended"]["component"], "Hostile");
     assert_eq!((&document["ended"]["time"], &document["final"]["y"]), (&Value::from(0.5), &Value::from(0.5)));
     assert_eq!(times(&folder.path().join("a.csv")), ["0", "0.1", "0.2", "0.3", "0.4", "0.5"]);
+    assert_eq!(document["experiment"]["steps"], 5, "those that were done");
+    let done = run(folder.path(), "end", &["simulate", "Hostile.fmu"]);
+    assert!(text(&done.stdout).contains("5 steps of 0.1 s up to t = 0.5 s"), "{}", text(&done.stdout));
+}
+
+#[test]
+fn nobody_gets_further_than_the_step_leads() {
+    let Some(folder) = hostile() else { return };
+    let done =
+        run(folder.path(), "end,boast", &["simulate", "Hostile.fmu", "-o", "a.csv", "--interval", "0", "--json"]);
+    let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+    assert_eq!((&document["ended"]["time"], &document["final"]["y"]), (&Value::from(0.5), &Value::from(0.5)));
+    assert!(document["warnings"][0].as_str().unwrap().contains("says that it got to t = 1000000 s"), "{document}");
+    assert_eq!(times(&folder.path().join("a.csv")).last().unwrap(), "0.5");
+}
+
+#[test]
+fn tolerances_that_are_none_are_said() {
+    for wrong in ["0", "-1", "NaN", "INF"] {
+        let with = |_: &str, text: String| text.replace("tolerance=\"1e-5\"", &format!("tolerance=\"{wrong}\""));
+        let Some(folder) = fixtures(&["Hostile"], with) else { return };
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--json"]);
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+        assert_eq!(document["final"]["tolerance"], -1.0, "{wrong}: the slave is given none");
+        assert!(document["warnings"][0].as_str().unwrap().contains("is no positive number"), "{document}");
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--json", "--tolerance", "1e-3"]);
+        let document: Value = serde_json::from_slice(&done.stdout).unwrap();
+        assert_eq!(
+            (&document["final"]["tolerance"], &document["warnings"]),
+            (&Value::from(1e-3), &Value::Array(vec![]))
+        );
+    }
+}
+
+/// Values that no computation with another environment gives: a third in steps, the smallest numbers.
+#[test]
+fn the_floating_point_environment_is_the_tools_own() {
+    let Some(folder) = fixtures(&["Hostile"], |_, text| text.replace("name=\"u\"", "name=\"v\"")) else { return };
+    let rows = |behaviour: &str| {
+        let arguments = ["simulate", "Hostile.fmu", "--set", "v=1e-310", "--stop", "1", "--step", "0.03", "-o", "-"];
+        let done = run(folder.path(), behaviour, &[&arguments[..], &["--interval", "0"]].concat());
+        assert!(done.status.success(), "{behaviour}: {}", text(&done.stderr));
+        text(&done.stdout)
+    };
+    let usual = rows("");
+    for behaviour in ["upward", "flush", "trap", "upward,flush,trap"] {
+        // The slave adds times itself, in the environment that it wants.
+        let times = |rows: &str| rows.lines().map(|row| row.split(',').next().unwrap().to_owned()).collect::<Vec<_>>();
+        assert_eq!(times(&rows(behaviour)), times(&usual), "{behaviour}");
+    }
+}
+
+#[test]
+fn new_files_have_the_permissions_that_the_user_wants() {
+    use std::os::unix::fs::PermissionsExt;
+    let Some(folder) = hostile() else { return };
+    let mode = |behaviour: &str, file: &str| {
+        let done = run(folder.path(), behaviour, &["simulate", "Hostile.fmu", "-o", file]);
+        assert!(done.status.success(), "{}", text(&done.stderr));
+        let file = folder.path().join(file);
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();
+        (mode(&file), mode(file.parent().unwrap()))
+    };
+    assert_eq!(mode("", "one/a.csv"), mode("umask", "two/a.csv"));
 }
 
 #[test]
@@ -177,6 +242,34 @@ fn standard_output_is_the_tools_alone() {
 }
 
 #[test]
+fn a_standard_output_that_is_closed_is_a_failure() {
+    let Some(folder) = hostile() else { return };
+    let runs: [&[&str]; 6] = [
+        &["--help"],
+        &["--version"],
+        &["simulate", "--help"],
+        &["info", "Hostile.fmu"],
+        &["simulate", "Hostile.fmu"],
+        &["simulate", "Hostile.fmu", "-o", "-"],
+    ];
+    for arguments in runs {
+        let mut command = command(folder.path(), "", arguments);
+        let close = || {
+            // SAFETY: closes a descriptor, which involves no memory.
+            unsafe { libc::close(1) };
+            Ok(())
+        };
+        // SAFETY: between fork and exec only a system call is made.
+        unsafe { command.pre_exec(close) };
+        let done = command.stdout(Stdio::null()).output().unwrap();
+        assert_eq!(done.status.code(), Some(1), "{arguments:?}");
+        assert_eq!(text(&done.stderr), "error: cannot write to standard output: it is closed\n", "{arguments:?}");
+    }
+    let mut quiet = command(folder.path(), "", &["simulate", "Hostile.fmu", "--quiet", "-o", "a.csv"]);
+    assert!(quiet.status().unwrap().success(), "who has nothing to print needs no output");
+}
+
+#[test]
 fn a_result_that_cannot_be_kept_is_a_failure() {
     let Some(folder) = hostile() else { return };
     for output in ["a.csv", "a.parquet", "-"] {
@@ -195,7 +288,11 @@ fn a_finished_result_survives_the_end_of_the_fmu_and_the_exit_code_tells() {
         ("fail-terminate", "fmi2Terminate returned fmi2Error"),
         ("hang-terminate", "did not end within 10s; the results are complete"),
         ("hang-free", "did not end within 10s; the results are complete"),
-        ("abort-free", ""),
+        ("_exit-terminate", "an FMU ended the process"),
+        ("_exit-free", "an FMU ended the process"),
+        ("abort-free", "an FMU crashed the process (SIGABRT)"),
+        ("crash-free", "an FMU crashed the process (SIGSEGV)"),
+        ("hang-at-exit", "did not let the process end within 10s"),
     ];
     thread::scope(|scope| {
         for (behaviour, expected) in ends {
@@ -203,7 +300,7 @@ fn a_finished_result_survives_the_end_of_the_fmu_and_the_exit_code_tells() {
             scope.spawn(move || {
                 let file = format!("{behaviour}.csv");
                 let done = run(folder, behaviour, &["simulate", "Hostile.fmu", "--json", "-o", &file]);
-                assert!(!done.status.success() && done.status.code() != Some(101), "{behaviour}");
+                assert_eq!(done.status.code(), Some(1), "{behaviour}");
                 assert!(text(&done.stderr).contains(expected), "{behaviour}: {}", text(&done.stderr));
                 assert_eq!(times(&folder.join(file)).len(), 11, "{behaviour}");
                 assert!(serde_json::from_slice::<Value>(&done.stdout).is_ok(), "{behaviour}");
@@ -215,11 +312,50 @@ fn a_finished_result_survives_the_end_of_the_fmu_and_the_exit_code_tells() {
 #[test]
 fn an_fmu_that_exits_early_is_a_failure_and_leaves_nothing() {
     let Some(folder) = hostile() else { return };
-    let done = run(folder.path(), "exit-step", &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
-    assert_eq!(done.status.code(), Some(1));
-    assert!(text(&done.stderr).contains("an FMU ended the process"), "{}", text(&done.stderr));
-    assert_eq!(files(folder.path()), ["Hostile.fmu", "tmp"]);
-    assert_eq!(files(&folder.path().join("tmp")), [""; 0]);
+    for (behaviour, expected) in [
+        ("exit-step", "an FMU ended the process"),
+        ("_exit-step", "an FMU ended the process"),
+        ("abort-step", "an FMU crashed the process (SIGABRT)"),
+        ("crash-step", "an FMU crashed the process (SIGSEGV)"),
+        ("crash-step,close-all", "an FMU crashed the process"),
+    ] {
+        let done = run(folder.path(), behaviour, &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
+        assert_eq!(done.status.code(), Some(1), "{behaviour}");
+        assert!(text(&done.stderr).contains(expected), "{behaviour}: {}", text(&done.stderr));
+        assert_eq!(files(folder.path()), ["Hostile.fmu", "tmp"], "{behaviour}");
+        assert_eq!(files(&folder.path().join("tmp")), [""; 0], "{behaviour}");
+    }
+}
+
+#[test]
+fn what_the_descriptions_tell_is_found_before_code_runs() {
+    let Some(folder) = fixtures(&["Hostile"], |_, text| {
+        let more = r#"<ScalarVariable name="k" valueReference="2" causality="parameter" variability="fixed"><Real start="1" min="0" max="2"/></ScalarVariable>
+        <ScalarVariable name="n" valueReference="9" causality="parameter" variability="fixed"><Integer start="1" min="1"/></ScalarVariable>"#;
+        text.replace("canHandleVariableCommunicationStepSize=\"true\"", "").replace("<!-- more -->", more)
+    }) else {
+        return;
+    };
+    let mark = folder.path().join("mark");
+    let scenario = "title = \"t\"\nfmus = [\"Hostile.fmu\"]\n[parameters]\nk = 3\n";
+    fs::write(folder.path().join("s.toml"), scenario).unwrap();
+    for (arguments, code, expected) in [
+        (&["Hostile.fmu", "--set", "kk=1"][..], 2, "there is no variable \"kk\""),
+        (&["Hostile.fmu", "--set", "k=fast"], 2, "Hostile.k needs a number, not \"fast\""),
+        (&["Hostile.fmu", "--set", "k=-1"], 2, "Hostile.k must be from 0 to 2, not -1"),
+        (&["Hostile.fmu", "--set", "n=0"], 2, "Hostile.n must be at least 1, not 0"),
+        (&["Hostile.fmu", "--set", "n=0.5"], 2, "Hostile.n needs an integer"),
+        (&["Hostile.fmu", "--set", "y=1"], 2, "it is an output that the FMU computes"),
+        (&["Hostile.fmu", "--stop", "-1"], 2, "must lie behind the start time"),
+        (&["Hostile.fmu", "--stop", "0.95"], 1, "Hostile can only do steps of equal size"),
+        (&["s.toml"], 2, "s.toml:4: Hostile.k must be from 0 to 2, not 3"),
+    ] {
+        let mut command = command(folder.path(), "mark", &[&["simulate"], arguments].concat());
+        let done = command.env("HOSTILE_MARK", &mark).output().unwrap();
+        assert_eq!(done.status.code(), Some(code), "{arguments:?}: {}", text(&done.stderr));
+        assert!(text(&done.stderr).contains(expected), "{}", text(&done.stderr));
+        assert!(!mark.exists(), "{arguments:?}");
+    }
 }
 
 #[test]
@@ -237,8 +373,8 @@ fn info_runs_no_code_unless_asked() {
 }
 
 /// A run that does not end by itself, with a file under construction.
-fn start(folder: &Path, arguments: &[&str]) -> Child {
-    let mut command = command(folder, "hang-step", arguments);
+fn start(folder: &Path, behaviour: &str, arguments: &[&str]) -> Child {
+    let mut command = command(folder, behaviour, arguments);
     // Whoever runs the tests in the background has them ignore interrupts, and the tool obeys that.
     let heed = || {
         for signal in [libc::SIGINT, libc::SIGTERM, libc::SIGHUP] {
@@ -264,8 +400,10 @@ fn an_interrupted_run_leaves_what_was_there() {
     let Some(folder) = hostile() else { return };
     fs::create_dir(folder.path().join("out")).unwrap();
     fs::write(folder.path().join("out/a.csv"), "old").unwrap();
-    for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
-        let mut child = start(folder.path(), &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
+    let all = [("INT", 2), ("TERM", 15), ("HUP", 1)];
+    let cases = all.map(|signal| ("hang-step", signal)).into_iter().chain([("hang-step,deaf", all[1])]);
+    for (behaviour, (signal, number)) in cases {
+        let mut child = start(folder.path(), behaviour, &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
         let kill = Command::new("kill").args(["-s", signal, &child.id().to_string()]).status().unwrap();
         assert!(kill.success());
         assert_eq!(child.wait().unwrap().signal(), Some(number), "a shell sees why it ended");

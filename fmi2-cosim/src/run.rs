@@ -72,6 +72,8 @@ impl Observer for () {
 pub struct Results {
     /// Wall time of the steps.
     pub wall_time: Duration,
+    /// Steps that were done: fewer than planned if a component ended the simulation.
+    pub steps: u64,
     /// The last row.
     pub last: Vec<f64>,
     /// The outputs that are texts, which rows do not have: names and last values.
@@ -131,6 +133,7 @@ impl Run {
         master.initialize(&self.grid)?;
         let mut remarks = system.remarks.clone();
         remarks.extend_from_slice(master.warnings());
+        let known = master.warnings().len();
         remarks.extend(self.uneven_rows());
         remarks.extend(unconnected(master));
         remarks.extend(observer.begin(master, columns));
@@ -144,9 +147,10 @@ impl Run {
             Err(MasterError::Ended { time, component, source }) => Some(Ended { time, component, source }),
             Err(error) => return Err(error),
         };
+        remarks.extend_from_slice(&master.warnings()[known..]);
         let texts = master.texts().unwrap_or_default();
         remarks.extend(observer.conclude());
-        Ok(Results { wall_time, last: last.values, texts, remarks, ended })
+        Ok(Results { wall_time, steps: master.steps(), last: last.values, texts, remarks, ended })
     }
 
     /// What to say about rows that are not equally spaced: they are taken at communication points only.

@@ -7,7 +7,7 @@ use crate::names::{closest, suggestion};
 use crate::signal::Signal;
 use crate::units::{UnitMismatch, Units};
 use fmi2_import::description::BaseType;
-use fmi2_import::{CallError, Causality, Instance, Mismatch, ModelDescription, Value, Variability, Variable};
+use fmi2_import::{CallError, Causality, Mismatch, ModelDescription, Value, Variability, Variable, VariableType};
 
 /// A value for a variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +64,18 @@ pub enum SettingError {
         /// What is needed.
         expected: String,
     },
+    /// The value is outside the range that the FMU states.
+    #[error("{component}.{name} must be {range}, not {value}")]
+    Range {
+        /// The component.
+        component: String,
+        /// The variable.
+        name: String,
+        /// The range in words.
+        range: String,
+        /// What was given.
+        value: Value,
+    },
     /// The FMU refused the value.
     #[error("{setting} is refused: {source}")]
     Refused {
@@ -99,10 +111,9 @@ impl fmt::Display for Setting {
     }
 }
 
-/// A component as far as settings are concerned.
+/// A component as far as settings are concerned. It need not run yet: everything but the FMU's own refusal is known before.
 pub(crate) trait Target {
     fn name(&self) -> &str;
-    fn instance(&mut self) -> &mut Instance;
     fn description(&self) -> &ModelDescription;
     /// Which output drives this input, if one does.
     fn driven_by(&self, variable: usize) -> Option<&str>;
@@ -111,11 +122,24 @@ pub(crate) trait Target {
 /// A variable of a component: indices.
 pub(crate) type Place = (usize, usize);
 
-/// Applies a setting to every component it means and returns where, and as which value. Only valid before initialisation.
-pub(crate) fn apply<T: Target>(setting: &Setting, targets: &mut [T]) -> Result<Vec<(Place, Value)>, SettingError> {
+/// Every variable that a setting means, with the value that it would get there.
+pub(crate) fn check<T: Target>(setting: &Setting, targets: &[T]) -> Result<Vec<(Place, Value)>, SettingError> {
     let meant = meant(&setting.target, targets, obstacle_to_setting)?;
-    let set = |place: Place| Ok((place, set(&mut targets[place.0], place.1, setting)?));
-    meant.into_iter().map(set).collect()
+    let fitted = |place: Place| Ok((place, fitted(&targets[place.0], place.1, &setting.value)?));
+    meant.into_iter().map(fitted).collect()
+}
+
+/// The value that one variable would get.
+pub(crate) fn check_one<T: Target>(place: Place, value: &Value, targets: &[T]) -> Result<Value, SettingError> {
+    let target = &targets[place.0];
+    match obstacle_to_setting(target, place.1) {
+        None => fitted(target, place.1, value),
+        Some(reason) => Err(SettingError::NotSettable {
+            component: target.name().to_owned(),
+            name: target.description().variables[place.1].name.clone(),
+            reason,
+        }),
+    }
 }
 
 /// Every variable a user means with `name` or `Component.name` and to which there is no obstacle.
@@ -194,29 +218,51 @@ pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &
     }
 }
 
-fn set<T: Target>(target: &mut T, index: usize, setting: &Setting) -> Result<Value, SettingError> {
-    let variable = target.description().variables[index].clone();
-    let wrong = |Mismatch { value, expected }, target: &T| SettingError::Value {
+/// A value as one of this variable's type, within its range.
+fn fitted<T: Target>(target: &T, index: usize, given: &Value) -> Result<Value, SettingError> {
+    let variable = &target.description().variables[index];
+    let wrong = |Mismatch { value, expected }| SettingError::Value {
         component: target.name().to_owned(),
         name: variable.name.clone(),
         value,
         expected,
     };
-    let value = match variable.value(&setting.value) {
+    let value = match variable.value(given) {
         Ok(value) => value,
-        Err(mismatch) => match in_own_unit(&setting.value, &variable, target.description()) {
+        Err(mismatch) => match in_own_unit(given, variable, target.description()) {
             Some(Ok(number)) => Value::Real(number),
             Some(Err(error)) => {
                 let expected = format!("{} ({error})", mismatch.expected);
-                return Err(wrong(Mismatch { expected, ..mismatch }, target));
+                return Err(wrong(Mismatch { expected, ..mismatch }));
             }
-            None => return Err(wrong(mismatch, target)),
+            None => return Err(wrong(mismatch)),
         },
     };
-    match target.instance().set(&variable, &value) {
-        Ok(_) => Ok(value),
-        Err(source) => Err(SettingError::Refused { setting: setting.clone(), source: Box::new(source) }),
+    match outside(variable, &value) {
+        None => Ok(value),
+        Some(range) => {
+            let (component, name) = (target.name().to_owned(), variable.name.clone());
+            Err(SettingError::Range { component, name, range, value })
+        }
     }
+}
+
+/// The range of a variable in words, if a value lies outside.
+fn outside(variable: &Variable, value: &Value) -> Option<String> {
+    let (number, min, max) = match (&variable.kind, value) {
+        (VariableType::Real(real), Value::Real(number)) => (*number, real.min, real.max),
+        (VariableType::Integer { min, max, .. }, Value::Integer(number)) => {
+            (f64::from(*number), min.map(f64::from), max.map(f64::from))
+        }
+        _ => return None,
+    };
+    let unit = variable.unit().map(|unit| format!(" {unit}")).unwrap_or_default();
+    let is_outside = min.is_some_and(|min| number < min) || max.is_some_and(|max| number > max);
+    is_outside.then(|| match (min, max) {
+        (Some(min), Some(max)) => format!("from {min} to {max}{unit}"),
+        (Some(min), None) => format!("at least {min}{unit}"),
+        (None, max) => format!("at most {}{unit}", max.unwrap_or(f64::INFINITY)),
+    })
 }
 
 /// A number with its unit behind it, such as `3 deg`, as a value of a variable; `None` if it is none.

@@ -3,11 +3,14 @@
 //! A [`System`] is the seam between descriptions and the master: whoever reads a description makes one, and
 //! [`System::master`] makes it run.
 
-use crate::master::{self, Coupling, Master, MasterError};
-use crate::settings::{Setting, SettingError};
+use std::fmt;
+use std::sync::Arc;
+
+use crate::master::{self, Coupling, Draft, Master, MasterError, drafts};
+use crate::settings::{self, Setting, SettingError};
 use crate::signal::Signal;
-use crate::wiring::{Wire, Wiring};
-use fmi2_import::{Fmu, Variable};
+use crate::wiring::{Terminal, Wire, Wiring};
+use fmi2_import::{Fmu, Value, Variable};
 
 /// Components, what connects them, what is set, and how to run them.
 #[derive(Clone)]
@@ -18,10 +21,14 @@ pub struct System {
     pub components: Vec<(String, Fmu)>,
     /// How they are connected.
     pub connections: Connections,
+    /// Values for single variables. Whatever else sets one of them goes before.
+    pub values: Vec<Located<(Terminal, Value)>>,
     /// Values for parameters and free inputs; the later of two for one variable holds.
     pub settings: Vec<Located<Setting>>,
     /// Free inputs (`name` or `Component.name`) that change over time.
     pub inputs: Vec<Located<(String, Signal)>>,
+    /// What the user sets instead of all that.
+    pub overrides: Vec<Setting>,
     /// Remarks of the description's reader, for the user.
     pub remarks: Vec<String>,
     /// How the author suggests to run it.
@@ -42,8 +49,23 @@ pub enum Connections {
 pub struct Located<T> {
     /// The part.
     pub item: T,
-    /// For messages, such as `grasp.toml:12`; `None` if there is nothing to point at.
-    pub place: Option<String>,
+    /// For messages; `None` if there is nothing to point at.
+    pub place: Option<SourceLine>,
+}
+
+/// A line of a file, such as `grasp.toml:12`. All lines of a file share its name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SourceLine {
+    /// The file, as messages name it.
+    pub file: Arc<str>,
+    /// The line, from 1.
+    pub line: usize,
+}
+
+impl fmt::Display for SourceLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.file, self.line)
+    }
 }
 
 /// How to run a system. What is `None` is left to the first FMU's default experiment, or the tool.
@@ -80,7 +102,7 @@ pub enum SystemError {
     #[error("{}{source}", .place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default())]
     Setting {
         /// Where it stands.
-        place: Option<String>,
+        place: Option<SourceLine>,
         /// What is wrong with it.
         source: Box<SettingError>,
     },
@@ -94,8 +116,10 @@ impl System {
             title: None,
             components: master::named(fmus),
             connections: Connections::ByName,
+            values: Vec::new(),
             settings: Vec::new(),
             inputs: Vec::new(),
+            overrides: Vec::new(),
             remarks: Vec::new(),
             experiment: RunOptions::default(),
         }
@@ -110,7 +134,8 @@ impl System {
         })
     }
 
-    /// Instantiates and connects the components, sets what is to be set; next comes [`Master::initialize`].
+    /// Instantiates and connects the components, sets what is to be set; next comes [`Master::initialize`]. Whatever the
+    /// descriptions tell is checked before any code of an FMU runs.
     ///
     /// # Errors
     /// When an FMU refuses, connections are ambiguous, or there is no such variable.
@@ -119,21 +144,49 @@ impl System {
             Connections::ByName => master::wires_by_name(&self.components)?,
             Connections::Explicit(wires) => Wiring { wires: wires.clone(), remarks: Vec::new() },
         };
+        self.check(&drafts(&self.components, &wires))?;
         let mut master = Master::with_wires(&self.components, wires, coupling)?;
         master.remark(remarks);
         if let Some(tolerance) = self.experiment.tolerance {
             master.set_tolerance(tolerance);
         }
+        for Located { item: (terminal, value), place } in &self.values {
+            master.assign(*terminal, value).map_err(failure(place.as_ref()))?;
+        }
         for Located { item, place } in &self.settings {
-            let failure = |source| SystemError::Setting { place: place.clone(), source: Box::new(source) };
-            master.apply(item).map_err(failure)?;
+            master.apply(item).map_err(failure(place.as_ref()))?;
         }
         for Located { item: (target, signal), place } in &self.inputs {
-            let failure = |source| SystemError::Setting { place: place.clone(), source: Box::new(source) };
-            master.drive(target, signal).map_err(failure)?;
+            master.drive(target, signal).map_err(failure(place.as_ref()))?;
+        }
+        for setting in &self.overrides {
+            master.apply(setting).map_err(failure(None))?;
         }
         Ok(master)
     }
+
+    /// Whether everything that is to be set can be, as far as the descriptions tell.
+    fn check(&self, drafts: &[Draft]) -> Result<(), SystemError> {
+        for Located { item: (Terminal { component, variable }, value), place } in &self.values {
+            settings::check_one((*component, *variable), value, drafts).map_err(failure(place.as_ref()))?;
+        }
+        for Located { item, place } in &self.settings {
+            settings::check(item, drafts).map_err(failure(place.as_ref()))?;
+        }
+        for Located { item: (target, signal), place } in &self.inputs {
+            let obstacle = |draft: &Draft, index| settings::obstacle_to_driving(draft, index, signal);
+            settings::meant(target, drafts, obstacle).map_err(failure(place.as_ref()))?;
+        }
+        for setting in &self.overrides {
+            settings::check(setting, drafts).map_err(failure(None))?;
+        }
+        Ok(())
+    }
+}
+
+/// Makes an error of a setting that stands there.
+fn failure(place: Option<&SourceLine>) -> impl FnOnce(SettingError) -> SystemError {
+    move |source| SystemError::Setting { place: place.cloned(), source: Box::new(source) }
 }
 
 impl<T> Located<T> {

@@ -4,7 +4,7 @@
 //! integers also become reals, and integers and items of enumerations each other; reals are converted between units that
 //! measure the same.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use fmi2_import::description::BaseType;
 use fmi2_import::{Causality, ModelDescription, Variable, VariableType};
@@ -91,11 +91,63 @@ pub enum Misfit {
 /// A variable with the units of its description.
 pub type InUnits<'a> = (&'a Variable, &'a Units<'a>);
 
-/// How values get from an output to an input, and a remark if that is doubtful.
+/// What is doubtful about a connection of reals: nobody says what their units are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Doubt {
+    /// Two names, of which at least one is not defined in base units.
+    Differ(String, String),
+    /// One name that the two FMUs do not both define in base units.
+    Undefined(String),
+}
+
+/// The doubts about connections, for the user.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Doubts {
+    remarks: Vec<String>,
+    undefined: BTreeSet<String>,
+    connections: usize,
+}
+
+impl Doubts {
+    /// Adds one about the connection between two variables, `Component.name`.
+    pub(crate) fn add(&mut self, doubt: Doubt, from: &str, to: &str) {
+        match doubt {
+            Doubt::Differ(from_unit, to_unit) => self.remarks.push(format!(
+                "{from} → {to}: in {from_unit} and {to_unit}, which the FMUs do not define in base units: values pass as \
+                 they are"
+            )),
+            Doubt::Undefined(unit) => {
+                self.undefined.insert(unit);
+                self.connections += 1;
+            }
+        }
+    }
+
+    /// In sentences; those about names that agree in one.
+    pub(crate) fn into_remarks(self) -> Vec<String> {
+        const SHOWN: usize = 5;
+        let Self { mut remarks, undefined, connections } = self;
+        if !undefined.is_empty() {
+            let mut names: Vec<_> = undefined.iter().take(SHOWN).map(String::as_str).collect();
+            if undefined.len() > SHOWN {
+                names.push("…");
+            }
+            remarks.push(format!(
+                "units that not both FMUs of a connection define in base units ({}): the values of {connections} \
+                 connection{} pass as they are, since the names agree",
+                names.join(", "),
+                if connections == 1 { "" } else { "s" }
+            ));
+        }
+        remarks
+    }
+}
+
+/// How values get from an output to an input, and what is doubtful about that.
 ///
 /// # Errors
 /// When they cannot.
-pub fn fit(from: InUnits, to: InUnits) -> Result<(Option<Conversion>, Option<String>), Misfit> {
+pub fn fit(from: InUnits, to: InUnits) -> Result<(Option<Conversion>, Option<Doubt>), Misfit> {
     use BaseType::{Boolean, Enumeration, Integer, Real, String};
     match (from.0.base_type(), to.0.base_type()) {
         (Real, Real) => {}
@@ -110,10 +162,12 @@ pub fn fit(from: InUnits, to: InUnits) -> Result<(Option<Conversion>, Option<Str
         let are_differences = (is_difference(from.0), is_difference(to.0));
         return Ok((Conversion::between(defined_from, defined_to, are_differences)?, None));
     }
-    let remark = (from_unit != to_unit).then(|| {
-        format!("in {from_unit} and {to_unit}, which the FMUs do not define in base units: values pass as they are")
-    });
-    Ok((None, remark))
+    let doubt = if from_unit == to_unit {
+        Doubt::Undefined(from_unit.to_owned())
+    } else {
+        Doubt::Differ(from_unit.to_owned(), to_unit.to_owned())
+    };
+    Ok((None, Some(doubt)))
 }
 
 fn is_difference(variable: &Variable) -> bool {
@@ -136,7 +190,7 @@ pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Wiring, 
     }
     let variable = |terminal: Terminal| &components[terminal.component].1.variables[terminal.variable];
     let name = |terminal: Terminal| format!("{}.{}", components[terminal.component].0, variable(terminal).name);
-    let mut wiring = Wiring::default();
+    let (mut wiring, mut doubts) = (Wiring::default(), Doubts::default());
     for (component, (wanting, description)) in components.iter().enumerate() {
         for (index, input) in description.variables.iter().enumerate() {
             if input.causality != Causality::Input {
@@ -155,9 +209,11 @@ pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Wiring, 
             }
             let to = Terminal { component, variable: index };
             match fit((variable(from), &units[from.component]), (input, &units[component])) {
-                Ok((conversion, remark)) => {
+                Ok((conversion, doubt)) => {
                     wiring.wires.push(Wire { from, to, conversion });
-                    wiring.remarks.extend(remark.map(|remark| format!("{} → {}: {remark}", name(from), name(to))));
+                    if let Some(doubt) = doubt {
+                        doubts.add(doubt, &name(from), &name(to));
+                    }
                 }
                 Err(Misfit::Text) => {
                     let remark = format!("{} → {}: {}", name(from), name(to), Misfit::Text);
@@ -167,6 +223,7 @@ pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Wiring, 
             }
         }
     }
+    wiring.remarks.extend(doubts.into_remarks());
     Ok(wiring)
 }
 
@@ -230,6 +287,7 @@ mod tests {
         let unknown = wire(r#"output x Real unit="bushel""#, r#"input x Real unit="rad""#).unwrap();
         assert!(unknown.remarks[0].starts_with("A.x → B.x: in bushel and rad, which the FMUs do not define"));
         let same = wire(r#"output x Real unit="bushel""#, r#"input x Real unit="bushel""#).unwrap();
-        assert_eq!((same.wires.len(), same.remarks.len()), (1, 0));
+        assert_eq!((same.wires.len(), same.remarks.len()), (1, 1));
+        assert!(same.remarks[0].contains("(bushel): the values of 1 connection pass as they are"), "{same:?}");
     }
 }

@@ -283,11 +283,12 @@ fn settings_say_what_is_wrong_with_them() {
     ] {
         assert_eq!(error(target, value).to_string(), expected);
     }
-    let refused = error("T", "-1");
+    assert_eq!(error("T", "-1").to_string(), "Lag.T must be at least 0, not -1");
+    let refused = error("T", "0");
     assert!(matches!(refused, SettingError::Refused { .. }));
     assert_eq!(
         refused.to_string(),
-        "T=-1 is refused: Lag: fmi2SetReal returned fmi2Error: T = -1 must be positive, # 100 %"
+        "Lag.T=0 is refused: Lag: fmi2SetReal returned fmi2Error: T = 0 must be positive, # 100 %"
     );
     let wired = |index: usize| master.wires()[index].to.component;
     assert_eq!((wired(0), wired(master.wires().len() - 1)), (0, 1));

@@ -403,7 +403,7 @@ fn faulty_parameters_are_named_with_their_line() {
     assert_eq!(result, None);
     for (from, to, said) in [
         ("value=\"2\"", "value=\"two\"", "a.ssv: line 5: value=\"two\" is not a number"),
-        ("value=\"2\"", "value=\"-2\"", "a.ssv:4: lag.T=-2 is refused"),
+        ("value=\"2\"", "value=\"-2\"", "a.ssv:4: lag.T must be at least 0 s, not -2"),
         ("unit=\"s\"", "unit=\"h\"", "a.ssv: line 4: there is no unit \"h\" in the document"),
         ("ssv:Real", "ssv:Binary", "line 5: the binary parameter"),
         ("<ssv:Real value=\"2\" unit=\"s\"/>", "", "line 4: <Parameter> lacks a value"),
@@ -486,6 +486,85 @@ fn integers_feed_enumerations_and_reals() {
     }
 }
 
+/// Twenty components that all get the same twenty thousand values: each value goes straight to its variable. Looking for
+/// every one among all components took their square in time, and texts of their own half a gigabyte.
+#[test]
+fn many_components_get_large_sets_in_no_time() {
+    const COMPONENTS: usize = 20;
+    const PARAMETERS: usize = 20_000;
+    let folder = tempfile::tempdir().unwrap();
+    let names: Vec<String> = (0..PARAMETERS).map(|index| format!("p{index}")).collect();
+    let declared = names.iter().map(|name| {
+        format!("<ScalarVariable name=\"{name}\" valueReference=\"1\" causality=\"parameter\" variability=\"fixed\"><Real start=\"1\"/></ScalarVariable>")
+    });
+    let declared = declared.collect::<Vec<_>>().concat() + "</ModelVariables>";
+    let with = |description: String| description.replace("</ModelVariables>", &declared);
+    let Some(lag) = package_as(folder.path(), "Lag", with) else { return };
+    let set = set(names.iter().map(|name| (name.as_str(), real(0.25))).collect());
+    let mut structure = loop_of_two();
+    structure.system.connections.clear();
+    structure.system.components = (0..COMPONENTS)
+        .map(|index| Component {
+            name: format!("lag{index}"),
+            source: "resources/Lag.fmu".into(),
+            bindings: vec![Binding { values: Values::File("resources/large.ssv".into()), ..Binding::default() }],
+            ..Component::default()
+        })
+        .collect();
+    let path = folder.path().join("Many.ssp");
+    let (structure, set) = (write::system_structure(&structure), write::parameter_set(&set));
+    let lag = fs::read(lag).unwrap();
+    archive(
+        &path,
+        &[
+            ("SystemStructure.ssd", structure.as_bytes()),
+            ("resources/large.ssv", set.as_bytes()),
+            ("resources/Lag.fmu", &lag),
+        ],
+    );
+    let system = Package::open(&path).unwrap().system().unwrap();
+    assert_eq!(system.values.len(), COMPONENTS * PARAMETERS);
+    let mut master = system.master(Coupling::Jacobi).unwrap();
+    assert_eq!(master.settings().count(), COMPONENTS * PARAMETERS);
+    let mut value = [0.0];
+    master.instance(COMPONENTS - 1).get_real(&[1], &mut value).unwrap();
+    assert_eq!(value, [0.25]);
+}
+
+#[test]
+fn a_tolerance_that_is_none_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    for (tolerance, remarks) in [(1e-5, 0), (0.0, 1), (-1.0, 1), (f64::NAN, 1)] {
+        let mut structure = loop_of_two();
+        structure.experiment =
+            DefaultExperiment { step: Some(0.1), tolerance: Some(tolerance), ..structure.experiment };
+        let Some(path) = ssp(folder.path(), &write::system_structure(&structure), &[]) else { return };
+        let system = Package::open(&path).unwrap().system().unwrap();
+        let said: Vec<_> = system.remarks.iter().filter(|remark| remark.contains("is no positive number")).collect();
+        assert_eq!(
+            (said.len(), system.experiment.tolerance.is_some()),
+            (remarks, remarks == 0),
+            "{tolerance}: {said:?}"
+        );
+    }
+}
+
+#[test]
+fn names_that_others_refer_to_are_there_once() {
+    let mut structure = loop_of_two();
+    let twice = structure.system.components[0].connectors[0].clone();
+    structure.system.components[0].connectors.push(twice);
+    let message = read::system_structure(write::system_structure(&structure).as_bytes()).unwrap_err().to_string();
+    assert!(message.ends_with("two connectors of one element are called \"u\""), "{message}");
+    let twice = set(vec![("a", real(1.0)), ("b", real(1.0)), ("a", real(2.0))]);
+    let message = read::parameter_set(write::parameter_set(&twice).as_bytes()).unwrap_err().to_string();
+    assert!(message.ends_with("two parameters of one set are called \"a\""), "{message}");
+    let units = vec![unit("mm", [0, 1, 0, 0, 0, 0, 0, 0], 1e-3, 0.0), unit("mm", [0; 8], 1.0, 0.0)];
+    let set = ParameterSet { units, ..set(vec![]) };
+    let message = read::parameter_set(write::parameter_set(&set).as_bytes()).unwrap_err().to_string();
+    assert!(message.ends_with("two units are called \"mm\""), "{message}");
+}
+
 /// Forty thousand parameters, bound two thousand times: read once, applied once, each line found at once. Going through
 /// all of them each time would take hours.
 #[test]
@@ -501,7 +580,7 @@ fn large_sets_that_are_bound_often_are_read_in_no_time() {
     let others = [("resources/large.ssv", large.as_bytes())];
     let Some(path) = ssp(folder.path(), &write::system_structure(&structure), &others) else { return };
     let system = Package::open(&path).unwrap().system().unwrap();
-    assert_eq!((system.settings.len(), system.remarks.len()), (1, 40_000));
+    assert_eq!((system.values.len(), system.remarks.len()), (1, 40_000));
     let line = large.lines().position(|line| line.contains("\"unknown_parameter_39999\"")).unwrap() + 1;
     assert!(system.remarks.last().unwrap().contains(&format!("large.ssv:{line}: ")), "{:?}", system.remarks.last());
 }

@@ -1,7 +1,6 @@
 //! Zip archives, with limits that keep a small file from filling memory or disk. The readers of FMUs and of SSP files share
 //! it; it is no part of the stable interface.
 
-use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Write};
@@ -37,6 +36,14 @@ pub enum ArchiveError {
     /// An entry would land outside the folder it is unpacked to.
     #[error("it contains the entry \"{0}\", which points outside the archive; not unpacked")]
     UnsafeEntry(String),
+    /// Two entries are the same file.
+    #[error("its entries \"{first}\" and \"{second}\" are the same file here; one of them would be lost")]
+    Twice {
+        /// One entry.
+        first: String,
+        /// The other one.
+        second: String,
+    },
     /// It unpacks to more than a model needs.
     #[error("{what}; this tool unpacks {limit}")]
     Limit {
@@ -55,6 +62,8 @@ pub struct Archive {
     allowance: u64,
     /// Bytes it may unpack to altogether.
     most: u64,
+    /// What is on its way.
+    buffer: Vec<u8>,
 }
 
 type Result<T> = std::result::Result<T, ArchiveError>;
@@ -77,16 +86,22 @@ impl Archive {
         }
         let mut indices = HashMap::with_capacity(zip.len());
         for index in 0..zip.len() {
-            let entry = zip.by_index_raw(index).map_err(damaged)?;
-            let raw = String::from_utf8_lossy(entry.name_raw()).into_owned();
-            let name = entry.name().map_or(raw.clone(), Cow::into_owned);
-            let Some(path) = inside(&name) else { return Err(ArchiveError::UnsafeEntry(raw)) };
-            if !path.is_empty() {
-                indices.entry(path).or_insert(index);
+            // From the directory of the archive: asking every entry itself takes a while if there are many.
+            let name = match zip.name_for_index(index) {
+                Some(Ok(name)) => name.into_owned(),
+                _ => String::from_utf8_lossy(zip.by_index_raw(index).map_err(damaged)?.name_raw()).into_owned(),
+            };
+            let Some(path) = inside(&name) else { return Err(ArchiveError::UnsafeEntry(name)) };
+            if path.is_empty() {
+                continue;
+            }
+            if let Some(twice) = indices.insert(path, index).filter(|_| !name.ends_with(['/', '\\'])) {
+                let first = zip.name_for_index(twice).and_then(|name| Some(name.ok()?.into_owned()));
+                return Err(ArchiveError::Twice { first: first.unwrap_or_default(), second: name });
             }
         }
         let most = MAX_UNPACKED.min(FREE_UNPACKED.saturating_add(length.saturating_mul(MAX_RATIO)));
-        Ok(Self { zip, indices, allowance: most, most })
+        Ok(Self { zip, indices, allowance: most, most, buffer: vec![0; 1 << 16] })
     }
 
     /// The paths of all files, sorted.
@@ -111,6 +126,17 @@ impl Archive {
         let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
         let mut content = Vec::new();
         self.copy(index, MAX_DOCUMENT, path, &mut content)?;
+        Ok(content)
+    }
+
+    /// Content of a library, which may be larger than a document.
+    ///
+    /// # Errors
+    /// As [`Archive::read`].
+    pub fn read_large(&mut self, path: &str) -> Result<Vec<u8>> {
+        let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
+        let mut content = Vec::new();
+        self.copy(index, u64::MAX, path, &mut content)?;
         Ok(content)
     }
 
@@ -139,10 +165,22 @@ impl Archive {
     }
 
     fn unpack_entry(&mut self, index: usize, path: &str, target: &Path) -> Result<()> {
-        if let Some(folder) = target.parent() {
+        let mut created = File::create_new(target);
+        if created.as_ref().is_err_and(|error| error.kind() == io::ErrorKind::NotFound)
+            && let Some(folder) = target.parent()
+        {
             fs::create_dir_all(folder)?;
+            created = File::create_new(target);
         }
-        self.copy(index, u64::MAX, path, &mut File::create(target)?)
+        let mut file = created.map_err(|error| match error.kind() {
+            // Names that differ by case only are one name on some systems.
+            io::ErrorKind::AlreadyExists => ArchiveError::Twice {
+                first: target.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                second: path.to_owned(),
+            },
+            _ => ArchiveError::Read(error),
+        })?;
+        self.copy(index, u64::MAX, path, &mut file)
     }
 
     /// Copies an entry as far as the limits allow; what the archive says about sizes need not be true.
@@ -151,7 +189,7 @@ impl Archive {
         let entry = self.zip.by_index(index).map_err(damaged)?;
         let room = most.min(self.allowance);
         let mut reader = entry.take(room.saturating_add(1));
-        let copied = copy(&mut reader, to)?;
+        let copied = copy(&mut reader, to, &mut self.buffer)?;
         if copied > most {
             return too_large(format!("at most {} MiB of one document", MAX_DOCUMENT >> 20));
         }
@@ -169,12 +207,10 @@ impl Archive {
 }
 
 /// Copies, and tells damage of the archive from a full disk.
-fn copy(from: &mut dyn Read, to: &mut dyn Write) -> Result<u64> {
-    const BUFFER: usize = 1 << 16;
-    let mut buffer = vec![0; BUFFER];
+fn copy(from: &mut dyn Read, to: &mut dyn Write, buffer: &mut [u8]) -> Result<u64> {
     let mut copied = 0;
     loop {
-        let count = match from.read(&mut buffer) {
+        let count = match from.read(buffer) {
             Ok(0) => return Ok(copied),
             Ok(count) => count,
             Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,

@@ -104,6 +104,9 @@ pub enum FmuError {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CallError {
+    /// The library, which the first instance loads, cannot be used.
+    #[error(transparent)]
+    Load(Box<FmuError>),
     /// `fmi2Instantiate` returned no instance.
     #[error("{instance}: the FMU refuses to be instantiated{messages}")]
     Instantiate {

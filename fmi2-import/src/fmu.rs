@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use tempfile::TempDir;
 
@@ -11,34 +11,38 @@ use super::binary;
 use super::description::ModelDescription;
 use super::error::{CallError, FmuError};
 use super::instance::Instance;
-use super::library::{Functions, LibraryError};
+use super::library::Functions;
 use super::platform::FOLDERS;
 
-/// An FMU that is unpacked and loaded. Cheap to clone; the unpacked files vanish with the last user.
+/// An FMU that is unpacked. Cheap to clone; the unpacked files vanish with the last user. Its library is loaded by
+/// [`Fmu::load`] or with the first instance: until then none of its code has run. Whoever runs several FMUs unpacks all before
+/// loading one, since loaded code may change what paths mean.
 #[derive(Clone)]
 pub struct Fmu {
-    loaded: Arc<Loaded>,
+    unpacked: Arc<Unpacked>,
 }
 
 /// Fields drop in this order: the library leaves before its file does.
-pub(super) struct Loaded {
-    pub functions: Functions,
-    pub description: ModelDescription,
-    pub resources: String,
-    path: PathBuf,
-    _folder: TempDir,
-}
-
-/// An FMU that is unpacked, but not loaded yet: none of its code has run. Whoever runs several FMUs unpacks all before
-/// loading one, since loaded code may change what paths mean.
-#[derive(Debug)]
-pub struct Unpacked {
-    description: ModelDescription,
+struct Unpacked {
+    loaded: OnceLock<Arc<Loaded>>,
+    description: Arc<ModelDescription>,
     path: PathBuf,
     /// Its name in the archive, which is also its path below the folder.
     library: String,
-    folder: TempDir,
+    files: Files,
 }
+
+/// A loaded library, with what its instances need. Fields drop in this order, as above.
+pub(super) struct Loaded {
+    pub functions: Functions,
+    pub description: Arc<ModelDescription>,
+    pub resources: String,
+    _files: Files,
+}
+
+/// The unpacked files of an FMU. They are there as long as this is.
+#[derive(Debug, Clone)]
+pub struct Files(Arc<TempDir>);
 
 /// What is in an FMU's archive.
 #[derive(Debug, Clone)]
@@ -91,59 +95,44 @@ impl Fmu {
         Ok(Contents { description, files })
     }
 
-    /// Unpacks an FMU to a temporary folder and loads its library.
+    /// Looks at the library of an FMU, without loading or unpacking it.
     ///
     /// # Errors
-    /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, has no library for this platform, or the library
-    /// cannot be used.
-    pub fn open(path: impl AsRef<Path>) -> Result<Self, FmuError> {
-        Unpacked::of(path)?.load()
-    }
-
-    /// Unpacks several FMUs, and then loads them: what the code of one does to the process cannot change which files the
-    /// others are.
-    ///
-    /// # Errors
-    /// As [`Fmu::open`].
-    pub fn open_all<P: AsRef<Path>>(paths: impl IntoIterator<Item = P>) -> Result<Vec<Self>, FmuError> {
-        let unpacked: Vec<_> = paths.into_iter().map(Unpacked::of).collect::<Result<_, _>>()?;
-        unpacked.into_iter().map(Unpacked::load).collect()
-    }
-
-    /// What the FMU says about itself.
-    #[must_use]
-    pub fn description(&self) -> &ModelDescription {
-        &self.loaded.description
-    }
-
-    /// The file it was opened from.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.loaded.path
-    }
-
-    /// Creates an instance.
-    ///
-    /// # Errors
-    /// When the FMU refuses, with what it logged.
-    pub fn instantiate(&self, name: &str) -> Result<Instance, CallError> {
-        Instance::new(Arc::clone(&self.loaded), name)
-    }
-}
-
-impl Unpacked {
-    /// Unpacks an FMU to a temporary folder.
-    ///
-    /// # Errors
-    /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, or has no library for this platform.
-    pub fn of(path: impl AsRef<Path>) -> Result<Self, FmuError> {
+    /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, has no library for this platform, or one that is none or
+    /// lacks a function that every co-simulation FMU must have.
+    pub fn check_library(path: impl AsRef<Path>) -> Result<(), FmuError> {
         let path = path.as_ref();
         let mut archive = archive(path)?;
         let description = description(path, &mut archive)?;
-        let Some(interface) = &description.co_simulation else {
-            return Err(FmuError::NotCoSimulation { path: path.to_owned() });
-        };
-        let candidates = libraries(path, &archive, &interface.model_identifier)?;
+        let candidates = candidates(path, &archive, &description)?;
+        let mut refused = None;
+        for (platform, library) in candidates {
+            let folder = format!("binaries/{platform}/");
+            let is_alone = archive.files().iter().filter(|file| file.starts_with(&folder)).count() <= 1;
+            let data = archive.read_large(&library).map_err(|error| of_archive(path, error))?;
+            if let Err(source) = binary::check_loadable(&data) {
+                _ = refused.get_or_insert(FmuError::Library { path: path.to_owned(), library, source });
+                continue;
+            }
+            return binary::check_usable(&data, is_alone).map_err(|source| FmuError::Library {
+                path: path.to_owned(),
+                library,
+                source,
+            });
+        }
+        Err(refused.unwrap_or_else(|| FmuError::NotCoSimulation { path: path.to_owned() }))
+    }
+
+    /// Unpacks an FMU to a temporary folder.
+    ///
+    /// # Errors
+    /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, has no library for this platform, or one that is not for
+    /// this processor or cut off.
+    pub fn unpack(path: impl AsRef<Path>) -> Result<Self, FmuError> {
+        let path = path.as_ref();
+        let mut archive = archive(path)?;
+        let description = description(path, &mut archive)?;
+        let candidates = candidates(path, &archive, &description)?;
         let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
         let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
         let parts: Vec<String> = candidates.iter().map(|(platform, _)| format!("binaries/{platform}/")).collect();
@@ -158,52 +147,92 @@ impl Unpacked {
         let mut refused = None;
         for (_, library) in candidates {
             match binary::check_loadable(&fs::read(folder.path().join(&library)).map_err(unpack)?) {
-                Ok(()) => return Ok(Self { description, path: path.to_owned(), library, folder }),
+                Ok(()) => {
+                    let unpacked = Unpacked {
+                        loaded: OnceLock::new(),
+                        description: Arc::new(description),
+                        path: path.to_owned(),
+                        library,
+                        files: Files(Arc::new(folder)),
+                    };
+                    return Ok(Self { unpacked: Arc::new(unpacked) });
+                }
                 Err(source) => _ = refused.get_or_insert(FmuError::Library { path: path.to_owned(), library, source }),
             }
         }
         Err(refused.unwrap_or_else(|| FmuError::NotCoSimulation { path: path.to_owned() }))
     }
 
-    /// What the FMU says about itself.
-    #[must_use]
-    pub fn description(&self) -> &ModelDescription {
-        &self.description
-    }
-
-    /// Looks at the library without loading it.
+    /// Unpacks an FMU to a temporary folder and loads its library.
     ///
     /// # Errors
-    /// When it is no library, or lacks a function that every co-simulation FMU must have.
-    pub fn check_library(&self) -> Result<(), FmuError> {
-        let file = self.folder.path().join(&self.library);
-        let data = fs::read(&file).map_err(|source| FmuError::Unpack { path: self.path.clone(), source })?;
-        let beside = file.parent().and_then(|folder| fs::read_dir(folder).ok()).map_or(0, Iterator::count);
-        binary::check_usable(&data, beside <= 1).map_err(|source| self.library_error(source))
+    /// As [`Fmu::unpack`] and [`Fmu::load`].
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, FmuError> {
+        let fmu = Self::unpack(path)?;
+        fmu.load()?;
+        Ok(fmu)
     }
 
-    /// Loads the library: the FMU's code runs from now on.
+    /// Loads the library, unless it is loaded: the FMU's code runs from now on.
     ///
     /// # Errors
     /// When the library cannot be used.
-    pub fn load(self) -> Result<Fmu, FmuError> {
-        let functions = match Functions::load(&self.folder.path().join(&self.library)) {
-            Ok(functions) => functions,
-            Err(source) => return Err(self.library_error(source)),
-        };
-        Ok(Fmu {
-            loaded: Arc::new(Loaded {
-                functions,
-                description: self.description,
-                resources: file_uri(&self.folder.path().join("resources")),
-                path: self.path,
-                _folder: self.folder,
-            }),
-        })
+    pub fn load(&self) -> Result<(), FmuError> {
+        self.loaded().map(drop)
     }
 
-    fn library_error(&self, source: LibraryError) -> FmuError {
-        FmuError::Library { path: self.path.clone(), library: self.library.clone(), source }
+    fn loaded(&self) -> Result<&Arc<Loaded>, FmuError> {
+        let Unpacked { loaded, description, path, library, files } = &*self.unpacked;
+        if let Some(loaded) = loaded.get() {
+            return Ok(loaded);
+        }
+        let folder = files.0.path();
+        let functions = Functions::load(&folder.join(library)).map_err(|source| FmuError::Library {
+            path: path.clone(),
+            library: library.clone(),
+            source,
+        })?;
+        Ok(loaded.get_or_init(|| {
+            Arc::new(Loaded {
+                functions,
+                description: Arc::clone(description),
+                resources: file_uri(&folder.join("resources")),
+                _files: files.clone(),
+            })
+        }))
+    }
+
+    /// What the FMU says about itself.
+    #[must_use]
+    pub fn description(&self) -> &ModelDescription {
+        &self.unpacked.description
+    }
+
+    /// The file it was opened from.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.unpacked.path
+    }
+
+    /// The unpacked files, for someone who wants to choose when they are removed.
+    #[must_use]
+    pub fn files(&self) -> Files {
+        self.unpacked.files.clone()
+    }
+
+    /// Creates an instance; loads the library if need be.
+    ///
+    /// # Errors
+    /// When the library cannot be used, or the FMU refuses, with what it logged.
+    pub fn instantiate(&self, name: &str) -> Result<Instance, CallError> {
+        let loaded = self.loaded().map_err(|source| CallError::Load(Box::new(source)))?;
+        Instance::new(Arc::clone(loaded), name)
+    }
+}
+
+impl std::fmt::Debug for Fmu {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Fmu").field("path", &self.unpacked.path).finish_non_exhaustive()
     }
 }
 
@@ -232,8 +261,16 @@ fn description(path: &Path, archive: &mut Archive) -> Result<ModelDescription, F
 }
 
 /// The folders of this platform that have the library, the usual one first, and its name in the archive.
-fn libraries(path: &Path, archive: &Archive, identifier: &str) -> Result<Vec<(&'static str, String)>, FmuError> {
+fn candidates(
+    path: &Path,
+    archive: &Archive,
+    description: &ModelDescription,
+) -> Result<Vec<(&'static str, String)>, FmuError> {
     const SHOWN: usize = 10;
+    let Some(interface) = &description.co_simulation else {
+        return Err(FmuError::NotCoSimulation { path: path.to_owned() });
+    };
+    let identifier = &interface.model_identifier;
     let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
     let entry = |platform: &str| format!("binaries/{platform}/{file}");
     let found: Vec<_> =

@@ -30,6 +30,7 @@ pub mod description;
 #[doc(hidden)]
 pub mod document;
 mod error;
+mod floating_point;
 mod fmu;
 mod instance;
 mod library;
@@ -42,7 +43,7 @@ pub use archive::ArchiveError;
 pub use description::{Causality, DescriptionError, Initial, ModelDescription, Variability, Variable, VariableType};
 pub use document::XmlError;
 pub use error::{CallError, FmuError};
-pub use fmu::{Contents, Fmu, Unpacked};
+pub use fmu::{Contents, Files, Fmu};
 pub use instance::{Experiment, Instance, LogMessage, SavedState};
 pub use library::{LibraryError, Status, ValueReference};
 pub use platform::platform;

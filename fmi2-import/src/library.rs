@@ -8,6 +8,8 @@ use std::path::Path;
 
 use libloading::Library;
 
+use crate::floating_point::guarded;
+
 /// `fmi2Component`: the slave's own handle of an instance.
 pub type Component = *mut c_void;
 /// `fmi2FMUstate`: the slave's own handle of a saved state.
@@ -206,11 +208,11 @@ impl Functions {
     ///
     /// # Errors
     /// When the system cannot load it, a required function is absent, or it was built for another FMI. A file that is cut
-    /// off can kill the process: [`Unpacked::of`](crate::Unpacked::of) looks at it first.
+    /// off can kill the process: [`Fmu::unpack`](crate::Fmu::unpack) looks at it first.
     pub fn load(path: &Path) -> Result<Self, LibraryError> {
-        let functions = Self::of(open(path)?)?;
+        let functions = Self::of(guarded(|| open(path))?)?;
         // SAFETY: both functions take nothing and return a static C string.
-        let inquire = |function: unsafe extern "C" fn() -> *const c_char| unsafe { text(function()) };
+        let inquire = |function: unsafe extern "C" fn() -> *const c_char| guarded(|| unsafe { text(function()) });
         let expect = |function, found: String, expected: &'static str, fits: bool| {
             if fits { Ok(()) } else { Err(LibraryError::Incompatible { function, found, expected }) }
         };

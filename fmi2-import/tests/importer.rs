@@ -182,7 +182,7 @@ fn what_is_no_usable_fmu_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.fmu");
     let expect = |expected: &str| {
-        let message = Fmu::open(&path).err().expect("must not open").to_string();
+        let message = Fmu::open(&path).expect_err("must not open").to_string();
         assert!(message.contains(expected) && message.contains("x.fmu"), "{message:?} should contain {expected:?}");
     };
     expect("cannot read");
@@ -227,7 +227,7 @@ fn a_library_without_a_needed_function_is_refused() {
         return;
     };
     archive(&path, &[("modelDescription.xml", description("Lag").as_bytes()), ("binaries/linux64/Lag.so", &other)]);
-    let message = Fmu::open(&path).err().unwrap().to_string();
+    let message = Fmu::open(&path).unwrap_err().to_string();
     assert!(message.contains("lacks the function fmi2GetTypesPlatform"), "{message}");
 }
 
@@ -241,7 +241,7 @@ fn a_library_that_is_cut_off_is_refused_before_it_kills_us() {
     for parts in 1..8 {
         let library = &whole[..whole.len() / 8 * parts];
         archive(&path, &[("modelDescription.xml", lag.as_bytes()), ("binaries/linux64/Lag.so", library)]);
-        let message = Fmu::open(&path).err().unwrap().to_string();
+        let message = Fmu::open(&path).unwrap_err().to_string();
         // Debug information belongs to no segment: without it, the test program is whole, but no library.
         assert!(message.contains("it is cut off") || message.contains("cannot load it"), "{message}");
     }
@@ -286,7 +286,7 @@ fn a_library_for_another_machine_is_named_and_one_for_this_found() {
     let path = folder.path().join("x.fmu");
     let message = |library: &[u8]| {
         with_library(&path, library, &[]);
-        Fmu::open(&path).err().unwrap().to_string()
+        Fmu::open(&path).unwrap_err().to_string()
     };
     let mut foreign = lag.clone();
     foreign[18] = 183; // e_machine: AArch64
@@ -305,9 +305,7 @@ fn a_library_is_judged_without_being_loaded() {
     let path = folder.path().join("x.fmu");
     let check = |library: &[u8]| {
         with_library(&path, library, &[]);
-        fmi2_import::Unpacked::of(&path)
-            .and_then(|unpacked| unpacked.check_library())
-            .map_err(|error| error.to_string())
+        Fmu::check_library(&path).map_err(|error| error.to_string())
     };
     assert_eq!(check(&lag), Ok(()));
     assert!(check(b"no library").unwrap_err().ends_with("it is no shared library"));
@@ -332,9 +330,13 @@ fn archives_of_odd_packers_are_read_as_they_are_meant() {
         let table = PathBuf::from(resources.strip_prefix("file://").unwrap()).join("table.txt");
         assert_eq!(fs::read_to_string(table).unwrap(), "1 2 3", "{binary}");
     }
+    let twice = [("modelDescription.xml", description.as_bytes()), ("resources/a", b"1"), ("resources\\a", b"2")];
+    archive(&path, &twice);
+    let message = Fmu::open(&path).unwrap_err().to_string();
+    assert!(message.contains("\"resources/a\" and \"resources\\a\" are the same file"), "{message}");
     for evil in ["..\\outside.txt", "resources\\..\\..\\outside.txt", "\\outside.txt", "C:\\outside.txt"] {
         archive(&path, &[("modelDescription.xml", description.as_bytes()), (evil, b"evil")]);
-        let message = Fmu::open(&path).err().unwrap().to_string();
+        let message = Fmu::open(&path).unwrap_err().to_string();
         assert!(message.contains("points outside the archive"), "{evil}: {message}");
     }
 }
@@ -348,7 +350,7 @@ fn archives_that_grow_beyond_all_measure_are_refused() {
     let zeros = vec![0; 90 << 20];
     with_library(&path, &lag, &[("resources/zeros", &zeros)]);
     assert!(fs::metadata(&path).unwrap().len() < 1 << 20);
-    let message = Fmu::open(&path).err().unwrap().to_string();
+    let message = Fmu::open(&path).unwrap_err().to_string();
     assert!(message.contains("resources/zeros is too large; this tool unpacks at most"), "{message}");
     with_library(&path, &lag, &[("resources/zeros", &zeros[..60 << 20])]);
     assert!(Fmu::open(&path).is_ok());

@@ -1,5 +1,6 @@
 //! The zip archive that an `.fmu` file is (FMI 2.0.4, section 2.3).
 
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Cursor, Read, Write};
 use std::path::Path;
@@ -60,7 +61,12 @@ impl Archive {
             .last_modified_time(DateTime::default())
             .unix_permissions(0o644);
         let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        let mut taken: HashMap<String, &str> = HashMap::new();
         for (path, content) in &self.entries {
+            if let Some(other) = taken.insert(path.to_lowercase(), path) {
+                let message = format!("{other} and {path} are the same file on some systems; give one another name");
+                return Err(std::io::Error::other(message));
+            }
             zip.start_file(path.as_str(), options)?;
             zip.write_all(content)?;
         }

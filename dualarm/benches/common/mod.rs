@@ -134,7 +134,7 @@ pub enum Case {
     /// Two FMUs, coupled by hand.
     Coupled(Pair),
     /// The same two under the native master.
-    Master(Master, u32),
+    Master(Box<Master>, u32),
 }
 
 /// Steps of the coupled run that feeds the FMUs when they are measured alone, and of a measurement: the squeeze, from rest
@@ -174,7 +174,7 @@ impl Case {
                 let fmus = [open(folder, PLANT)?, open(folder, scenario.fmu)?];
                 let mut master = Master::new(&fmus, Coupling::GaussSeidel)?;
                 master.initialize(&TimeGrid::new(0.0, 1e6, STEP)?)?;
-                Self::Master(master, 0)
+                Self::Master(Box::new(master), 0)
             }
             _ => return Err(format!("no case {name}; there are {}", Self::NAMES.join(", ")).into()),
         })

@@ -87,11 +87,11 @@ pub fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
 }
 
-/// Builds the models in the repository at `root` and writes their `.fmu` files to `out`. `quiet` keeps cargo silent
-/// unless something fails; `progress` hears what is being done.
+/// Builds the models in the repository at `root` and writes their `.fmu` files to `out`, one after the other: whoever has
+/// others there wants a new folder. `quiet` keeps cargo silent unless something fails; `progress` hears what is being done.
 ///
 /// # Errors
-/// When a build or packaging step fails. Files in `out` are then as before.
+/// When a build or packaging step fails.
 pub fn package(
     root: &Path,
     out: &Path,
@@ -106,16 +106,14 @@ pub fn package(
 
     let write = |source| PackageError::Write { folder: out.to_owned(), source };
     fs::create_dir_all(out).map_err(write)?;
-    // Beside the destination, so that finished files only need to be renamed.
-    let folder = tempfile::Builder::new().prefix(".dualarm-").tempdir_in(out).map_err(write)?;
     for Built { model, library, program } in &built {
         progress(&format!("packaging {model}"));
-        let arguments = [OsStr::new("--library"), library.as_os_str(), OsStr::new("--out"), folder.path().as_os_str()];
+        let arguments = [OsStr::new("--library"), library.as_os_str(), OsStr::new("--out"), out.as_os_str()];
         run(&root.join(model), program, &arguments)?;
     }
 
     let mut fmus = Vec::new();
-    for entry in fs::read_dir(folder.path()).map_err(write)? {
+    for entry in fs::read_dir(out).map_err(write)? {
         let path = entry.map_err(write)?.path();
         if path.extension().is_some_and(|extension| extension == "fmu") {
             Fmu::read_description(&path)?;
@@ -123,11 +121,6 @@ pub fn package(
         }
     }
     fmus.sort();
-    for path in &mut fmus {
-        let target = out.join(path.file_name().unwrap_or_default());
-        fs::rename(&path, &target).map_err(write)?;
-        *path = target;
-    }
     Ok(fmus)
 }
 

@@ -35,6 +35,11 @@ impl ExperimentDocument {
     pub fn new(grid: &TimeGrid, coupling: Coupling, interval: f64) -> Self {
         Self { start: grid.start(), stop: grid.stop(), step: grid.step(), steps: grid.steps(), coupling, interval }
     }
+
+    /// The same after a run that did so many steps.
+    pub fn after(self, steps: u64) -> Self {
+        Self { steps, ..self }
+    }
 }
 
 /// Metrics under the names of their signals.

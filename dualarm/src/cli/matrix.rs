@@ -1,5 +1,6 @@
 //! `dualarm compare`: the matrix of controllers and cases.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use clap::Args;
@@ -39,8 +40,22 @@ impl MatrixChoice {
 
 /// The cases that a user names; all without names.
 pub fn cases(names: &[String]) -> Result<Vec<Case>, Failure> {
-    let found = if names.is_empty() { Case::all() } else { names.iter().map(|name| Case::find(name)).collect() };
-    found.map_err(Failure::from)
+    let found: Result<Vec<Case>, _> =
+        if names.is_empty() { Case::all() } else { names.iter().map(|name| Case::find(name)).collect() };
+    let found: Vec<Case> = found.map_err(Failure::from)?;
+    unique("cases", found.iter().map(|case| case.key.as_str()))?;
+    Ok(found)
+}
+
+/// Names of rows and columns tell them apart.
+fn unique<'a>(what: &str, mut keys: impl Iterator<Item = &'a str>) -> Result<(), Failure> {
+    let mut seen = HashSet::new();
+    match keys.find(|key| !seen.insert(*key)) {
+        None => Ok(()),
+        Some(key) => Err(Failure::usage(format!(
+            "two {what} are called {key}, and the results could not be told apart: name each once, and files differently"
+        ))),
+    }
 }
 
 /// Runs the cells, unless the user wants none.
@@ -54,6 +69,7 @@ pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Mat
     } else {
         choice.controllers.iter().map(|name| Contender::find(name)).collect::<Result<_, _>>()?
     };
+    unique("controllers", contenders.iter().map(|contender: &Contender| contender.key.as_str()))?;
     let bar = Progress::new(quiet).bar("matrix", (cases.len() * contenders.len()) as u64);
     let matrix = Matrix::run(&Lab::new(fmus), cases, contenders, &|| bar.inc(1))?;
     bar.finish_and_clear();

@@ -138,7 +138,7 @@ static LOST: OnceLock<io::Error> = OnceLock::new();
 /// Prints to standard output. A reader that has gone (`| head`) is no failure; anything else (a full disk) makes [`main`]
 /// fail in the end, when all else is done.
 fn print(text: &str) {
-    match process::standard_output().write_all(printable(text).as_bytes()) {
+    match process::write_to_standard_output(printable(text).as_bytes()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => drop(LOST.set(error)),
         _ => {}
     }
@@ -146,7 +146,7 @@ fn print(text: &str) {
 
 /// Prints a result, which must arrive: a reader that has gone makes [`main`] fail too.
 fn print_result(text: &str) {
-    if let Err(error) = process::standard_output().write_all(text.as_bytes()) {
+    if let Err(error) = process::write_to_standard_output(text.as_bytes()) {
         drop(LOST.set(error));
     }
 }
@@ -169,25 +169,51 @@ fn paragraph(message: &str) -> String {
 /// Runs the program with the process's arguments.
 #[must_use]
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
-    let at_work = process::prepare();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(answer) => return ExitCode::from(answer_without_work(&answer)),
+    };
+    ExitCode::from(process::run(|| work(arguments)))
+}
+
+/// Help, the version, or what is wrong with the arguments.
+fn answer_without_work(answer: &clap::Error) -> u8 {
+    let code = u8::try_from(answer.exit_code()).unwrap_or(2);
+    if answer.use_stderr() {
+        let _ = answer.print();
+        return code;
+    }
+    let arrived = process::check_standard_output().and_then(|()| answer.print()).and_then(|()| io::stdout().flush());
+    match arrived {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            print_error(&format!("error: {}\n", no_standard_output(&error)));
+            1
+        }
+        _ => code,
+    }
+}
+
+fn no_standard_output(error: &io::Error) -> String {
+    format!("cannot write to standard output: {error}")
+}
+
+/// Does what the arguments say; the exit code.
+fn work(arguments: Arguments) -> u8 {
     let result = run(arguments);
     let result = result.and_then(|()| match LOST.get() {
         Some(error) if error.kind() == io::ErrorKind::BrokenPipe => {
             Err(Failure::failed("the reader of standard output has gone before it had everything"))
         }
-        Some(error) => Err(Failure::failed(format!("cannot write to standard output: {error}"))),
+        Some(error) => Err(Failure::failed(no_standard_output(error))),
         None => Ok(()),
     });
-    let code = match result {
-        Ok(()) => ExitCode::SUCCESS,
+    match result {
+        Ok(()) => 0,
         Err(failure) => {
             print_error(&format!("error: {}\n", paragraph(&failure.message)));
-            ExitCode::from(failure.code)
+            failure.code
         }
-    };
-    drop(at_work);
-    code
+    }
 }
 
 fn run(arguments: Arguments) -> Result<(), Failure> {

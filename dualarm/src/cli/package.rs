@@ -1,5 +1,6 @@
 //! `dualarm package`
 
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -57,11 +58,20 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Builds the FMUs, composes the systems, and writes both to a folder.
+/// Builds the FMUs, composes the systems, and writes both to a folder. They belong together, so they appear there together.
 pub fn package_all(out: &Path, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
-    let mut written = package(repository(), out, quiet, &mut |doing| say(quiet, doing))?;
+    let apart = tempfile::tempdir()?;
+    let mut made = package(repository(), apart.path(), quiet, &mut |doing| say(quiet, doing))?;
     say(quiet, "composing the systems");
-    written.extend(systems::write_packages(out)?);
+    made.extend(systems::write_packages(apart.path())?);
+    let together = FileSet::new();
+    let mut written = Vec::new();
+    for file in made {
+        let target = out.join(file.file_name().unwrap_or_default());
+        together.write(&target, fs::read(&file)?)?;
+        written.push(target);
+    }
+    together.appear()?;
     Ok(written)
 }
 

@@ -2,29 +2,50 @@
 
 use std::borrow::Cow;
 
-/// Characters that make a terminal do something, or show a text in another order than it has.
-fn is_command(character: char) -> bool {
-    character.is_control()
-        || matches!(character, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+/// Characters that make a terminal do something, show a text in another order than it has, or cannot be seen, so that two
+/// names look alike: control and format characters, separators of lines, fillers, selectors of variants, and what
+/// Unicode has not assigned. Letters of all scripts, their accents and spaces stay.
+fn is_unwanted(character: char) -> bool {
+    if character.is_ascii() {
+        return character.is_ascii_control();
+    }
+    let is_space = matches!(character, '\u{a0}' | '\u{2000}'..='\u{200a}' | '\u{202f}' | '\u{205f}' | '\u{3000}');
+    let is_blank = matches!(
+        character,
+        '\u{34f}'
+            | '\u{115f}'
+            | '\u{1160}'
+            | '\u{17b4}'
+            | '\u{17b5}'
+            | '\u{180b}'..='\u{180f}'
+            | '\u{2800}'
+            | '\u{3164}'
+            | '\u{fe00}'..='\u{fe0f}'
+            | '\u{ffa0}'
+            | '\u{e0100}'..='\u{e01ef}'
+    );
+    // What the standard library would not print, as the second character of a text, so that accents stay.
+    let is_shown = || [' ', character].iter().collect::<String>().escape_debug().count() == 2;
+    is_blank || !(is_space || is_shown())
 }
 
 /// The text with control characters, other than line ends and tabs, in a form to be read: `\u{1b}`.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    escaped(text, |character| is_command(character) && !matches!(character, '\n' | '\t'))
+    escaped(text, |character| is_unwanted(character) && !matches!(character, '\n' | '\t'))
 }
 
 /// The same for what has to stay on one line.
 pub fn one_line(text: &str) -> Cow<'_, str> {
-    escaped(text, is_command)
+    escaped(text, is_unwanted)
 }
 
-fn escaped(text: &str, is_unwanted: impl Fn(char) -> bool) -> Cow<'_, str> {
-    if !text.contains(&is_unwanted) {
+fn escaped(text: &str, is_replaced: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_replaced) {
         return text.into();
     }
     let mut result = String::with_capacity(text.len());
     for character in text.chars() {
-        if is_unwanted(character) {
+        if is_replaced(character) {
             result.extend(character.escape_default());
         } else {
             result.push(character);
@@ -36,14 +57,16 @@ fn escaped(text: &str, is_unwanted: impl Fn(char) -> bool) -> Cow<'_, str> {
 /// JSON with all control characters in JSON's own escapes; it allows some of them as they are.
 pub fn printable_json(text: &str) -> Cow<'_, str> {
     use std::fmt::Write;
-    let is_unwanted = |character: char| is_command(character) && character != '\n';
-    if !text.contains(is_unwanted) {
+    let is_replaced = |character: char| is_unwanted(character) && character != '\n';
+    if !text.contains(is_replaced) {
         return text.into();
     }
     let mut result = String::with_capacity(text.len());
     for character in text.chars() {
-        if is_unwanted(character) {
-            let _ = write!(result, "\\u{:04x}", u32::from(character));
+        if is_replaced(character) {
+            for unit in character.encode_utf16(&mut [0; 2]) {
+                let _ = write!(result, "\\u{unit:04x}");
+            }
         } else {
             result.push(character);
         }
@@ -62,8 +85,17 @@ mod tests {
             "größer\t\\u{1b}[2J\\r\n\\u{7f}\\u{9b}1m\\u{202e}"
         );
         assert_eq!(one_line("a\nb"), "a\\nb");
+        for hidden in
+            "\u{ad}\u{61c}\u{200b}\u{200d}\u{2028}\u{2029}\u{2060}\u{2066}\u{feff}\u{fff9}\u{e0041}\u{e000}\u{3164}"
+                .chars()
+        {
+            assert!(one_line(&format!("a{hidden}b")).is_ascii(), "{hidden:?}");
+        }
+        let shown = "τ₁ = 3 N·m, 20 °C, Größe, e\u{301}, 速度, हिन्दी, עברית, 😀, a\u{a0}b";
+        assert_eq!(one_line(shown), shown);
         assert!(matches!(printable("plain"), Cow::Borrowed("plain")));
         let json = printable_json("{\n\"a\": \"\u{9b}1m\u{7f}\"}").into_owned();
         assert_eq!(json, "{\n\"a\": \"\\u009b1m\\u007f\"}");
+        assert_eq!(printable_json("\u{e0001}\u{2028}"), "\\udb40\\udc01\\u2028");
     }
 }

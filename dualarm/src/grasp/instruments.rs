@@ -97,7 +97,7 @@ fn pairs(passage: Passage, description: &ModelDescription) -> impl Iterator<Item
 pub fn insert(system: &mut System, profiles: &[&Profile], fmus: &Path) -> Result<(), InstrumentsError> {
     for passage in [INSTRUMENTS, ACTUATORS] {
         if passage.place(&system.components).is_none() {
-            add(system, passage, Fmu::open(fmus.join(passage.fmu))?);
+            add(system, passage, Fmu::unpack(fmus.join(passage.fmu))?);
         }
     }
     connect(system)?;

@@ -3,7 +3,8 @@
 //! A [`NewFile`] is written beside its destination and moved there in the end; a [`FileSet`] does so for files that
 //! belong together. Links are followed, so what a link points to is renewed and the link stays; permissions and owner of
 //! a file that is renewed stay; pipes and devices are written to, never replaced. When the process is about to end
-//! early, [`abandon`] removes what is under construction.
+//! early, [`abandon`] removes what is under construction; when it ended without that, another process does so by
+//! [`clean_up_after`].
 
 mod place;
 mod set;
@@ -12,9 +13,9 @@ mod under_construction;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-pub use place::{absolute, are_same, is_standard_output, remember_current_folder};
+pub use place::{absolute, are_same, is_standard_output, remember_surroundings};
 pub use set::FileSet;
-pub use under_construction::abandon;
+pub use under_construction::{abandon, clean_up_after, keep_journal};
 
 use place::Place;
 use under_construction::Part;

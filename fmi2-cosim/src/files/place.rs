@@ -18,12 +18,32 @@ const LINKS: usize = 40;
 
 static CURRENT_FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
 
-/// From now on relative paths count from the folder that is the current one now, whatever a loaded library does to it.
-pub fn remember_current_folder() {
+/// From now on relative paths count from the folder that is the current one now, and new files have the permissions that
+/// they would have now, whatever a loaded library does to either. To be called before threads are started.
+pub fn remember_surroundings() {
     CURRENT_FOLDER.get_or_init(|| std::env::current_dir().ok());
+    #[cfg(unix)]
+    UMASK.get_or_init(|| {
+        // The system tells the mask only when it is given another one.
+        let mask = rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
+        rustix::process::umask(mask);
+        mask
+    });
 }
 
-/// The path as an absolute one; see [`remember_current_folder`].
+/// Which permissions new files of this process do not have; see [`remember_surroundings`].
+#[cfg(unix)]
+static UMASK: OnceLock<rustix::fs::Mode> = OnceLock::new();
+
+/// Makes new files have the permissions that the user wants.
+pub(super) fn usual_permissions() {
+    #[cfg(unix)]
+    if let Some(mask) = UMASK.get() {
+        rustix::process::umask(*mask);
+    }
+}
+
+/// The path as an absolute one; see [`remember_surroundings`].
 #[must_use]
 pub fn absolute(path: &Path) -> PathBuf {
     match CURRENT_FOLDER.get_or_init(|| std::env::current_dir().ok()) {

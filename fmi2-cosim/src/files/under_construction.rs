@@ -1,27 +1,80 @@
 //! Files that are not yet at their places, and what becomes of them when the process must end.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use tempfile::NamedTempFile;
 
-use super::place::out_of_the_way;
+use super::place::{out_of_the_way, usual_permissions};
 
-/// Paths of this process that lead nowhere if it ends now: files under construction, and folders made for them.
-static UNFINISHED: Mutex<Option<HashSet<PathBuf>>> = Mutex::new(None);
+/// Paths of this process that lead nowhere if it ends now: files under construction, and folders made for them. With each
+/// the entry of the journal that names it, if there is a journal.
+type Unfinished = HashMap<PathBuf, Option<PathBuf>>;
 
-fn unfinished() -> MutexGuard<'static, Option<HashSet<PathBuf>>> {
+static UNFINISHED: Mutex<Option<Unfinished>> = Mutex::new(None);
+/// The folder of the journal.
+static JOURNAL: OnceLock<PathBuf> = OnceLock::new();
+
+fn unfinished() -> MutexGuard<'static, Option<Unfinished>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes everything under construction, for a process that is about to end: files stay as they were. Waits for files
-/// that are being moved to their places, and lets none follow.
-pub fn abandon() {
-    let mut unfinished = unfinished();
-    let mut paths: Vec<_> = unfinished.take().unwrap_or_default().into_iter().collect();
+/// From now on this process writes down what it has under construction, in an existing folder, so that another process can
+/// remove it with [`clean_up_after`] if this one ends without a chance to.
+pub fn keep_journal(folder: PathBuf) {
+    JOURNAL.get_or_init(|| folder);
+}
+
+/// Removes what a process that has ended left under construction, by its journal.
+pub fn clean_up_after(journal: &Path) {
+    let Ok(entries) = fs::read_dir(journal) else { return };
+    let read = |entry: io::Result<fs::DirEntry>| Some(path_of(fs::read(entry.ok()?.path()).ok()?));
+    remove(entries.filter_map(read).collect());
+}
+
+/// Adds a path to what is under construction.
+fn begun(unfinished: &mut Option<Unfinished>, path: PathBuf) {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    let entry = JOURNAL.get().map(|journal| journal.join(NEXT.fetch_add(1, Ordering::Relaxed).to_string()));
+    // Without an entry the file is only removed by this process.
+    let entry = entry.filter(|entry| fs::write(entry, bytes_of(&path)).is_ok());
+    unfinished.get_or_insert_default().insert(path, entry);
+}
+
+/// Takes a path from what is under construction.
+fn ended(path: &Path) {
+    let entry = unfinished().as_mut().and_then(|unfinished| unfinished.remove(path));
+    if let Some(Some(entry)) = entry {
+        let _ = fs::remove_file(entry);
+    }
+}
+
+#[cfg(unix)]
+fn bytes_of(path: &Path) -> &[u8] {
+    std::os::unix::ffi::OsStrExt::as_bytes(path.as_os_str())
+}
+
+#[cfg(unix)]
+fn path_of(bytes: Vec<u8>) -> PathBuf {
+    PathBuf::from(<std::ffi::OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes))
+}
+
+#[cfg(not(unix))]
+fn bytes_of(path: &Path) -> &[u8] {
+    path.to_str().unwrap_or_default().as_bytes()
+}
+
+#[cfg(not(unix))]
+fn path_of(bytes: Vec<u8>) -> PathBuf {
+    String::from_utf8_lossy(&bytes).into_owned().into()
+}
+
+/// Removes files, and folders that are empty then.
+fn remove(mut paths: Vec<PathBuf>) {
     // What is inside a folder comes before the folder.
     paths.sort_unstable_by_key(|path| std::cmp::Reverse(path.components().count()));
     for path in &paths {
@@ -29,6 +82,13 @@ pub fn abandon() {
             let _ = fs::remove_dir(path);
         }
     }
+}
+
+/// Removes everything under construction, for a process that is about to end: files stay as they were. Waits for files
+/// that are being moved to their places, and lets none follow.
+pub fn abandon() {
+    let mut unfinished = unfinished();
+    remove(unfinished.take().unwrap_or_default().into_keys().collect());
     // No file is begun or moved until the process has ended.
     std::mem::forget(unfinished);
 }
@@ -73,7 +133,7 @@ impl Part {
             Err(error) => return Err(error),
         };
         let beside = part.path().parent() == Some(folder.as_path());
-        unfinished().get_or_insert_default().insert(part.path().to_owned());
+        begun(&mut unfinished(), part.path().to_owned());
         let way = match (existing, opened) {
             (Some(existing), Some(opened)) if !beside || !can_stand_for(&part, &existing) => Way::Fill(opened),
             _ => Way::Rename,
@@ -176,6 +236,7 @@ fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTemp
         let mode = existing.map_or(0o666, |existing| existing.permissions().mode() & 0o666);
         builder.permissions(fs::Permissions::from_mode(mode));
     }
+    usual_permissions();
     let (file, path) = builder.tempfile_in(folder)?.into_parts();
     Ok(NamedTempFile::from_parts(out_of_the_way(file), path))
 }
@@ -210,7 +271,10 @@ impl Folders {
     fn create(folder: &Path) -> io::Result<Self> {
         let missing = folder.ancestors().take_while(|folder| !folder.exists()).map(Path::to_owned);
         let folders = Self { made: missing.collect(), are_used: false };
-        unfinished().get_or_insert_default().extend(folders.made.iter().cloned());
+        for folder in &folders.made {
+            begun(&mut unfinished(), folder.clone());
+        }
+        usual_permissions();
         fs::create_dir_all(folder)?;
         Ok(folders)
     }
@@ -218,9 +282,7 @@ impl Folders {
 
 impl Drop for Part {
     fn drop(&mut self) {
-        if let Some(unfinished) = &mut *unfinished() {
-            unfinished.remove(self.file.path());
-        }
+        ended(self.file.path());
     }
 }
 
@@ -230,9 +292,7 @@ impl Drop for Folders {
             if !self.are_used {
                 let _ = fs::remove_dir(folder);
             }
-            if let Some(unfinished) = &mut *unfinished() {
-                unfinished.remove(folder);
-            }
+            ended(folder);
         }
     }
 }

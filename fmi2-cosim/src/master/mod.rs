@@ -33,6 +33,7 @@ mod steps;
 
 use std::collections::{HashMap, HashSet};
 
+use crate::grid::TimeGrid;
 use crate::names::free_name;
 use crate::record::{Column, Kind};
 use crate::settings::{self, Place, Setting, SettingError};
@@ -72,6 +73,8 @@ pub struct Master {
     /// Relative tolerance for every component, instead of its own.
     tolerance: Option<f64>,
     recording: Recording,
+    /// Steps of the run that are done.
+    steps: u64,
     /// Inputs are already those of the current communication point. Exchanging a second time would give a Jacobi
     /// coupling the commands it must see one step later.
     exchanged: bool,
@@ -106,15 +109,13 @@ impl Master {
     /// When a wire names a component or a variable that is not there.
     pub fn with_wires(named: &[(String, Fmu)], wires: Vec<Wire>, coupling: Coupling) -> Result<Self, MasterError> {
         check_instances(named)?;
-        let variable = |terminal: Terminal| &named[terminal.component].1.description().variables[terminal.variable];
-        let mut drivers: Vec<HashMap<usize, String>> = vec![HashMap::new(); named.len()];
-        for wire in &wires {
-            let driver = format!("{}.{}", named[wire.from.component].0, variable(wire.from).name);
-            drivers[wire.to.component].insert(wire.to.variable, driver);
+        // All libraries before the first instance: one that cannot be loaded stops everything before any has begun to work.
+        for (_, fmu) in named {
+            fmu.load().map_err(|source| CallError::Load(Box::new(source)))?;
         }
         let mut components: Vec<Slave> = Vec::with_capacity(named.len());
-        for ((name, fmu), drivers) in named.iter().zip(drivers) {
-            components.push(Slave { name: name.clone(), instance: fmu.instantiate(name)?, drivers });
+        for Draft { name, fmu, drivers } in drafts(named, &wires) {
+            components.push(Slave { name: name.to_owned(), instance: fmu.instantiate(name)?, drivers });
         }
         let descriptions: Vec<_> = named.iter().map(|(_, fmu)| fmu.description()).collect();
         let buses = Buses::new(&descriptions, &wires);
@@ -129,6 +130,7 @@ impl Master {
             warnings: Vec::new(),
             tolerance: None,
             recording: Recording::default(),
+            steps: 0,
             exchanged: false,
         })
     }
@@ -162,9 +164,35 @@ impl Master {
     /// # Errors
     /// When there is no such variable, it is not the user's to set, the value does not fit or the FMU refuses it.
     pub fn apply(&mut self, setting: &Setting) -> Result<(), SettingError> {
-        let set = settings::apply(setting, &mut self.components)?;
-        self.drives.retain(|drive| !set.iter().any(|(place, _)| *place == (drive.component, drive.variable)));
-        self.settings.extend(set);
+        for (place, value) in settings::check(setting, &self.components)? {
+            self.set(place, value)?;
+        }
+        Ok(())
+    }
+
+    /// Sets one variable before initialisation, as [`Master::apply`] does.
+    ///
+    /// # Errors
+    /// When it is not the user's to set, the value does not fit or the FMU refuses it.
+    ///
+    /// # Panics
+    /// When there is no such component or variable.
+    pub fn assign(&mut self, Terminal { component, variable }: Terminal, value: &Value) -> Result<(), SettingError> {
+        let place = (component, variable);
+        let value = settings::check_one(place, value, &self.components)?;
+        self.set(place, value)
+    }
+
+    fn set(&mut self, place: Place, value: Value) -> Result<(), SettingError> {
+        let Slave { name, instance, .. } = &mut self.components[place.0];
+        let description = instance.shared_description();
+        let variable = &description.variables[place.1];
+        if let Err(source) = instance.set(variable, &value) {
+            let setting = Setting::new(format!("{name}.{}", variable.name), value);
+            return Err(SettingError::Refused { setting, source: Box::new(source) });
+        }
+        self.drives.retain(|drive| (drive.component, drive.variable) != place);
+        self.settings.push((place, value));
         Ok(())
     }
 
@@ -207,7 +235,14 @@ impl Master {
         self.remarks.extend(remarks);
     }
 
-    /// What a user should know about the run, apart from errors; known after [`Master::initialize`].
+    /// How many steps [`Master::run`] has completed.
+    #[must_use]
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+
+    /// What a user should know about the run, apart from errors; known after [`Master::initialize`], and more of it after
+    /// [`Master::run`].
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
@@ -235,15 +270,15 @@ impl Master {
     /// When an FMU refuses.
     pub fn texts(&mut self) -> Result<Vec<(String, String)>, CallError> {
         let mut wanted = Vec::new();
+        let mut names = HashSet::new();
         for (index, component) in self.components.iter().enumerate() {
             let description = component.instance.description();
             for variable in description.with_causality(Causality::Output) {
                 if Kind::of(variable.base_type()).is_none() {
-                    wanted.push((
-                        index,
-                        column_name(&self.described(), index, &variable.name),
-                        variable.value_reference,
-                    ));
+                    let name = column_name(&self.described(), index, &variable.name);
+                    let name = self.recording.free_name(&name, &names);
+                    names.insert(name.clone());
+                    wanted.push((index, name, variable.value_reference));
                 }
             }
         }
@@ -275,15 +310,66 @@ impl settings::Target for Slave {
     fn name(&self) -> &str {
         &self.name
     }
-    fn instance(&mut self) -> &mut Instance {
-        &mut self.instance
-    }
     fn description(&self) -> &ModelDescription {
         self.instance.description()
     }
     fn driven_by(&self, variable: usize) -> Option<&str> {
         self.drivers.get(&variable).map(String::as_str)
     }
+}
+
+/// A component that is to be, with what drives its inputs.
+pub(crate) struct Draft<'a> {
+    name: &'a str,
+    fmu: &'a Fmu,
+    drivers: HashMap<usize, String>,
+}
+
+/// The components that these FMUs and wires will make.
+pub(crate) fn drafts<'a>(named: &'a [(String, Fmu)], wires: &[Wire]) -> Vec<Draft<'a>> {
+    let draft = |(name, fmu): &'a (String, Fmu)| Draft { name, fmu, drivers: HashMap::new() };
+    let mut drafts: Vec<_> = named.iter().map(draft).collect();
+    for wire in wires {
+        let (from, fmu) = &named[wire.from.component];
+        let driver = format!("{from}.{}", fmu.description().variables[wire.from.variable].name);
+        drafts[wire.to.component].drivers.insert(wire.to.variable, driver);
+    }
+    drafts
+}
+
+impl settings::Target for Draft<'_> {
+    fn name(&self) -> &str {
+        self.name
+    }
+    fn description(&self) -> &ModelDescription {
+        self.fmu.description()
+    }
+    fn driven_by(&self, variable: usize) -> Option<&str> {
+        self.drivers.get(&variable).map(String::as_str)
+    }
+}
+
+/// Whether all components can do the last step of a grid, which may be shorter than the others.
+///
+/// # Errors
+/// When one can only do steps of equal size.
+pub fn check_steps<'a>(
+    components: impl IntoIterator<Item = (&'a str, &'a ModelDescription)>,
+    grid: &TimeGrid,
+) -> Result<(), MasterError> {
+    for (name, description) in components {
+        let interface = description.co_simulation.as_ref();
+        if grid.has_shorter_last_step()
+            && interface.is_some_and(|interface| !interface.can_handle_variable_communication_step_size)
+        {
+            return Err(MasterError::UnequalSteps {
+                component: name.to_owned(),
+                duration: grid.stop() - grid.start(),
+                step: grid.step(),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// An FMU that allows one instance only must not be there twice.

@@ -9,6 +9,8 @@ use fmi2_import::{CallError, Causality, Instance, ModelDescription, ValueReferen
 /// The outputs that are recorded; one row holds component after component, reals, integers, Booleans.
 #[derive(Default)]
 pub(crate) struct Recording {
+    /// Names of the columns, and of the times.
+    names: HashSet<String>,
     ports: Vec<Port>,
     values: Vec<f64>,
 }
@@ -49,7 +51,12 @@ impl Recording {
             let (integers, booleans) = (vec![0; integer.len()], vec![false; boolean.len()]);
             ports.push(Port { real, integer, boolean, integers, booleans });
         }
-        (Self { ports, values: vec![0.0; columns.len()] }, columns)
+        (Self { names: taken, ports, values: vec![0.0; columns.len()] }, columns)
+    }
+
+    /// The name of an output that is no column, among those that are.
+    pub(crate) fn free_name(&self, name: &str, others: &HashSet<String>) -> String {
+        free_name(name, |name| self.names.contains(name) || others.contains(name))
     }
 
     /// The row that was read last.

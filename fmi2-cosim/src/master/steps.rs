@@ -1,6 +1,6 @@
 //! From the first exchange of signals to the last step.
 
-use super::{Coupling, Master, MasterError};
+use super::{Coupling, Master, MasterError, check_steps};
 use crate::grid::TimeGrid;
 use crate::record::{Schedule, Sink};
 use crate::system::is_tolerance;
@@ -16,18 +16,7 @@ impl Master {
     /// # Errors
     /// When an FMU refuses, or the signals do not settle.
     pub fn initialize(&mut self, grid: &TimeGrid) -> Result<(), MasterError> {
-        for component in &self.components {
-            let interface = component.instance.description().co_simulation.as_ref();
-            if grid.has_shorter_last_step()
-                && interface.is_some_and(|interface| !interface.can_handle_variable_communication_step_size)
-            {
-                return Err(MasterError::UnequalSteps {
-                    component: component.name.clone(),
-                    duration: grid.stop() - grid.start(),
-                    step: grid.step(),
-                });
-            }
-        }
+        check_steps(self.described(), grid)?;
         self.warnings.clone_from(&self.remarks);
         for drive in &mut self.drives {
             let component = &self.components[drive.component];
@@ -37,6 +26,12 @@ impl Master {
         for component in &mut self.components {
             let own = component.instance.description().default_experiment.tolerance;
             let tolerance = self.tolerance.or(own).filter(|tolerance| is_tolerance(*tolerance));
+            if let (Some(own), None) = (own, tolerance) {
+                let name = &component.name;
+                self.warnings.push(format!(
+                    "{name}: the tolerance of its default experiment, {own}, is no positive number; it is left to the FMU"
+                ));
+            }
             let experiment = Experiment { start: grid.start(), stop: Some(grid.stop()), tolerance };
             component.instance.setup_experiment(experiment)?;
             component.instance.enter_initialization_mode()?;
@@ -91,6 +86,7 @@ impl Master {
         progress: &mut dyn FnMut(u64),
     ) -> Result<(), MasterError> {
         const STEPS_PER_REPORT: u64 = 1024;
+        self.steps = 0;
         let mut schedule = Schedule::new(grid.start(), interval);
         for index in 0..grid.steps() {
             let (time, size) = (grid.time(index), grid.size(index));
@@ -104,6 +100,7 @@ impl Master {
                 }
                 return Err(error);
             }
+            self.steps = index + 1;
             if index % STEPS_PER_REPORT == 0 {
                 progress(index);
             }
@@ -203,9 +200,20 @@ impl Master {
     fn failure(&mut self, index: usize, time: f64, size: f64, source: CallError) -> MasterError {
         let component = &mut self.components[index];
         if source.status() == Some(Status::Discard) && component.instance.wants_to_end() {
-            let reached = component.instance.last_successful_time().filter(|reached| reached.is_finite());
-            let time = reached.unwrap_or(time).clamp(time, time + size);
-            return MasterError::Ended { time, component: component.name.clone(), source };
+            // Up to rounding of times.
+            let slack = 1e-6 * size;
+            let is_possible = |reached: &f64| (time - slack..=time + size + slack).contains(reached);
+            let said = component.instance.last_successful_time();
+            let reached = said.filter(is_possible).unwrap_or(time).clamp(time, time + size);
+            if let Some(said) = said.filter(|said| !is_possible(said)) {
+                self.warnings.push(format!(
+                    "{} says that it got to t = {said} s in the step from {time} s to {} s: that cannot be, and the values \
+                     count for {time} s",
+                    component.name,
+                    time + size
+                ));
+            }
+            return MasterError::Ended { time: reached, component: component.name.clone(), source };
         }
         MasterError::Step { time, source }
     }

@@ -123,7 +123,7 @@ impl Scenario {
         file::parse(file, text)
     }
 
-    /// Opens its FMUs: each where the file says, relative to the file's folder, or else in the folder `fmus`.
+    /// Unpacks its FMUs: each where the file says, relative to the file's folder, or else in the folder `fmus`.
     ///
     /// # Errors
     /// When one is not there or cannot be used.
@@ -137,7 +137,7 @@ impl Scenario {
             })
         };
         let paths = self.fmus.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-        let opened = Fmu::open_all(paths)?;
+        let opened = paths.into_iter().map(Fmu::unpack).collect::<Result<Vec<_>, _>>()?;
         let system = System::of_fmus(&opened);
         self.check_tables(&system)?;
         Ok(System {
@@ -160,7 +160,7 @@ impl Scenario {
                 let belongs = |variable: &Variable| (variable.causality == Causality::Input) == (table == "inputs");
                 if is_known && !meant.any(belongs) {
                     return Err(ScenarioError::Table {
-                        place: place.clone().unwrap_or_default(),
+                        place: place.as_ref().map(ToString::to_string).unwrap_or_default(),
                         name: item.target.clone(),
                         problem: if table == "inputs" { "no input" } else { "an input" },
                         table: other,

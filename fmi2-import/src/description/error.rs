@@ -30,6 +30,14 @@ pub enum DescriptionError {
         /// Line in the file.
         line: u32,
     },
+    /// Two definitions of one name that differ.
+    #[error("{what} \"{name}\" is defined in two ways")]
+    Contradiction {
+        /// What is defined.
+        what: &'static str,
+        /// Its name.
+        name: String,
+    },
     /// Two variables of one name.
     #[error("two variables are called \"{0}\"")]
     Duplicate(String),

@@ -1,6 +1,7 @@
 //! Derivatives of inputs and outputs, over time and by other variables.
 
 use super::{Instance, Result};
+use crate::floating_point::guarded;
 use crate::library::{Status, ValueReference};
 
 impl Instance {
@@ -24,7 +25,7 @@ impl Instance {
                 interface.provides_directional_derivative
             })?;
         // SAFETY: living component, arrays of the stated lengths.
-        let status = unsafe {
+        let status = guarded(|| unsafe {
             function(
                 self.component.as_ptr(),
                 unknowns.as_ptr(),
@@ -34,7 +35,7 @@ impl Instance {
                 seed.as_ptr(),
                 derivative.as_mut_ptr(),
             )
-        };
+        });
         self.check("fmi2GetDirectionalDerivative", status)
     }
 
@@ -57,9 +58,9 @@ impl Instance {
                 interface.can_interpolate_inputs
             })?;
         // SAFETY: living component, arrays of the stated length.
-        let status = unsafe {
+        let status = guarded(|| unsafe {
             function(self.component.as_ptr(), references.as_ptr(), references.len(), orders.as_ptr(), values.as_ptr())
-        };
+        });
         self.check("fmi2SetRealInputDerivatives", status)
     }
 
@@ -83,7 +84,7 @@ impl Instance {
                 interface.max_output_derivative_order >= highest
             })?;
         // SAFETY: living component, arrays of the stated length.
-        let status = unsafe {
+        let status = guarded(|| unsafe {
             function(
                 self.component.as_ptr(),
                 references.as_ptr(),
@@ -91,7 +92,7 @@ impl Instance {
                 orders.as_ptr(),
                 values.as_mut_ptr(),
             )
-        };
+        });
         self.check("fmi2GetRealOutputDerivatives", status)
     }
 }

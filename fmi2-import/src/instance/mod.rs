@@ -14,6 +14,7 @@ use std::time::Duration;
 
 use crate::description::{CoSimulation, ModelDescription};
 use crate::error::CallError;
+use crate::floating_point::guarded;
 use crate::fmu::Loaded;
 use crate::library::{CallbackFunctions, DO_STEP_STATUS, Functions, LAST_SUCCESSFUL_TIME, Status, TERMINATED};
 pub use log::LogMessage;
@@ -73,7 +74,7 @@ impl Instance {
         let callbacks = Box::new(log.callbacks());
         // SAFETY: all pointers are valid for the call, log and callbacks for the life of the instance. Logging is on, so
         // that errors can say why.
-        let component = unsafe {
+        let component = guarded(|| unsafe {
             (loaded.functions.instantiate)(
                 c_name.as_ptr(),
                 CO_SIMULATION,
@@ -83,7 +84,7 @@ impl Instance {
                 0,
                 1,
             )
-        };
+        });
         let Some(component) = NonNull::new(component) else {
             let messages = messages_of(&log, &loaded.description);
             return Err(CallError::Instantiate { instance: name.to_owned(), messages });
@@ -101,6 +102,12 @@ impl Instance {
     #[must_use]
     pub fn description(&self) -> &ModelDescription {
         &self.loaded.description
+    }
+
+    /// The same, for someone who goes on to call the instance.
+    #[must_use]
+    pub fn shared_description(&self) -> Arc<ModelDescription> {
+        Arc::clone(&self.loaded.description)
     }
 
     /// The newest messages of the slave, oldest first; they are forgotten here.
@@ -126,7 +133,8 @@ impl Instance {
         let pointers: Vec<_> = categories.iter().map(|category| category.as_ptr()).collect();
         let set = self.functions().set_debug_logging;
         // SAFETY: living component, as many C strings as stated, which live until the end of this function.
-        let status = unsafe { set(self.component.as_ptr(), c_int::from(on), pointers.len(), pointers.as_ptr()) };
+        let status =
+            guarded(|| unsafe { set(self.component.as_ptr(), c_int::from(on), pointers.len(), pointers.as_ptr()) });
         self.check("fmi2SetDebugLogging", status)
     }
 
@@ -139,7 +147,7 @@ impl Instance {
         let (with_stop, with_tolerance) = (c_int::from(stop.is_some()), c_int::from(tolerance.is_some()));
         let (stop, tolerance) = (stop.unwrap_or(0.0), tolerance.unwrap_or(0.0));
         // SAFETY: plain values, living component.
-        let status = unsafe {
+        let status = guarded(|| unsafe {
             (self.functions().setup_experiment)(
                 self.component.as_ptr(),
                 with_tolerance,
@@ -148,7 +156,7 @@ impl Instance {
                 with_stop,
                 stop,
             )
-        };
+        });
         self.check("fmi2SetupExperiment", status)
     }
 
@@ -158,7 +166,7 @@ impl Instance {
     /// When the slave refuses.
     pub fn enter_initialization_mode(&mut self) -> Result<Status> {
         // SAFETY: living component.
-        let status = unsafe { (self.functions().enter_initialization_mode)(self.component.as_ptr()) };
+        let status = guarded(|| unsafe { (self.functions().enter_initialization_mode)(self.component.as_ptr()) });
         self.check("fmi2EnterInitializationMode", status)
     }
 
@@ -168,7 +176,7 @@ impl Instance {
     /// When the slave refuses.
     pub fn exit_initialization_mode(&mut self) -> Result<Status> {
         // SAFETY: living component.
-        let status = unsafe { (self.functions().exit_initialization_mode)(self.component.as_ptr()) };
+        let status = guarded(|| unsafe { (self.functions().exit_initialization_mode)(self.component.as_ptr()) });
         let status = self.check("fmi2ExitInitializationMode", status)?;
         self.phase = Phase::Running;
         Ok(status)
@@ -181,7 +189,7 @@ impl Instance {
     #[inline]
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<Status> {
         // SAFETY: living component. No state before `time` will be restored.
-        let status = unsafe { (self.functions().do_step)(self.component.as_ptr(), time, step, 1) };
+        let status = guarded(|| unsafe { (self.functions().do_step)(self.component.as_ptr(), time, step, 1) });
         if status == 0 { Ok(Status::Ok) } else { self.incomplete_step(Status::from_c(status)) }
     }
 
@@ -197,7 +205,7 @@ impl Instance {
                 pause = LONGEST_PAUSE.min(pause * 2);
                 let mut now = 0;
                 // SAFETY: living component.
-                let answer = unsafe { get_status(self.component.as_ptr(), DO_STEP_STATUS, &raw mut now) };
+                let answer = guarded(|| unsafe { get_status(self.component.as_ptr(), DO_STEP_STATUS, &raw mut now) });
                 status = Status::from_c(if answer == 0 { now } else { answer });
             }
         }
@@ -211,7 +219,7 @@ impl Instance {
     pub fn terminate(&mut self) -> Result<Status> {
         self.phase = Phase::Over;
         // SAFETY: living component.
-        let status = unsafe { (self.functions().terminate)(self.component.as_ptr()) };
+        let status = guarded(|| unsafe { (self.functions().terminate)(self.component.as_ptr()) });
         self.check("fmi2Terminate", status)
     }
 
@@ -221,7 +229,7 @@ impl Instance {
     /// When the slave refuses.
     pub fn reset(&mut self) -> Result<Status> {
         // SAFETY: living component.
-        let status = unsafe { (self.functions().reset)(self.component.as_ptr()) };
+        let status = guarded(|| unsafe { (self.functions().reset)(self.component.as_ptr()) });
         let status = self.check("fmi2Reset", status)?;
         self.phase = Phase::Setup;
         Ok(status)
@@ -230,10 +238,10 @@ impl Instance {
     /// After a discarded step: whether the slave wants the simulation to end.
     pub fn wants_to_end(&mut self) -> bool {
         let mut value = 0;
+        let Some(function) = self.functions().get_boolean_status else { return false };
         // SAFETY: living component.
-        self.functions().get_boolean_status.is_some_and(|function| unsafe {
-            function(self.component.as_ptr(), TERMINATED, &raw mut value) == 0 && value != 0
-        })
+        let status = guarded(|| unsafe { function(self.component.as_ptr(), TERMINATED, &raw mut value) });
+        status == 0 && value != 0
     }
 
     /// After a discarded step: the time up to which the slave got.
@@ -241,7 +249,7 @@ impl Instance {
         let mut value = 0.0;
         let function = self.functions().get_real_status?;
         // SAFETY: living component.
-        let status = unsafe { function(self.component.as_ptr(), LAST_SUCCESSFUL_TIME, &raw mut value) };
+        let status = guarded(|| unsafe { function(self.component.as_ptr(), LAST_SUCCESSFUL_TIME, &raw mut value) });
         (status == 0).then_some(value)
     }
 
@@ -282,14 +290,14 @@ impl Instance {
 impl Drop for Instance {
     fn drop(&mut self) {
         // SAFETY: living component; after Fatal the standard forbids every call.
-        unsafe {
+        guarded(|| unsafe {
             if self.phase == Phase::Running {
                 (self.functions().terminate)(self.component.as_ptr());
             }
             if self.phase != Phase::Lost {
                 (self.functions().free_instance)(self.component.as_ptr());
             }
-        }
+        });
     }
 }
 

@@ -5,6 +5,7 @@ use std::ptr::{self, NonNull};
 
 use super::{Instance, Result};
 use crate::error::CallError;
+use crate::floating_point::guarded;
 use crate::library::Status;
 
 /// A state of an instance, saved inside the slave. Give it back with [`Instance::free_state`].
@@ -25,7 +26,7 @@ impl Instance {
         })?;
         let mut state = ptr::null_mut();
         // SAFETY: living component; a null state asks for a new one.
-        let status = unsafe { function(self.component.as_ptr(), &raw mut state) };
+        let status = guarded(|| unsafe { function(self.component.as_ptr(), &raw mut state) });
         self.check("fmi2GetFMUstate", status)?;
         Ok(SavedState { state, owner: self.component })
     }
@@ -40,7 +41,7 @@ impl Instance {
         })?;
         self.own(saved)?;
         // SAFETY: living component, its own state.
-        let status = unsafe { function(self.component.as_ptr(), saved.state) };
+        let status = guarded(|| unsafe { function(self.component.as_ptr(), saved.state) });
         self.check("fmi2SetFMUstate", status)
     }
 
@@ -56,7 +57,7 @@ impl Instance {
         self.own(&saved)?;
         let mut state = saved.state;
         // SAFETY: living component, its own state.
-        let status = unsafe { function(self.component.as_ptr(), &raw mut state) };
+        let status = guarded(|| unsafe { function(self.component.as_ptr(), &raw mut state) });
         self.check("fmi2FreeFMUstate", status)
     }
 
@@ -75,11 +76,11 @@ impl Instance {
         self.own(saved)?;
         let mut size = 0;
         // SAFETY: living component, its own state.
-        let status = unsafe { size_of(self.component.as_ptr(), saved.state, &raw mut size) };
+        let status = guarded(|| unsafe { size_of(self.component.as_ptr(), saved.state, &raw mut size) });
         self.check("fmi2SerializedFMUstateSize", status)?;
         let mut bytes = vec![0; size];
         // SAFETY: living component, its own state, an array of the stated length.
-        let status = unsafe { serialize(self.component.as_ptr(), saved.state, bytes.as_mut_ptr(), size) };
+        let status = guarded(|| unsafe { serialize(self.component.as_ptr(), saved.state, bytes.as_mut_ptr(), size) });
         self.check("fmi2SerializeFMUstate", status)?;
         Ok(bytes)
     }
@@ -95,7 +96,8 @@ impl Instance {
             })?;
         let mut state = ptr::null_mut();
         // SAFETY: living component, an array of the stated length.
-        let status = unsafe { function(self.component.as_ptr(), bytes.as_ptr(), bytes.len(), &raw mut state) };
+        let status =
+            guarded(|| unsafe { function(self.component.as_ptr(), bytes.as_ptr(), bytes.len(), &raw mut state) });
         self.check("fmi2DeSerializeFMUstate", status)?;
         Ok(SavedState { state, owner: self.component })
     }

@@ -6,6 +6,7 @@ use std::ptr;
 use super::{Instance, Result};
 use crate::description::{BaseType, Variable};
 use crate::error::CallError;
+use crate::floating_point::guarded;
 use crate::library::{Component, Status, ValueReference, text};
 use crate::value::Value;
 
@@ -215,7 +216,7 @@ impl Instance {
         if references.is_empty() {
             return Ok(Status::Ok);
         }
-        let status = call(self.component.as_ptr(), references.as_ptr(), references.len());
+        let status = guarded(|| call(self.component.as_ptr(), references.as_ptr(), references.len()));
         self.check(function, status)
     }
 }

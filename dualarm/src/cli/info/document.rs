@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use fmi2_import::description::{CoSimulation, Item};
-use fmi2_import::{Contents, Fmu, FmuError, Initial, ModelDescription, Unpacked, Variable as Described, VariableType};
+use fmi2_import::{Contents, Fmu, FmuError, Initial, ModelDescription, Variable as Described, VariableType};
 
 #[derive(Serialize)]
 #[allow(clippy::struct_excessive_bools)] // what JSON shows
@@ -167,11 +167,11 @@ fn obstacle(file: &Path, contents: &Contents, load: bool) -> Option<String> {
     if contents.description.co_simulation.is_none() {
         return Some("it has only the model exchange interface; this tool runs co-simulation FMUs".into());
     }
-    let look = Unpacked::of(file).and_then(|unpacked| {
-        unpacked.check_library()?;
-        if load { unpacked.load().map(drop) } else { Ok(()) }
-    });
-    match look {
+    let look = || {
+        Fmu::check_library(file)?;
+        if load { Fmu::open(file).map(drop) } else { Ok(()) }
+    };
+    match look() {
         Ok(()) => None,
         Err(FmuError::NoBinary { wanted, .. }) => Some(format!("it has no {wanted}")),
         Err(FmuError::Library { library, source, .. }) => Some(format!("{library}: {source}")),

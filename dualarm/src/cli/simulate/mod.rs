@@ -6,7 +6,6 @@ mod output;
 mod source;
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
@@ -14,12 +13,13 @@ use serde::Serialize;
 
 use super::fmus::FmuFolder;
 use super::instruments::InstrumentsChoice;
+use super::process::{self, TIME_TO_END};
 use super::progress::Progress;
-use super::{Failure, json, print, print_error, process};
+use super::{Failure, json, print, print_error};
 use crate::grasp::scenarios::BUILT_IN;
 use crate::grasp::{self, CONTROLLERS, GraspWatch};
 pub use experiment::grid;
-use fmi2_cosim::master::{Coupling, Master, MasterError};
+use fmi2_cosim::master::{Coupling, Master, MasterError, check_steps};
 use fmi2_cosim::record::Every;
 use fmi2_cosim::run::Run;
 use fmi2_cosim::settings::Setting;
@@ -114,9 +114,6 @@ impl From<CouplingName> for Coupling {
     }
 }
 
-/// FMUs that do not come back from their end within this time do not come back.
-const TIME_TO_END: Duration = Duration::from_secs(10);
-
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     if arguments.list {
         return list(arguments.json);
@@ -134,11 +131,16 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     system.experiment.tolerance = arguments.tolerance.or(system.experiment.tolerance);
     Output::check(arguments.output.as_deref(), &source::inputs(&arguments.what, &system))?;
     let run = experiment::run(arguments, &system)?;
+    system.overrides.clone_from(&arguments.settings);
+    let components = || system.components.iter().map(|(name, fmu)| (name.as_str(), fmu));
+    check_steps(components().map(|(name, fmu)| (name, fmu.description())), &run.grid)?;
+    // Their files are removed in the end, which is no matter of the FMUs.
+    let files: Vec<_> = components().map(|(_, fmu)| fmu.files()).collect();
     let mut master = system.master(run.coupling)?;
     let result = simulate(arguments, quiet, &system, &run, &mut master);
 
     // Everything there is to tell is told by now: code of FMUs may fail, hang or exit from here on.
-    let names: Vec<_> = system.components.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<_> = components().map(|(name, _)| name).collect();
     let complaint = match &result {
         Ok(()) => format!("{} did not end within {TIME_TO_END:?}; the results are complete", names.join(" or ")),
         Err(failure) => failure.message.clone(),
@@ -148,6 +150,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         drop(system);
         result.map(|()| log)
     });
+    drop(files);
     let log = ended?.map_err(|error| Failure::failed(format!("{error}; the results are complete")))?;
     if !quiet {
         outcome::print_warnings(&outcome::complaints(&log));
@@ -163,9 +166,6 @@ fn simulate(
     run: &Run,
     master: &mut Master,
 ) -> Result<(), Failure> {
-    for setting in &arguments.settings {
-        master.apply(setting).map_err(Failure::usage)?;
-    }
     let columns = master.record(|_| true);
     // Before the simulation: an unwritable place should not cost the time of a run.
     let output = Output::new(arguments.output.as_deref(), &columns)?;

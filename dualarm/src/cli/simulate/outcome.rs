@@ -113,7 +113,7 @@ impl Outcome {
             connections: connections
                 .map(|wire| Connection { from: terminal(wire.from), to: terminal(wire.to) })
                 .collect(),
-            experiment: ExperimentDocument::new(&run.grid, run.coupling, run.interval),
+            experiment: ExperimentDocument::new(&run.grid, run.coupling, run.interval).after(results.steps),
             wall_time: results.wall_time.as_secs_f64(),
             last: values.chain(texts).collect(),
             metrics: metrics.ok().map(MetricsDocument::from),
@@ -137,12 +137,13 @@ impl Outcome {
         let names: Vec<_> = self.components.iter().map(|component| component.name.as_str()).collect();
         let title = self.title.as_ref().map(|title| one_line(title).into_owned() + "\n").unwrap_or_default();
         let ExperimentDocument { steps, step, stop, .. } = &self.experiment;
+        let stop = self.ended.as_ref().map_or(stop, |end| &end.time);
         let mut text = format!(
             "{title}{}: {} signals connected, {steps} steps of {step} s up to t = {stop} s in {:.2} s ({:.2} µs per step)\n",
             one_line(&names.join(" + ")),
             self.connections.len(),
             self.wall_time,
-            1e6 * self.wall_time / *steps as f64
+            1e6 * self.wall_time / (*steps).max(1) as f64
         );
         text += &self.connected();
         if !self.texts.is_empty() {

@@ -70,6 +70,8 @@ impl Output {
     pub fn new(path: Option<&Path>, columns: &[Column]) -> Result<Self, Failure> {
         let Some(path) = path else { return Ok(Self::None) };
         if is_standard_output(path) {
+            process::check_standard_output()
+                .map_err(|error| Failure::failed(format!("cannot write to standard output: {error}")))?;
             let standard_output = process::standard_output();
             let mut sink = CsvSink::to(BufWriter::new(standard_output));
             let mut columns = columns.to_vec();

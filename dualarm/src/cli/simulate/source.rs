@@ -11,7 +11,7 @@ use fmi2_cosim::ssp::package::{is_ssp, split_variant};
 use fmi2_cosim::system::{System, SystemError};
 use fmi2_import::Fmu;
 
-/// Reads the description and opens the FMUs. `words` are what the user wrote without an option, `fmus` is the folder of
+/// Reads the description and unpacks the FMUs. `words` are what the user wrote without an option, `fmus` is the folder of
 /// the packaged FMUs.
 pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Result<System, Failure> {
     let controller = controller.and_then(Controller::find);
@@ -43,7 +43,8 @@ fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
         let message = format!("{} is a system of its own; it runs alone, without other files", package.display());
         return Err(Failure::usage(message));
     }
-    Ok(System::of_fmus(&Fmu::open_all(files)?))
+    let fmus = files.iter().map(Fmu::unpack).collect::<Result<Vec<_>, _>>()?;
+    Ok(System::of_fmus(&fmus))
 }
 
 /// The files that a run reads, which must stay as they are.

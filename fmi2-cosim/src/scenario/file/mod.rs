@@ -4,6 +4,7 @@ mod values;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use fmi2_import::document::Lines;
 use serde::Deserialize;
@@ -14,7 +15,7 @@ use crate::grid::GridError;
 use crate::master::Coupling;
 use crate::names::{closest, suggestion};
 use crate::settings::Setting;
-use crate::system::{Located, RunOptions, is_tolerance};
+use crate::system::{Located, RunOptions, SourceLine, is_tolerance};
 use values::{Constant, Input};
 
 #[derive(Deserialize)]
@@ -54,7 +55,8 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
     if read.fmus.is_empty() {
         return Err(content(0, "fmus names no file".to_owned()));
     }
-    let place = |offset: usize| Some(format!("{file}:{}", lines.line(offset)));
+    let name: Arc<str> = file.into();
+    let place = |offset: usize| Some(SourceLine { file: Arc::clone(&name), line: lines.line(offset) });
     let mut settings = Vec::new();
     for (name, value) in read.parameters {
         let place = place(value.span().start);
@@ -164,7 +166,7 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
         let settings: Vec<_> = scenario.settings.iter().map(|setting| setting.item.to_string()).collect();
         assert_eq!(settings, ["M=1.5", "Plant.on=true", "actuator_model=raw", "order=8"]);
         assert_eq!(scenario.held[0].item.to_string(), "u=0.25");
-        assert_eq!(scenario.settings[0].place.as_deref(), Some("x.toml:14"));
+        assert_eq!(scenario.settings[0].place.as_ref().unwrap().to_string(), "x.toml:14");
         let values: Vec<_> =
             scenario.inputs.iter().map(|input| (input.item.0.as_str(), input.item.1.at(0.75))).collect();
         assert_eq!(values, [("Plant.enable", 0.0), ("delta_F", 0.1), ("lambda1_ref", -0.575)]);

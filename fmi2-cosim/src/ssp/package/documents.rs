@@ -24,6 +24,7 @@ pub(super) struct Documents {
     pub zip: Archive,
     sets: HashMap<String, Arc<ParameterSet>>,
     mappings: HashMap<String, Arc<Vec<MappingEntry>>>,
+    places: HashMap<String, Arc<str>>,
 }
 
 impl Documents {
@@ -33,7 +34,7 @@ impl Documents {
             ArchiveError::UnsafeEntry(entry) => SspError::UnsafeEntry { path: path.to_owned(), entry },
             other => SspError::NotAZip { path: path.to_owned(), reason: other.to_string() },
         })?;
-        Ok(Self { path: path.to_owned(), zip, sets: HashMap::new(), mappings: HashMap::new() })
+        Ok(Self { path: path.to_owned(), zip, sets: HashMap::new(), mappings: HashMap::new(), places: HashMap::new() })
     }
 
     /// Content of an entry. When there is none, `wanted` says which document asks for it, and on which line.
@@ -102,9 +103,20 @@ impl Documents {
                     Some(mapping)
                 }
             };
-            sets.push(BoundSet { document: source, set, prefix: binding.prefix.clone(), mapping });
+            let place = self.place(&source);
+            sets.push(BoundSet { document: source, place, set, prefix: binding.prefix.clone(), mapping });
         }
         Ok(sets)
+    }
+
+    /// The name of a document in messages, one for all who name it.
+    fn place(&mut self, document: &str) -> Arc<str> {
+        if let Some(known) = self.places.get(document) {
+            return Arc::clone(known);
+        }
+        let place: Arc<str> = format!("{}, {document}", self.path.display()).into();
+        self.places.insert(document.to_owned(), Arc::clone(&place));
+        place
     }
 
     /// The entry that a relative URI means.

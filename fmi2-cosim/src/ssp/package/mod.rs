@@ -2,6 +2,7 @@
 
 mod documents;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::{self, Cursor, Write};
 use std::path::{Path, PathBuf};
@@ -13,11 +14,11 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::error::{DocumentError, SspError};
-use super::parameters::ParameterSet;
+use super::parameters::{Parameter, ParameterSet};
 use super::read;
 use super::resolve::{Resolved, resolve};
-use super::structure::{DefaultExperiment, Line, MappingEntry, SystemStructure};
-use crate::system::{self, Connections, System};
+use super::structure::{DefaultExperiment, MappingEntry, SystemStructure};
+use crate::system::{self, Connections, SourceLine, System};
 use documents::Documents;
 use fmi2_import::{Fmu, FmuError};
 
@@ -42,9 +43,23 @@ pub struct Package {
 pub(super) struct BoundSet {
     /// The document that has the parameters.
     pub document: String,
+    /// The same with the file, as messages name it.
+    pub place: Arc<str>,
     pub set: Arc<ParameterSet>,
     pub prefix: String,
     pub mapping: Option<Arc<Vec<MappingEntry>>>,
+}
+
+impl BoundSet {
+    /// The name that a parameter is applied to, without a mapping.
+    pub fn prefixed<'a>(&self, name: &'a str) -> Cow<'a, str> {
+        if self.prefix.is_empty() { name.into() } else { format!("{}{name}", self.prefix).into() }
+    }
+
+    /// Where a parameter stands.
+    pub fn line(&self, parameter: &Parameter) -> SourceLine {
+        SourceLine { file: Arc::clone(&self.place), line: parameter.line.0 as usize }
+    }
 }
 
 impl Package {
@@ -89,34 +104,38 @@ impl Package {
         Ok(Self { path, document, structure, component_sets, system_sets, fmus, _folder: folder })
     }
 
-    /// The file and the document in it, for messages.
-    pub(super) fn place(&self, document: &str, line: Line) -> String {
-        format!("{}, {document}:{}", self.path.display(), line.0)
-    }
-
     /// What the system consists of.
     #[must_use]
     pub fn structure(&self) -> &SystemStructure {
         &self.structure
     }
 
-    /// Loads the FMUs and finds the variables that the connections and parameters mean.
+    /// Unpacks the FMUs and finds the variables that the connections and parameters mean.
     ///
     /// # Errors
     /// When an FMU cannot be used, or a connection or a parameter does not fit the FMUs.
     pub fn system(&self) -> Result<System, SspError> {
         let components = self.open_fmus()?;
         let descriptions: Vec<_> = components.iter().map(|(_, fmu)| fmu.description()).collect();
-        let Resolved { wires, settings, remarks } = resolve(self, &descriptions)?;
+        let Resolved { wires, values, mut remarks } = resolve(self, &descriptions)?;
         let DefaultExperiment { start, stop, step, tolerance } = self.structure.experiment;
-        let tolerance = tolerance.filter(|tolerance| system::is_tolerance(*tolerance));
+        let usable = tolerance.filter(|tolerance| system::is_tolerance(*tolerance));
+        if let (Some(tolerance), None) = (tolerance, usable) {
+            remarks.push(format!(
+                "{}, {}: the relative tolerance {tolerance} is no positive number; each FMU has its own",
+                self.path.display(),
+                self.document
+            ));
+        }
         let description = self.structure.description.clone();
         Ok(System {
             title: Some(description.unwrap_or_else(|| self.structure.name.clone())),
             connections: Connections::Explicit(wires),
-            settings,
+            values,
+            settings: Vec::new(),
             inputs: Vec::new(),
-            experiment: system::RunOptions { start, stop, step, tolerance, ..system::RunOptions::default() },
+            overrides: Vec::new(),
+            experiment: system::RunOptions { start, stop, step, tolerance: usable, ..system::RunOptions::default() },
             remarks,
             components,
         })
@@ -128,7 +147,7 @@ impl Package {
         for (component, file) in self.structure.system.components.iter().zip(&self.fmus) {
             let fmu = match opened.get(file.as_path()) {
                 Some(fmu) => fmu.clone(),
-                None => Fmu::open(file).map_err(|source| self.fmu_error(&component.source, source))?,
+                None => Fmu::unpack(file).map_err(|source| self.fmu_error(&component.source, source))?,
             };
             opened.insert(file, fmu.clone());
             components.push((component.name.clone(), fmu));

@@ -3,13 +3,15 @@
 mod parameters;
 mod system;
 
+use std::collections::HashSet;
+
 use fmi2_import::document::{self, Lines};
 use roxmltree::{Document, Node};
 
 use super::error::DocumentError;
 use super::namespace;
 use super::parameters::ParameterSet;
-use super::structure::{DefaultExperiment, MappingEntry, Origin, SystemStructure};
+use super::structure::{DefaultExperiment, Line, MappingEntry, Origin, SystemStructure};
 use fmi2_import::description::{BASE_UNITS, Unit};
 use fmi2_import::xml::{child, line, listed, missing, number, optional, required};
 
@@ -84,7 +86,7 @@ fn version(node: Node) -> Result<()> {
 }
 
 fn units(node: Node) -> Result<Vec<Unit>> {
-    listed(node, "Units")
+    let units = listed(node, "Units")
         .map(|node| {
             let base = child(node, "BaseUnit").ok_or_else(|| missing(node, "the child <BaseUnit>"))?;
             let mut exponents = [0; 8];
@@ -100,7 +102,21 @@ fn units(node: Node) -> Result<Vec<Unit>> {
                 display_units: Vec::new(),
             })
         })
-        .collect()
+        .collect::<Result<Vec<_>>>()?;
+    unique("units", units.iter().map(|unit| (unit.name.as_str(), Line(line(node)))))?;
+    Ok(units)
+}
+
+/// Names by which others refer to these must be there once.
+fn unique<'a>(what: &str, mut named: impl Iterator<Item = (&'a str, Line)>) -> Result<()> {
+    let mut seen = HashSet::new();
+    match named.find(|(name, _)| !seen.insert(*name)) {
+        None => Ok(()),
+        Some((name, line)) => {
+            let problem = format!("two {what} are called \"{name}\"");
+            Err(DocumentError::Conflict { problem, line: line.0 })
+        }
+    }
 }
 
 /// The step size that `libcosim`, or else `OMSimulator`, would use.

@@ -3,7 +3,7 @@
 use fmi2_import::document::Lines;
 use roxmltree::Node;
 
-use super::{Result, named, origin, units, unsupported, version};
+use super::{Result, named, origin, unique, units, unsupported, version};
 use crate::ssp::error::DocumentError;
 use crate::ssp::namespace;
 use crate::ssp::parameters::{Parameter, ParameterSet, Reference};
@@ -20,10 +20,12 @@ pub(super) fn set(node: Node, lines: &Lines) -> Result<ParameterSet> {
         });
         Ok((required(node, "name")?.to_owned(), items.collect::<Result<_>>()?))
     };
+    let parameters = listed(node, "Parameters").map(|node| parameter(node, lines)).collect::<Result<Vec<_>>>()?;
+    unique("parameters of one set", parameters.iter().map(|parameter| (parameter.name.as_str(), parameter.line)))?;
     Ok(ParameterSet {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
-        parameters: listed(node, "Parameters").map(|node| parameter(node, lines)).collect::<Result<_>>()?,
+        parameters,
         enumerations: listed(node, "Enumerations").map(enumeration).collect::<Result<_>>()?,
         units: units(node)?,
         origin: origin(node),

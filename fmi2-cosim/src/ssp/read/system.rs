@@ -1,12 +1,9 @@
 //! `<System>` of an SSD: components, connectors, connections and bindings.
 
-use std::collections::HashSet;
-
 use fmi2_import::document::Lines;
 use roxmltree::Node;
 
-use super::{Result, named, parameters, unsupported};
-use crate::ssp::error::DocumentError;
+use super::{Result, named, parameters, unique, unsupported};
 use crate::ssp::structure::{
     Binding, Component, Connection, Connector, End, Extent, Kind, Line, Mapping, Point, System, Values,
 };
@@ -20,15 +17,11 @@ pub(super) fn read(node: Node, lines: &Lines) -> Result<System> {
         return Err(unsupported(dictionary, "signal dictionaries", "connect the components directly"));
     }
     let components = listed(node, "Elements").map(|node| component(node, lines)).collect::<Result<Vec<_>>>()?;
-    let mut seen = HashSet::new();
-    if let Some(twice) = components.iter().find(|component| !seen.insert(component.name.as_str())) {
-        let problem = format!("two components are called \"{}\"", twice.name);
-        return Err(DocumentError::Conflict { problem, line: twice.line.0 });
-    }
+    unique("components", components.iter().map(|component| (component.name.as_str(), component.line)))?;
     Ok(System {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
-        connectors: listed(node, "Connectors").map(|node| connector(node, lines)).collect::<Result<_>>()?,
+        connectors: connectors(node, lines)?,
         bindings: listed(node, "ParameterBindings").map(|node| binding(node, lines)).collect::<Result<_>>()?,
         components,
         connections: listed(node, "Connections").map(|node| connection(node, lines)).collect::<Result<_>>()?,
@@ -64,11 +57,17 @@ fn component(node: Node, lines: &Lines) -> Result<Component> {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
         source: required(node, "source")?.to_owned(),
-        connectors: listed(node, "Connectors").map(|node| connector(node, lines)).collect::<Result<_>>()?,
+        connectors: connectors(node, lines)?,
         extent: child(node, "ElementGeometry").map(extent).transpose()?,
         bindings: listed(node, "ParameterBindings").map(|node| binding(node, lines)).collect::<Result<_>>()?,
         line: Line(lines.of_node(node)),
     })
+}
+
+fn connectors(node: Node, lines: &Lines) -> Result<Vec<Connector>> {
+    let connectors = listed(node, "Connectors").map(|node| connector(node, lines)).collect::<Result<Vec<_>>>()?;
+    unique("connectors of one element", connectors.iter().map(|connector| (connector.name.as_str(), connector.line)))?;
+    Ok(connectors)
 }
 
 fn extent(node: Node) -> Result<Extent> {

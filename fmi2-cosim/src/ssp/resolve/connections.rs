@@ -6,7 +6,7 @@ use super::{Resolver, Result};
 use crate::names::best;
 use crate::ssp::error::DocumentError;
 use crate::ssp::structure::{Connection, Connector, End, Kind, Line};
-use crate::wiring::{Misfit, Terminal, Wire, fit};
+use crate::wiring::{Doubt, Doubts, Misfit, Terminal, Wire, fit};
 use fmi2_import::description::BaseType;
 use fmi2_import::{Causality, Variable};
 
@@ -16,7 +16,7 @@ pub(super) struct Connections<'a> {
     pub wires: Vec<Wire>,
     /// The variables behind each connector of the system.
     pub aliases: HashMap<&'a str, Vec<Terminal>>,
-    pub remarks: Vec<String>,
+    pub doubts: Doubts,
 }
 
 impl<'a> Resolver<'a> {
@@ -28,13 +28,15 @@ impl<'a> Resolver<'a> {
             let (end, end_kind) = self.end(&connection.end, connection.line)?;
             match (start, end) {
                 (Some(start), Some(end)) => {
-                    let (wire, remark) = self.wire(connection, (start, start_kind), (end, end_kind))?;
+                    let (wire, doubt) = self.wire(connection, (start, start_kind), (end, end_kind))?;
                     if !driven.insert(wire.to) {
                         let problem = format!("{} has two sources", self.name(wire.to));
                         return Err(DocumentError::Conflict { problem, line: connection.line.0 });
                     }
                     found.wires.push(wire);
-                    found.remarks.extend(remark);
+                    if let Some(doubt) = doubt {
+                        found.doubts.add(doubt, &self.name(wire.from), &self.name(wire.to));
+                    }
                 }
                 (None, Some(inside)) | (Some(inside), None) if start_kind == end_kind => {
                     let outside = if start.is_none() { &connection.start } else { &connection.end };
@@ -123,7 +125,7 @@ impl<'a> Resolver<'a> {
         connection: &Connection,
         start: (Terminal, Kind),
         end: (Terminal, Kind),
-    ) -> Result<(Wire, Option<String>)> {
+    ) -> Result<(Wire, Option<Doubt>)> {
         let line = connection.line.0;
         let (from, to) = match (start.1, end.1) {
             (Kind::Output, Kind::Input) => (start.0, end.0),
@@ -146,11 +148,10 @@ impl<'a> Resolver<'a> {
         };
         let in_units = |terminal: Terminal| (self.described(terminal), &self.units[terminal.component]);
         match fit(in_units(from), in_units(to)) {
-            Ok((conversion, remark)) => {
+            Ok((conversion, doubt)) => {
                 let conversion = conversion.filter(|_| !connection.suppress_unit_conversion);
-                let remark = remark.filter(|_| !connection.suppress_unit_conversion);
-                let remark = remark.map(|remark| format!("{} → {}: {remark}", self.name(from), self.name(to)));
-                Ok((Wire { from, to, conversion }, remark))
+                let doubt = doubt.filter(|_| !connection.suppress_unit_conversion);
+                Ok((Wire { from, to, conversion }, doubt))
             }
             Err(Misfit::Units(_)) if connection.suppress_unit_conversion => {
                 Ok((Wire { from, to, conversion: None }, None))

@@ -10,11 +10,10 @@ use std::sync::Arc;
 use super::error::{DocumentError, SspError};
 use super::package::{BoundSet, Package};
 use super::structure::{Component, Connector};
-use crate::settings::Setting;
 use crate::system::Located;
 use crate::units::Units;
 use crate::wiring::{Terminal, Wire};
-use fmi2_import::{ModelDescription, Variable};
+use fmi2_import::{ModelDescription, Value, Variable};
 use values::Values;
 
 /// Connections and values.
@@ -23,7 +22,7 @@ pub struct Resolved {
     /// Connections between components.
     pub wires: Vec<Wire>,
     /// Parameters and start values, each variable once.
-    pub settings: Vec<Located<Setting>>,
+    pub values: Vec<Located<(Terminal, Value)>>,
     /// Parameters that no variable is named after: the standard says to ignore them, their author may want to know.
     pub remarks: Vec<String>,
 }
@@ -37,7 +36,7 @@ pub fn resolve(package: &Package, descriptions: &[&ModelDescription]) -> std::re
     let units: Vec<_> = descriptions.iter().map(|description| Units::of(description)).collect();
     let resolver = Resolver::new(package, descriptions, &units);
     let connections = resolver.connections().map_err(|error| package.error(error))?;
-    let mut values = Values::driven_by(&connections.wires);
+    let mut values = Values::of(descriptions.len(), &connections.wires);
     for (index, description) in descriptions.iter().enumerate() {
         for bound in once_each(package.component_sets(index)) {
             resolver.apply(bound, &mut values, &|name| {
@@ -48,8 +47,8 @@ pub fn resolve(package: &Package, descriptions: &[&ModelDescription]) -> std::re
     for bound in once_each(package.system_sets()) {
         resolver.apply(bound, &mut values, &|name| resolver.hierarchical(name, &connections.aliases))?;
     }
-    let remarks = connections.remarks.into_iter().chain(values.remarks).collect();
-    Ok(Resolved { wires: connections.wires, settings: values.settings.into_iter().flatten().collect(), remarks })
+    let remarks = connections.doubts.into_remarks().into_iter().chain(values.remarks).collect();
+    Ok(Resolved { wires: connections.wires, values: values.found.into_iter().flatten().collect(), remarks })
 }
 
 /// The bindings without those that a later one repeats.

@@ -1,20 +1,22 @@
 //! What parameters mean: a value for each variable, in the variable's unit.
 
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use super::{Resolver, Result};
 use crate::names::best;
-use crate::settings::Setting;
 use crate::ssp::error::{DocumentError, SspError};
 use crate::ssp::package::BoundSet;
 use crate::ssp::parameters::Parameter;
+use crate::ssp::structure::MappingEntry;
 use crate::system::Located;
 use crate::units::{Conversion, Units};
 use crate::wiring::{Terminal, Wire};
 use fmi2_import::{Value, VariableType};
 
 /// Parameters that the bindings of a package may apply, each counted as often as it is bound.
-const MAX_APPLIED: usize = 10_000_000;
+const MAX_APPLIED: usize = 4_000_000;
 
 /// Factor and offset of a transformation, if there is one.
 type Linear = Option<(f64, f64)>;
@@ -23,17 +25,23 @@ type Linear = Option<(f64, f64)>;
 #[derive(Default)]
 pub(super) struct Values {
     driven: HashSet<Terminal>,
-    pub settings: Vec<Option<Located<Setting>>>,
-    latest: HashMap<Terminal, usize>,
+    pub found: Vec<Option<Located<(Terminal, Value)>>>,
+    /// Per component and variable, where its latest value is; of a component that has none, an empty list.
+    latest: Vec<Vec<Option<u32>>>,
     pub remarks: Vec<String>,
-    remarked: HashSet<(String, u32)>,
+    /// Documents, by the addresses of their names, and lines.
+    remarked: HashSet<(*const str, u32)>,
     applied: usize,
 }
 
 impl Values {
-    /// None yet, in a system whose wires drive these inputs.
-    pub fn driven_by(wires: &[Wire]) -> Self {
-        Self { driven: wires.iter().map(|wire| wire.to).collect(), ..Self::default() }
+    /// None yet, in a system of so many components whose wires drive these inputs.
+    pub fn of(components: usize, wires: &[Wire]) -> Self {
+        Self {
+            driven: wires.iter().map(|wire| wire.to).collect(),
+            latest: vec![Vec::new(); components],
+            ..Self::default()
+        }
     }
 }
 
@@ -67,8 +75,8 @@ impl Resolver<'_> {
         }
         for (name, parameter, linear) in parameters {
             let Some(meant) = find(&name) else {
-                if values.remarked.insert((bound.document.clone(), parameter.line.0)) {
-                    let place = self.package.place(&bound.document, parameter.line);
+                if values.remarked.insert((Arc::as_ptr(&bound.place), parameter.line.0)) {
+                    let place = bound.line(parameter);
                     values.remarks.push(format!("{place}: \"{name}\" names no variable; it is ignored"));
                 }
                 continue;
@@ -81,12 +89,16 @@ impl Resolver<'_> {
                 let value = self
                     .value(parameter, linear, &units, terminal)
                     .map_err(|error| self.package.error_in(&bound.document, error))?;
-                let place = Some(self.package.place(&bound.document, parameter.line));
-                let setting = Located { item: Setting::new(self.name(terminal), value), place };
-                if let Some(former) = values.latest.insert(terminal, values.settings.len()) {
-                    values.settings[former] = None;
+                let latest = &mut values.latest[terminal.component];
+                if latest.is_empty() {
+                    latest.resize(self.descriptions[terminal.component].variables.len(), None);
                 }
-                values.settings.push(Some(setting));
+                // There are at most MAX_APPLIED of them.
+                let next = u32::try_from(values.found.len()).unwrap_or(u32::MAX);
+                if let Some(former) = latest[terminal.variable].replace(next) {
+                    values.found[former as usize] = None;
+                }
+                values.found.push(Some(Located { item: (terminal, value), place: Some(bound.line(parameter)) }));
             }
         }
         Ok(())
@@ -124,15 +136,13 @@ impl Resolver<'_> {
 }
 
 /// The parameters of a set under the names they are applied to, with the transformation of the mapping.
-fn mapped(bound: &BoundSet) -> Vec<(String, &Parameter, Linear)> {
-    let prefixed = |name: &str| format!("{}{name}", bound.prefix);
+fn mapped(bound: &BoundSet) -> Vec<(Cow<'_, str>, &Parameter, Linear)> {
+    let parameters = &bound.set.parameters;
     let Some(entries) = &bound.mapping else {
-        return bound.set.parameters.iter().map(|parameter| (prefixed(&parameter.name), parameter, None)).collect();
+        return parameters.iter().map(|parameter| (bound.prefixed(&parameter.name), parameter, None)).collect();
     };
-    let parameters: HashMap<_, _> =
-        bound.set.parameters.iter().rev().map(|parameter| (prefixed(&parameter.name), parameter)).collect();
-    entries
-        .iter()
-        .filter_map(|entry| Some((entry.target.clone(), *parameters.get(&entry.source)?, entry.linear)))
-        .collect()
+    let by_name: HashMap<_, _> = parameters.iter().map(|parameter| (parameter.name.as_str(), parameter)).collect();
+    let source = |entry: &MappingEntry| by_name.get(entry.source.strip_prefix(&bound.prefix)?).copied();
+    let mapped = entries.iter().filter_map(|entry| Some((entry.target.as_str().into(), source(entry)?, entry.linear)));
+    mapped.collect()
 }

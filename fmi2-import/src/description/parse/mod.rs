@@ -42,6 +42,13 @@ impl ModelDescription {
         }
 
         let types = children(root, "TypeDefinitions", "SimpleType").map(type_definition).collect::<Result<Vec<_>>>()?;
+        let units = children(root, "UnitDefinitions", "Unit").map(unit).collect::<Result<Vec<_>>>()?;
+        consistent("the unit", units.iter().map(|unit| (unit.name.as_str(), unit)))?;
+        consistent("the type", types.iter().map(|kind| (kind.name.as_str(), (&kind.kind, &kind.items))))?;
+        for kind in &types {
+            let items = kind.items.iter().map(|item| (item.name.as_str(), item.value));
+            consistent("an item of an enumeration", items)?;
+        }
         let types_by_name: HashMap<_, _> = types.iter().map(|kind| kind.name.as_str()).zip(0..).collect();
         let known_types = (types.as_slice(), &types_by_name);
         let variables = children(root, "ModelVariables", "ScalarVariable")
@@ -75,7 +82,7 @@ impl ModelDescription {
             model_exchange: child(root, "ModelExchange")
                 .map(|node| required(node, "modelIdentifier").map(str::to_owned))
                 .transpose()?,
-            units: children(root, "UnitDefinitions", "Unit").map(unit).collect::<Result<_>>()?,
+            units,
             types,
             log_categories: children(root, "LogCategories", "Category")
                 .map(|node| Ok((required(node, "name")?.to_owned(), optional(node, "description"))))
@@ -93,6 +100,17 @@ impl ModelDescription {
             by_name,
         })
     }
+}
+
+/// Names are keys: whoever has one twice must mean the same.
+fn consistent<'a, T: PartialEq + Copy>(what: &'static str, named: impl Iterator<Item = (&'a str, T)>) -> Result<()> {
+    let mut known = HashMap::new();
+    for (name, meaning) in named {
+        if *known.entry(name).or_insert(meaning) != meaning {
+            return Err(DescriptionError::Contradiction { what, name: name.to_owned() });
+        }
+    }
+    Ok(())
 }
 
 fn co_simulation(node: Node) -> Result<CoSimulation> {
@@ -245,6 +263,9 @@ mod tests {
             ("valueReference=\"3\"", "valueReference=\"-3\"", "line 23: valueReference=\"-3\" is not a non-negative"),
             ("dependencies=\"1 2\"", "dependencies=\"1 7\"", "index of a variable"),
             ("name=\"on\"", "name=\"n\"", "two variables are called \"n\""),
+            ("<Unit name=\"N.m\">", "<Unit name=\"rad\">", "the unit \"rad\" is defined in two ways"),
+            ("<SimpleType name=\"Angle\">", "<SimpleType name=\"Mode\">", "the type \"Mode\" is defined in two ways"),
+            ("name=\"fast\"", "name=\"slow\"", "an item of an enumeration \"slow\" is defined in two ways"),
             ("start=\"true\"", "start=\"yes\"", "start=\"yes\" is not true or false"),
             ("<Real derivative=\"1\"/>", "", "\"arm.y[1]\" has no type"),
             ("</ModelVariables>", "", "well-formed"),

@@ -1,0 +1,151 @@
+//! What the tool keeps out of reach of the code that FMUs bring into its process: its standard output, its exit code,
+//! the meaning of relative paths; and what it cleans up when the process has to end early.
+//!
+//! On Unix all work is done by a second process, which the first one watches ([`supervisor`]): whatever code of an FMU does
+//! to the process it is in, somebody is left to say so, to remove what was under construction and to tell by the exit code.
+
+#[cfg(unix)]
+mod supervisor;
+#[cfg(unix)]
+mod worker;
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::Duration;
+
+use fmi2_cosim::files;
+
+use super::print_error;
+
+/// Code of FMUs that does not come back from its end within this time does not come back.
+pub const TIME_TO_END: Duration = Duration::from_secs(10);
+
+/// The standard output the process was started with.
+static STANDARD_OUTPUT: OnceLock<File> = OnceLock::new();
+/// There was none. By the time that `main` runs, the runtime of Rust has put the null device in its place.
+static HAD_NO_STANDARD_OUTPUT: AtomicBool = AtomicBool::new(false);
+/// Everything that is unpacked is unpacked in here.
+static TEMPORARY_FOLDER: OnceLock<PathBuf> = OnceLock::new();
+
+/// Does the tool's work, and gives its exit code, or that of what prevented it.
+pub fn run(work: impl FnOnce() -> u8) -> u8 {
+    files::remember_surroundings();
+    // Without a folder of its own the tool uses the common one: some commands need none at all.
+    if let Ok(folder) = tempfile::Builder::new().prefix("dualarm-").tempdir() {
+        let folder = TEMPORARY_FOLDER.get_or_init(|| folder.keep());
+        let _ = tempfile::env::override_temp_dir(folder);
+    }
+    #[cfg(unix)]
+    let code = supervisor::run(work);
+    #[cfg(not(unix))]
+    let code = work();
+    clean();
+    code
+}
+
+/// The folder in which the process that works names what it has under construction.
+#[cfg(unix)]
+fn journal() -> Option<PathBuf> {
+    TEMPORARY_FOLDER.get().map(|folder| folder.join("journal"))
+}
+
+/// The standard output of the process. What an FMU prints goes to standard error.
+pub fn standard_output() -> &'static File {
+    STANDARD_OUTPUT.get_or_init(standard_output_now)
+}
+
+/// Whether there is a standard output.
+///
+/// # Errors
+/// When the process was started without one.
+pub fn check_standard_output() -> io::Result<()> {
+    if HAD_NO_STANDARD_OUTPUT.load(Ordering::Relaxed) {
+        return Err(io::Error::other("it is closed"));
+    }
+    Ok(())
+}
+
+/// Writes to the standard output of the process.
+///
+/// # Errors
+/// When it does not take everything.
+pub fn write_to_standard_output(text: &[u8]) -> io::Result<()> {
+    if !text.is_empty() {
+        check_standard_output()?;
+        standard_output().write_all(text)?;
+    }
+    Ok(())
+}
+
+#[cfg(unix)]
+fn standard_output_now() -> File {
+    use std::os::fd::AsFd;
+    match std::io::stdout().as_fd().try_clone_to_owned() {
+        Ok(descriptor) => File::from(descriptor),
+        Err(error) => panic!("standard output cannot be used: {error}"),
+    }
+}
+
+#[cfg(windows)]
+fn standard_output_now() -> File {
+    use std::os::windows::io::AsHandle;
+    match std::io::stdout().as_handle().try_clone_to_owned() {
+        Ok(handle) => File::from(handle),
+        Err(error) => panic!("standard output cannot be used: {error}"),
+    }
+}
+
+/// Runs before `main` and before the runtime of Rust.
+#[cfg(any(target_os = "linux", target_os = "macos"))]
+#[used]
+#[cfg_attr(target_os = "linux", unsafe(link_section = ".init_array"))]
+#[cfg_attr(target_os = "macos", unsafe(link_section = "__DATA,__mod_init_func"))]
+static LOOK_AT_STANDARD_OUTPUT: extern "C" fn() = {
+    extern "C" fn look() {
+        // SAFETY: asks about a descriptor, which involves no memory.
+        if unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_GETFD) } == -1 {
+            HAD_NO_STANDARD_OUTPUT.store(true, Ordering::Relaxed);
+        }
+    }
+    look
+};
+
+/// Does something that FMUs may never come back from. After `limit` the process ends with exit code 1 and a complaint.
+pub fn within<T>(limit: Duration, complaint: &str, work: impl FnOnce() -> T) -> T {
+    let (is_done, wait) = mpsc::channel::<()>();
+    thread::scope(|scope| {
+        scope.spawn(move || {
+            if wait.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+                end(complaint);
+            }
+        });
+        let result = work();
+        drop(is_done);
+        result
+    })
+}
+
+/// Ends the process at once, without the destructors of loaded code.
+fn end(complaint: &str) -> ! {
+    print_error(&format!("error: {complaint}\n"));
+    files::abandon();
+    #[cfg(unix)]
+    worker::leave(1);
+    #[cfg(not(unix))]
+    {
+        clean();
+        std::process::exit(1)
+    }
+}
+
+/// Removes what only a running process needs.
+fn clean() {
+    if let Some(folder) = TEMPORARY_FOLDER.get() {
+        let _ = fs::remove_dir_all(folder);
+    }
+}

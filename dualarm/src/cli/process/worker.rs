@@ -1,0 +1,81 @@
+//! The process that works: loaded code runs in it.
+
+use std::fs::{self, File};
+use std::os::fd::{FromRawFd, OwnedFd, RawFd};
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::OnceLock;
+use std::thread;
+
+use fmi2_cosim::files;
+use signal_hook::iterator::Signals;
+
+use super::supervisor::{Outcome, unblock};
+use super::{STANDARD_OUTPUT, journal};
+
+/// Where the watching process finds the exit code.
+static OUTCOME: OnceLock<Outcome> = OnceLock::new();
+
+/// Code that closes files it did not open closes the first ones.
+const OUT_OF_THE_WAY: RawFd = 200;
+
+/// Exit code of a program in Rust that found a mistake in itself.
+const PANICKED: u8 = 101;
+
+/// Works, and tells the watching process that what happens from here on does not count.
+pub fn run(outcome: Outcome, work: impl FnOnce() -> u8) -> u8 {
+    let outcome = OUTCOME.get_or_init(|| outcome);
+    #[cfg(target_os = "linux")]
+    // SAFETY: asks for a signal when the watching process ends, which involves no memory.
+    unsafe {
+        libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM)
+    };
+    if let Some(journal) = journal()
+        && fs::create_dir(&journal).is_ok()
+    {
+        files::keep_journal(journal);
+    }
+    keep_standard_output();
+    end_when_interrupted();
+    let code = panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or(PANICKED);
+    outcome.set(code);
+    code
+}
+
+/// Ends the process without anybody's handlers.
+pub fn leave(code: u8) -> ! {
+    if let Some(outcome) = OUTCOME.get() {
+        outcome.set(code);
+    }
+    // SAFETY: ends the process.
+    unsafe { libc::_exit(code.into()) }
+}
+
+/// Takes standard output away from everybody else; what they print goes to standard error.
+fn keep_standard_output() {
+    // SAFETY: no memory is involved; nothing else owns the new descriptor.
+    let kept = [OUT_OF_THE_WAY, 3]
+        .into_iter()
+        .map(|least| unsafe { libc::fcntl(libc::STDOUT_FILENO, libc::F_DUPFD_CLOEXEC, least) })
+        .find(|descriptor| *descriptor >= 0);
+    let Some(kept) = kept else { return };
+    // SAFETY: as above.
+    let kept = File::from(unsafe { OwnedFd::from_raw_fd(kept) });
+    if STANDARD_OUTPUT.set(kept).is_ok() {
+        // SAFETY: as above.
+        unsafe { libc::dup2(libc::STDERR_FILENO, libc::STDOUT_FILENO) };
+    }
+}
+
+/// An interrupted process does not leave files half moved, and then dies of the signal. What it had under construction the
+/// watching process removes.
+fn end_when_interrupted() {
+    let signals = Signals::new(super::supervisor::heeded());
+    unblock();
+    let Ok(mut signals) = signals else { return };
+    thread::spawn(move || {
+        for signal in &mut signals {
+            files::abandon();
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    });
+}

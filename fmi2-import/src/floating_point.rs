@@ -1,0 +1,89 @@
+//! The floating-point environment of a thread, which foreign code may change: how results are rounded, whether small numbers
+//! become zero, whether an overflow raises a signal. A library that was compiled with `-ffast-math` changes it when it is
+//! loaded, others when they compute. What computes next, the host or another FMU, must not notice.
+
+/// Runs foreign code, and leaves the environment as it was before.
+#[inline]
+pub(crate) fn guarded<T>(foreign: impl FnOnce() -> T) -> T {
+    let before = control();
+    let result = foreign();
+    if control() != before {
+        restore(before);
+    }
+    result
+}
+
+/// What the environment is set to.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+fn control() -> u32 {
+    /// The lowest six bits say which exceptions there were: they come and go with every operation.
+    const SETTINGS: u32 = !0x3f;
+    let mut register = 0_u32;
+    // SAFETY: writes the register MXCSR to the given place, which has its size.
+    unsafe { std::arch::asm!("stmxcsr [{}]", in(reg) &mut register, options(nostack, preserves_flags)) };
+    register & SETTINGS
+}
+
+/// Sets the environment. The older unit, which the C library changes along with it and Rust never uses, gets the settings
+/// that every process begins with.
+#[cfg(target_arch = "x86_64")]
+#[cold]
+fn restore(settings: u32) {
+    const X87: u16 = 0x037f;
+    // SAFETY: reads the registers from places of their sizes. Pending exceptions of the older unit are cleared first: a
+    // trap that is armed there would go off.
+    unsafe {
+        std::arch::asm!("fnclex", "fldcw [{}]", "ldmxcsr [{}]", in(reg) &X87, in(reg) &settings, options(nostack));
+    }
+}
+
+/// What the environment is set to.
+#[cfg(target_arch = "aarch64")]
+#[inline]
+fn control() -> u64 {
+    let register: u64;
+    // SAFETY: reads a register.
+    unsafe { std::arch::asm!("mrs {}, fpcr", out(reg) register, options(nostack, preserves_flags)) };
+    register
+}
+
+/// Sets the environment.
+#[cfg(target_arch = "aarch64")]
+#[cold]
+fn restore(settings: u64) {
+    // SAFETY: gives the register the value that it had.
+    unsafe { std::arch::asm!("msr fpcr, {}", in(reg) settings, options(nostack, preserves_flags)) };
+}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn control() {}
+
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn restore((): ()) {}
+
+#[cfg(all(test, target_arch = "x86_64"))]
+mod tests {
+    use std::hint::black_box;
+
+    use super::*;
+
+    #[test]
+    fn what_foreign_code_changes_is_as_before() {
+        const FLUSH_TO_ZERO: u32 = 1 << 15;
+        const UPWARD: u32 = 0b10 << 13;
+        const TRAP_ON_DIVISION: u32 = 1 << 9;
+        let tiny = || black_box(f64::MIN_POSITIVE) * black_box(0.5);
+        let third = || black_box(1.0_f64) / black_box(3.0);
+        let before = (control(), tiny().to_bits(), third().to_bits());
+        for change in [FLUSH_TO_ZERO, UPWARD, TRAP_ON_DIVISION] {
+            let inside = guarded(|| {
+                restore(before.0 ^ change);
+                control()
+            });
+            assert_eq!(inside, before.0 ^ change);
+            assert_eq!((control(), tiny().to_bits(), third().to_bits()), before);
+        }
+        assert!((black_box(1.0) / black_box(0.0_f64)).is_infinite(), "no trap is left");
+    }
+}
