@@ -87,13 +87,13 @@ fn declaration(model: &Model, field: &Field) -> TokenStream {
         Role::Input => "input",
         Role::Output => "output",
         Role::Local => "local",
-        Role::Tunable => "tunable",
-        Role::Parameter | Role::State => "parameter",
+        Role::Parameter | Role::Tunable | Role::State => "parameter",
     };
     let method = Ident::new(&format!("{role}{array}"), ident.span());
     let evaluation = field.role.is_computed().then(|| quote!(outputs,));
     let place = lens(field, ident);
     let mut calls = Vec::new();
+    calls.extend((field.role == Role::Tunable).then(|| quote!(.tunable())));
     calls.extend(field.unit.iter().map(|unit| quote!(.unit(#unit))));
     calls.extend(field.display_degrees.then(|| quote!(.display_degrees())));
     if field.min.is_some() || field.max.is_some() {

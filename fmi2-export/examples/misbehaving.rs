@@ -117,7 +117,7 @@ impl Declare for Misbehaving {
         variables.input("fault", |m| &mut m.fault).description("What goes wrong");
         variables.input("real.input", |m| &mut m.real.input).ramp(|m| &mut m.slope).description("A real input");
         variables.parameter("real.fixed", |m| &mut m.real.fixed).description("A fixed real parameter");
-        variables.tunable("real.tunable", |m| &mut m.real.tunable).description("A tunable real parameter");
+        variables.parameter("real.tunable", |m| &mut m.real.tunable).tunable().description("A tunable real parameter");
         variables
             .output("real.output", outputs, |m| &mut m.real.output)
             .rate(outputs, |m| &mut m.rate)
@@ -131,21 +131,21 @@ impl Declare for Misbehaving {
             .description("A real input with a range");
         variables.input("integer.input", |m| &mut m.integer.input).description("An integer input");
         variables.parameter("integer.fixed", |m| &mut m.integer.fixed).range(-9.0, 9.0).description("A fixed integer");
-        variables.tunable("integer.tunable", |m| &mut m.integer.tunable).description("A tunable integer");
+        variables.parameter("integer.tunable", |m| &mut m.integer.tunable).tunable().description("A tunable integer");
         variables
             .output("integer.output", outputs, |m| &mut m.integer.output)
             .depends_on(["integer.input"])
             .description("An integer output");
         variables.input("boolean.input", |m| &mut m.boolean.input).description("A Boolean input");
         variables.parameter("boolean.fixed", |m| &mut m.boolean.fixed).description("A fixed Boolean");
-        variables.tunable("boolean.tunable", |m| &mut m.boolean.tunable).description("A tunable Boolean");
+        variables.parameter("boolean.tunable", |m| &mut m.boolean.tunable).tunable().description("A tunable Boolean");
         variables
             .output("boolean.output", outputs, |m| &mut m.boolean.output)
             .depends_on(["boolean.input"])
             .description("A Boolean output");
         variables.input("string.input", |m| &mut m.string.input).description("A string input");
         variables.parameter("string.fixed", |m| &mut m.string.fixed).description("A fixed string");
-        variables.tunable("string.tunable", |m| &mut m.string.tunable).description("A tunable string");
+        variables.parameter("string.tunable", |m| &mut m.string.tunable).tunable().description("A tunable string");
         variables
             .output("string.output", outputs, |m| &mut m.string.output)
             .depends_on(["string.input"])

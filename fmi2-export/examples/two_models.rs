@@ -68,7 +68,7 @@ impl Declare for Counter {
         variables.input("enabled", |m| &mut m.enabled).description("Whether to count");
         variables.input("direction", |m| &mut m.direction).description("Which way to count");
         variables.parameter("limit", |m| &mut m.limit).range(0.0, 100.0).description("Count that is reported");
-        variables.tunable("label", |m| &mut m.label).description("Put before the count in `text`");
+        variables.parameter("label", |m| &mut m.label).tunable().description("Put before the count in `text`");
         variables.output("count", outputs, |m| &mut m.count).description("Number of steps");
         variables.output("at_limit", outputs, |m| &mut m.at_limit).description("Whether the limit is reached");
         variables.output("text", outputs, |m| &mut m.text).description("The count in words");

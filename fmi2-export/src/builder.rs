@@ -87,6 +87,16 @@ impl<M: 'static> VariableBuilder<'_, M> {
         })
     }
 
+    /// A parameter that the host may also change between steps.
+    pub fn tunable(self) -> Self {
+        self.each(|v| match v.causality {
+            Causality::Parameter => v.variability = Variability::Tunable,
+            Causality::Input | Causality::Output | Causality::Local => {
+                v.mistakes.push("only a parameter is tunable".into());
+            }
+        })
+    }
+
     /// The inputs an output depends on *directly*: those that change it without a step in between. Without this, none.
     /// For an array, `{}` stands for the element's number, counted from 1.
     pub fn depends_on<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>) -> Self {

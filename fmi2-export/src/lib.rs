@@ -23,7 +23,6 @@ mod naming;
 mod out;
 #[doc(hidden)]
 pub mod packaging;
-mod parameter;
 mod phase;
 mod problems;
 mod resources;
@@ -47,7 +46,8 @@ pub use layout::DeclarationError;
 pub use library::Exported;
 pub use library::{ExportedModel, Library};
 pub use model::{Declare, Experiment, Failure, Model, Step};
-pub use parameter::Parameter;
+/// Tables of parameters, which a crate of equations can have without this one.
+pub use parameter_table::{self, Owner, Parameter, Range, parameter};
 pub use resources::Resources;
 #[doc(hidden)]
 pub use serde;

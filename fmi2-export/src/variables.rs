@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use parameter_table::{Owner, Parameter};
+
 use crate::access::{Access, Scalar};
 use crate::builder::VariableBuilder;
-use crate::parameter::Parameter;
 use crate::variable::{Causality, Variability, Variable};
 
 /// The variables of a model, as [`Declare::variables`](crate::Declare::variables) declares them.
@@ -60,8 +61,7 @@ struct Role {
 
 impl Role {
     const INPUT: Self = Self { causality: Causality::Input, variability: Variability::Continuous, evaluation: None };
-    const FIXED: Self = Self { causality: Causality::Parameter, variability: Variability::Fixed, evaluation: None };
-    const TUNABLE: Self = Self { variability: Variability::Tunable, ..Self::FIXED };
+    const PARAMETER: Self = Self { causality: Causality::Parameter, variability: Variability::Fixed, evaluation: None };
 
     const fn computed(causality: Causality, evaluation: Evaluation) -> Self {
         Self { causality, variability: Variability::Continuous, evaluation: Some(evaluation) }
@@ -151,16 +151,17 @@ impl<M: 'static> Variables<M> {
         self.array(name, Role::computed(Causality::Local, evaluation), field)
     }
 
-    /// Declares a parameter that is fixed once initialization mode has been left.
+    /// Declares a parameter. It is fixed once initialization mode has been left, unless it is said to be
+    /// [`tunable`](VariableBuilder::tunable).
     pub fn parameter<T: Scalar>(
         &mut self,
         name: impl Into<String>,
         field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        self.one(name, Role::FIXED, field)
+        self.one(name, Role::PARAMETER, field)
     }
 
-    /// Declares the elements of an array as parameters that are fixed once initialization mode has been left.
+    /// Declares the elements of an array as parameters.
     pub fn parameter_array<T: Scalar>(
         &mut self,
         name: &str,
@@ -169,50 +170,36 @@ impl<M: 'static> Variables<M> {
     where
         M: Default,
     {
-        self.array(name, Role::FIXED, field)
+        self.array(name, Role::PARAMETER, field)
     }
 
-    /// Declares a parameter that the host may also change between steps.
-    pub fn tunable<T: Scalar>(
-        &mut self,
-        name: impl Into<String>,
-        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M> {
-        self.one(name, Role::TUNABLE, field)
-    }
-
-    /// Declares the elements of an array as parameters that the host may also change between steps.
-    pub fn tunable_array<T: Scalar>(
-        &mut self,
-        name: &str,
-        field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        self.array(name, Role::TUNABLE, field)
-    }
-
-    /// Declares a table of parameters of one part of the model, fixed once initialization mode has been left.
+    /// Declares a table of parameters of one part of the model.
     pub fn parameters<T: 'static>(
         &mut self,
         table: impl IntoIterator<Item = Parameter<T>>,
         part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        self.table(Role::FIXED, table, part)
+        self.parameters_of(Owner::ALONE, table, part)
     }
 
-    /// As [`parameters`](Self::parameters), of parameters that the host may also change between steps.
-    pub fn tunables<T: 'static>(
+    /// Declares a table of parameters of one part of the model, which `{}` in the table stands for.
+    pub fn parameters_of<T: 'static>(
         &mut self,
+        owner: Owner<'_>,
         table: impl IntoIterator<Item = Parameter<T>>,
         part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        self.table(Role::TUNABLE, table, part)
+        let first = self.list.len();
+        let part = Arc::new(part);
+        for row in table {
+            let part = Arc::clone(&part);
+            self.row(row, owner, None, move |model| (row.field)(part(model)));
+        }
+        self.since(first)
     }
 
-    /// Declares a table of parameters for each of several parts of the model: all of the first part, then all of the
-    /// second, and so on. They are fixed once initialization mode has been left.
+    /// Declares a table of parameters for each of several parts of the model, whose numbers, from 1, `{}` in the table stands
+    /// for: all of the first part, then all of the second, and so on.
     pub fn parameter_family<T: 'static>(
         &mut self,
         table: impl IntoIterator<Item = Parameter<T>>,
@@ -221,19 +208,16 @@ impl<M: 'static> Variables<M> {
     where
         M: Default,
     {
-        self.family(Role::FIXED, table, parts)
-    }
-
-    /// As [`parameter_family`](Self::parameter_family), of parameters that the host may also change between steps.
-    pub fn tunable_family<T: 'static>(
-        &mut self,
-        table: impl IntoIterator<Item = Parameter<T>>,
-        parts: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        self.family(Role::TUNABLE, table, parts)
+        let first = self.list.len();
+        let (table, parts): (Vec<_>, _) = (table.into_iter().collect(), Arc::new(parts));
+        for i in 0..parts(&mut M::default()).len() {
+            let number = (i + 1).to_string();
+            for row in table.iter().copied() {
+                let parts = Arc::clone(&parts);
+                self.row(row, Owner::named(&number), Some(i + 1), move |model| (row.field)(&mut parts(model)[i]));
+            }
+        }
+        self.since(first)
     }
 
     fn one<T: Scalar>(
@@ -267,56 +251,19 @@ impl<M: 'static> Variables<M> {
         self.since(first)
     }
 
-    fn table<T: 'static>(
-        &mut self,
-        role: Role,
-        table: impl IntoIterator<Item = Parameter<T>>,
-        part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M> {
-        let first = self.list.len();
-        let part = Arc::new(part);
-        for row in table {
-            let part = Arc::clone(&part);
-            self.row(role, row, None, move |model| (row.field)(part(model)));
-        }
-        self.since(first)
-    }
-
-    fn family<T: 'static>(
-        &mut self,
-        role: Role,
-        table: impl IntoIterator<Item = Parameter<T>>,
-        parts: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        let first = self.list.len();
-        let length = parts(&mut M::default()).len();
-        let (table, parts): (Vec<_>, _) = (table.into_iter().collect(), Arc::new(parts));
-        for i in 0..length {
-            for row in table.iter().copied() {
-                let parts = Arc::clone(&parts);
-                self.row(role, row, Some(i + 1), move |model| (row.field)(&mut parts(model)[i]));
-            }
-        }
-        self.since(first)
-    }
-
     /// One row of a table, for one part of the model.
     fn row<T>(
         &mut self,
-        role: Role,
         row: Parameter<T>,
+        owner: Owner<'_>,
         number: Option<usize>,
         field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static,
     ) {
         let first = self.list.len();
-        let name = number.map_or_else(|| row.name.to_owned(), |number| numbered(row.name, number));
-        self.add(name, number, role, f64::access(field));
-        let builder = self.since(first).range(row.min, row.max).description(row.description);
+        self.add(row.name_of(owner), number, Role::PARAMETER, f64::access(field));
+        let builder = self.since(first).range(row.range.min, row.range.max).description(&row.description_of(owner));
         if !row.unit.is_empty() {
-            builder.unit(row.unit);
+            builder.unit(&row.unit_of(owner));
         }
     }
 

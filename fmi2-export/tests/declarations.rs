@@ -1,6 +1,7 @@
 //! Arrays, tables of parameters and what else declares several variables at once.
 
-use fmi2_export::{Declare, Experiment, Failure, Info, Model, Parameter, Step, Variables, describe};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Owner, Parameter, Range, Step, Variables};
+use fmi2_export::{describe, parameter};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Copy, Default, Serialize, Deserialize)]
@@ -10,16 +11,12 @@ struct Arm {
 }
 
 const ARM: [Parameter<Arm>; 2] = [
-    Parameter {
-        name: "EI{}",
-        unit: "N.m2",
-        min: 0.0,
-        max: f64::INFINITY,
-        description: "Flexural rigidity of arm {}",
-        field: |arm| &mut arm.rigidity,
-    },
-    Parameter { name: "m{}", unit: "", min: -1.0, max: 1e9, description: "Mass of arm {}", field: |arm| &mut arm.mass },
+    parameter!("EI{}", "N.m2", Range::new(0.0, f64::INFINITY), "Flexural rigidity of arm {}", rigidity),
+    parameter!("m{}", "", Range::new(-1.0, 1e9), "Mass of arm {}", mass),
 ];
+
+/// In whose texts `{}` is not a number.
+const SHARE: [Parameter<Arm>; 1] = [parameter!("{}_share", "{}/s", Range::ANY, "What {} loses", mass)];
 
 #[derive(Clone, Serialize, Deserialize)]
 struct Arms {
@@ -76,7 +73,9 @@ impl Declare for Arms {
         variables.output("turns", outputs, |m| &mut m.turns).description("A text with {} in it");
         variables.parameter_family(ARM, |m| &mut m.pair);
         variables.parameters(ARM, |m| &mut m.object);
-        variables.tunable_array("k", |m| &mut m.gains).range(0.0, 9.0).description("Gain {}");
+        let object = Owner { name: "object", unit: "kg", called: "the object" };
+        variables.parameters_of(object, SHARE, |m| &mut m.object).tunable();
+        variables.parameter_array("k", |m| &mut m.gains).tunable().range(0.0, 9.0).description("Gain {}");
         variables.parameter_array("theta{}_0", |m| &mut m.start).unit("rad").display_degrees().description("Start {}");
     }
 }
@@ -106,8 +105,8 @@ fn arrays_and_tables_become_variables_with_their_numbers_in_their_texts() {
     let names: Vec<String> = variables.iter().filter_map(name).collect();
     assert_eq!(
         names.join(" "),
-        "tau1_cmd tau2_cmd sampled closed[1] closed[2] tau1 tau2 turns EI1 m1 EI2 m2 EI{} m{} k[1] k[2] k[3] \
-         theta1_0 theta2_0"
+        "tau1_cmd tau2_cmd sampled closed[1] closed[2] tau1 tau2 turns EI1 m1 EI2 m2 EI{} m{} object_share k[1] \
+         k[2] k[3] theta1_0 theta2_0"
     );
     let of = |name: &str| variables.iter().find(|v| v.contains(&format!("name=\"{name}\" "))).unwrap();
     assert!(of("tau2_cmd").contains("description=\"Command 2\" causality=\"input\" variability=\"continuous\""));
@@ -117,6 +116,8 @@ fn arrays_and_tables_become_variables_with_their_numbers_in_their_texts() {
     assert!(of("EI2").contains("description=\"Flexural rigidity of arm 2\" causality=\"parameter\""));
     assert!(of("EI2").contains("<Real unit=\"N.m2\" min=\"0.0\" start=\"0.3\"/>"));
     assert!(of("m1").contains("<Real min=\"-1.0\" max=\"1000000000.0\" start=\"0.2\"/>"));
+    assert!(of("object_share").contains("description=\"What the object loses\" causality=\"parameter\""));
+    assert!(of("object_share").contains("variability=\"tunable\" initial=\"exact\"> <Real unit=\"kg/s\" start=\"0.6\"/>"));
     assert!(of("k[3]").contains("variability=\"tunable\"") && of("k[3]").contains("start=\"3.0\""));
     assert!(of("theta2_0").contains("unit=\"rad\" displayUnit=\"deg\" start=\"1.5\""));
     // Each output depends on the input of its own number.
@@ -137,6 +138,7 @@ impl Declare for Wrong {
             .output("y", outputs, |m| &mut m.0.sampled)
             .rate(outputs, |m| &mut m.0.slope[0])
             .discrete()
+            .tunable()
             .description("Output");
         variables.parameter("p", |m| &mut m.0.gains[0]).discrete().description("Parameter");
         variables.parameter("q", |m| &mut m.0.gains[1]).unit("N.m/rad").display_degrees().description("Stiffness");
@@ -161,6 +163,7 @@ fn what_contradicts_itself_is_listed() {
         "variable u[1]: it is one of 2, but there are 3 slopes",
         "variable u[2]: it is one of 2, but there are 3 slopes",
         "variable y is discrete: it can have no ramp or rate",
+        "variable y: only a parameter is tunable",
         "variable p: a parameter is fixed or tunable, not discrete",
         "variable q: degrees are shown of angles and their rates, so say a unit such as rad/s before",
         "variable r: unit \"furlong\": \"furlong\" is not understood; write e.g. \"kg.m2/s\", or spell the unit out with Unit::new",

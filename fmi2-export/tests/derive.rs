@@ -108,7 +108,7 @@ impl Declare for ByHand {
             .description("Power of both");
         variables.local("angle", outputs, |m| &mut m.like.angle).unit("rad").display_degrees().description("Angle");
         variables.output("turning", outputs, |m| &mut m.like.turning).description("Whether it turns");
-        variables.tunable("k", |m| &mut m.like.k).description("Gain");
+        variables.parameter("k", |m| &mut m.like.k).tunable().description("Gain");
         variables.parameter("teeth", |m| &mut m.like.teeth).range(1.0, 100.0).description("Teeth");
         variables.parameter("label", |m| &mut m.like.label).description("Label");
         variables.parameter("mode", |m| &mut m.like.mode).description("Mode");

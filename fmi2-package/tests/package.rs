@@ -57,7 +57,7 @@ impl Declare for Hostile {
             .description("The same as an angle");
         variables.parameter("count", |m| &mut m.count).range(0.0, 9.0).description("A whole number");
         variables.parameter("flag", |m| &mut m.flag).description("Yes or no");
-        variables.tunable("text", |m| &mut m.text).description("Words");
+        variables.parameter("text", |m| &mut m.text).tunable().description("Words");
         variables.parameter("mode", |m| &mut m.mode).description("What to do");
     }
 }

@@ -11,7 +11,7 @@ pub mod laws;
 mod signals;
 mod target;
 
-pub use grasp_parameter::{InvalidParameter, Parameter, Range};
 pub use law::{CommandJacobian, Law, StepError, inner};
+pub use parameter_table::{InvalidParameter, Parameter, Range};
 pub use signals::{Commands, Errors, INPUT_NAMES, INPUTS, Inputs, Measurements, References};
 pub use target::{Arms, ErrorJacobian, TargetJacobian, Targets};

@@ -1,7 +1,7 @@
 //! The static target (16): what the grasp looks like at rest.
 
 use crate::signals::{Errors, INPUTS, Inputs, References, column};
-use grasp_parameter::{InvalidParameter, Parameter, Range, check, parameter};
+use parameter_table::{InvalidParameter, Parameter, Range, check, parameter};
 use serde::{Deserialize, Serialize};
 
 /// What a controller knows about the arms; index 0 of an array is arm 1.

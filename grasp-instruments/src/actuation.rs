@@ -1,10 +1,12 @@
 //! The ways of the three commands.
 
+use parameter_table::{Owner, Parameter, check, check_of, parameter};
 use serde::{Deserialize, Serialize};
 
 use crate::dead_zone::DeadZone;
 use crate::path::{CommandPath, CommandSettings, StepError};
-use crate::setting::{SettingError, check_range};
+use crate::sensor::TIME;
+use crate::setting::SettingError;
 
 /// Number of commands.
 pub const COUNT: usize = 3;
@@ -19,19 +21,25 @@ pub struct Command {
     pub name: &'static str,
     /// SI unit in FMI's notation.
     pub unit: &'static str,
-    /// Its unit per second.
-    pub unit_per_second: &'static str,
     /// What it is.
     pub description: &'static str,
     /// Index of the plant's channel that takes it: 0 for torques, 1 for the force.
     pub channel: usize,
 }
 
+impl Command {
+    /// What stands for it in the [table of its way](CommandSettings::PARAMETERS).
+    #[must_use]
+    pub const fn owner(&self) -> Owner<'static> {
+        Owner { name: self.name, unit: self.unit, called: self.name }
+    }
+}
+
 /// The commands, in the order of the controllers' outputs.
 pub const COMMANDS: [Command; COUNT] = [
-    Command { name: "tau1_cmd", unit: "N.m", unit_per_second: "N.m/s", description: "torque on hub 1", channel: 0 },
-    Command { name: "tau2_cmd", unit: "N.m", unit_per_second: "N.m/s", description: "torque on hub 2", channel: 0 },
-    Command { name: "u_cmd", unit: "N", unit_per_second: "N/s", description: "force on the object", channel: 1 },
+    Command { name: "tau1_cmd", unit: "N.m", description: "torque on hub 1", channel: 0 },
+    Command { name: "tau2_cmd", unit: "N.m", description: "torque on hub 2", channel: 0 },
+    Command { name: "u_cmd", unit: "N", description: "force on the object", channel: 1 },
 ];
 
 /// Settings of all commands.
@@ -59,8 +67,14 @@ impl Default for ActuationSettings {
 }
 
 impl ActuationSettings {
-    /// Admissible sample times \[s\].
-    pub const SAMPLE_TIME: (f64, f64) = (0.0, 1e6);
+    /// The sample time as a parameter.
+    pub const SAMPLE_TIME: Parameter<Self> = parameter!(
+        "sample_time",
+        "s",
+        TIME,
+        "Time between two samples of the commands; 0: none, or 1 ms where the profile samples",
+        sample_time
+    );
 
     /// The same with a sample time, if there was none.
     #[must_use]
@@ -69,9 +83,9 @@ impl ActuationSettings {
     }
 
     fn complete(&self) -> Result<[CommandSettings; COUNT], SettingError> {
-        check_range("sample_time", self.sample_time, Self::SAMPLE_TIME)?;
-        for (number, zone) in (1..).zip(&self.dead_zones) {
-            zone.check(number)?;
+        check(&[Self::SAMPLE_TIME], self)?;
+        for (channel, zone) in DeadZone::CHANNELS.into_iter().zip(&self.dead_zones) {
+            check_of(channel, &DeadZone::PARAMETERS, zone)?;
         }
         let mut commands = self.commands;
         for (settings, command) in commands.iter_mut().zip(&COMMANDS) {

@@ -1,8 +1,9 @@
 //! The inverse D⁺ of a dead zone, with which (18) comes about: D(sat(D⁺(ς))) is a clip.
 
+use parameter_table::{Owner, Parameter, Range, parameter};
 use serde::{Deserialize, Serialize};
 
-use crate::setting::{SettingError, check_range};
+const SLOPE: Range = Range::new(1e-6, 1e6);
 
 /// Ends and slopes of the dead zone D that an inverse believes in: `D(v) = k_r (v − m_r)` above `m_r`, `k_l (v − m_l)` below `m_l`,
 /// 0 between.
@@ -23,22 +24,28 @@ impl DeadZone {
     pub const TORQUE: Self = Self { m_r: 0.1, m_l: -0.1, k_r: 1.0, k_l: 1.0 };
     /// The force channel of Section IV.
     pub const FORCE: Self = Self { m_r: 0.01, m_l: -0.01, k_r: 1.0, k_l: 1.0 };
-    /// Admissible ends, right and left, and slopes.
-    pub const RANGES: [(f64, f64); 3] = [(0.0, 1e6), (-1e6, 0.0), (1e-6, 1e6)];
-
-    /// Checks the numbers of the channel of that number, 1 for torques and 2 for the force.
-    ///
-    /// # Errors
-    /// The first that cannot be used.
-    pub fn check(&self, channel: usize) -> Result<(), SettingError> {
-        let [right, left, slope] = Self::RANGES;
-        let Self { m_r, m_l, k_r, k_l } = *self;
-        for (name, value, range) in [("m_r", m_r, right), ("m_l", m_l, left), ("k_r", k_r, slope), ("k_l", k_l, slope)]
-        {
-            check_range(&format!("{name}{channel}"), value, range)?;
-        }
-        Ok(())
-    }
+    /// The channels that have one, with the numbers that the plant's have: torques and the force.
+    pub const CHANNELS: [Owner<'static>; 2] =
+        [Owner { name: "1", unit: "N.m", called: "torques" }, Owner { name: "2", unit: "N", called: "the force" }];
+    /// Ends and slopes of a channel's.
+    pub const PARAMETERS: [Parameter<Self>; 4] = [
+        parameter!(
+            "m_r{}",
+            "{}",
+            Range::new(0.0, 1e6),
+            "Right end of the dead zone that the inverse for {} assumes",
+            m_r
+        ),
+        parameter!(
+            "m_l{}",
+            "{}",
+            Range::new(-1e6, 0.0),
+            "Left end of the dead zone that the inverse for {} assumes",
+            m_l
+        ),
+        parameter!("k_r{}", "1", SLOPE, "Slope at the right of the dead zone that the inverse for {} assumes", k_r),
+        parameter!("k_l{}", "1", SLOPE, "Slope at the left of the dead zone that the inverse for {} assumes", k_l),
+    ];
 
     /// D⁺: the command for which D puts out `wanted`.
     #[must_use]

@@ -1,11 +1,12 @@
 //! The sensors of the grasp.
 
+use parameter_table::{Owner, Parameter, Range, check, parameter};
 use serde::{Deserialize, Serialize};
 
 use crate::normal::Stream;
 use crate::path::StepError;
-use crate::sensor::{Sensor, SensorSettings};
-use crate::setting::{SettingError, check_range};
+use crate::sensor::{Sensor, SensorSettings, TIME};
+use crate::setting::SettingError;
 
 /// Number of measured signals.
 pub const COUNT: usize = 14;
@@ -26,6 +27,14 @@ pub struct Signal {
     pub description: &'static str,
     /// Whether it is the time derivative of another one, which few machines measure.
     pub is_rate: bool,
+}
+
+impl Signal {
+    /// What stands for it in the [table of its sensor](SensorSettings::PARAMETERS).
+    #[must_use]
+    pub const fn owner(&self) -> Owner<'static> {
+        Owner { name: self.name, unit: self.unit, called: self.name }
+    }
 }
 
 /// The measured signals, in the order of the plant's outputs. A signal's place is the number of its noise.
@@ -78,10 +87,22 @@ impl Default for InstrumentSettings {
 }
 
 impl InstrumentSettings {
-    /// Admissible common sample times \[s\].
-    pub const SAMPLE_TIME: (f64, f64) = (0.0, 1e6);
-    /// Admissible factors on the noise.
-    pub const NOISE_SCALE: (f64, f64) = (0.0, 1e6);
+    /// The common sample time as a parameter.
+    pub const SAMPLE_TIME: Parameter<Self> = parameter!(
+        "sample_time",
+        "s",
+        TIME,
+        "Time between two samples of every signal without one of its own; 0: none, or 1 ms where the profile samples",
+        sample_time
+    );
+    /// The factor on the noise as a parameter.
+    pub const NOISE_SCALE: Parameter<Self> = parameter!(
+        "noise_scale",
+        "",
+        Range::new(0.0, 1e6),
+        "Factor on the standard deviations of all noise, also that of the profile",
+        noise_scale
+    );
 
     /// The same with a sample time, if there was none.
     #[must_use]
@@ -91,8 +112,7 @@ impl InstrumentSettings {
 
     /// What each sensor does in the end, checked.
     fn complete(&self) -> Result<[SensorSettings; COUNT], SettingError> {
-        check_range("sample_time", self.sample_time, Self::SAMPLE_TIME)?;
-        check_range("noise_scale", self.noise_scale, Self::NOISE_SCALE)?;
+        check(&[Self::SAMPLE_TIME, Self::NOISE_SCALE], self)?;
         let mut sensors = self.sensors;
         for (sensor, signal) in sensors.iter_mut().zip(&SIGNALS) {
             if sensor.sample_time == 0.0 {

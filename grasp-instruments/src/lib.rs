@@ -43,4 +43,4 @@ pub use instruments::{InstrumentSettings, Instruments, SIGNALS, Signal, Signals}
 pub use normal::Stream;
 pub use path::{CommandPath, CommandSettings, MOST_SAMPLES, StepError};
 pub use sensor::{Sensor, SensorSettings};
-pub use setting::{Field, SettingError};
+pub use setting::SettingError;

@@ -3,14 +3,15 @@
 //! The inverse belongs to the control software, so it comes first, and what delays and smooths the command smears its jump
 //! at zero, as it does in a real drive.
 
+use parameter_table::{Owner, Parameter, Range, check_of, parameter};
 use serde::{Deserialize, Serialize};
 
 use crate::clock::SampleClock;
 use crate::dead_zone::DeadZone;
 use crate::delay::DelayLine;
 use crate::drive::Drive;
-use crate::sensor::check_sampling;
-use crate::setting::{Field, SettingError, check_ranges};
+use crate::sensor::{TIME, check_sampling};
+use crate::setting::SettingError;
 
 /// So many samples of a command are taken in one step at most; more of them would keep a host waiting.
 pub const MOST_SAMPLES: u64 = 1_000_000;
@@ -31,35 +32,17 @@ pub struct CommandSettings {
 }
 
 impl CommandSettings {
-    /// The numbers that each command has of its own.
-    pub const FIELDS: [Field<Self>; 3] = [
-        Field {
-            suffix: "_delay",
-            unit: Some("s"),
-            per_second: false,
-            range: (0.0, 1e6),
-            description: "Time from a sample until it is sent of",
-            get: |s| s.delay,
-            field: |s| &mut s.delay,
-        },
-        Field {
-            suffix: "_rate_limit",
-            unit: None,
-            per_second: true,
-            range: (0.0, 1e9),
-            description: "Greatest rate (0: any) of",
-            get: |s| s.rate_limit,
-            field: |s| &mut s.rate_limit,
-        },
-        Field {
-            suffix: "_bandwidth",
-            unit: Some("rad/s"),
-            per_second: false,
-            range: (0.0, 1e9),
-            description: "Bandwidth of the first-order lag (0: none) behind the rate limit of",
-            get: |s| s.bandwidth,
-            field: |s| &mut s.bandwidth,
-        },
+    /// The numbers that each [command](crate::actuation::Command) has of its own.
+    pub const PARAMETERS: [Parameter<Self>; 3] = [
+        parameter!("{}_delay", "s", TIME, "Time from a sample until it is sent of {}", delay),
+        parameter!("{}_rate_limit", "{}/s", Range::new(0.0, 1e9), "Greatest rate (0: any) of {}", rate_limit),
+        parameter!(
+            "{}_bandwidth",
+            "rad/s",
+            Range::new(0.0, 1e9),
+            "Bandwidth of the first-order lag (0: none) behind the rate limit of {}",
+            bandwidth
+        ),
     ];
 
     /// Checks the settings of the command of that name.
@@ -67,11 +50,11 @@ impl CommandSettings {
     /// # Errors
     /// The first that cannot be used, with what to do.
     pub fn check(&self, command: &str) -> Result<(), SettingError> {
-        check_ranges(&Self::FIELDS, command, self)?;
+        check_of(Owner::named(command), &Self::PARAMETERS, self)?;
         if self.sample_time > 0.0 {
             check_sampling(command, self.sample_time, self.delay)
         } else if self.delay > 0.0 {
-            Err(SettingError::new(format!("{command}_delay"), self.delay, "it delays samples; set sample_time"))
+            Err(SettingError::unfit(format!("{command}_delay"), self.delay, "it delays samples; set sample_time"))
         } else {
             Ok(())
         }

@@ -1,15 +1,20 @@
 //! One sensor: low-pass, sampling with bias and noise, quantisation, delay.
 
+use parameter_table::{Owner, Parameter, Range, check_of, parameter};
 use serde::{Deserialize, Serialize};
 
 use crate::clock::SampleClock;
 use crate::delay::{DelayLine, LONGEST_LINE};
 use crate::lag::lag;
 use crate::normal::Stream;
-use crate::setting::{Field, SettingError, check_ranges};
+use crate::setting::SettingError;
 
 /// Beyond so many steps of a quantiser, a double is coarser than they are.
 const FINEST: f64 = (1_u64 << 52) as f64;
+
+/// Admissible numbers of a signal, and times [s].
+const NUMBER: Range = Range::new(0.0, 1e9);
+pub(crate) const TIME: Range = Range::new(0.0, 1e6);
 
 /// What a sensor does to its signal. Zero switches each part off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,62 +46,20 @@ impl SensorSettings {
     pub const OFF: Self =
         Self { noise: 0.0, bias: 0.0, lsb: 0.0, bandwidth: 0.0, delay: 0.0, sample_time: 0.0, absent: false };
 
-    /// The numbers among them.
-    pub const FIELDS: [Field<Self>; 6] = [
-        Field {
-            suffix: "_noise",
-            unit: None,
-            per_second: false,
-            range: (0.0, 1e9),
-            description: "Standard deviation of the white noise in each sample of",
-            get: |s| s.noise,
-            field: |s| &mut s.noise,
-        },
-        Field {
-            suffix: "_bias",
-            unit: None,
-            per_second: false,
-            range: (-1e9, 1e9),
-            description: "What is added to",
-            get: |s| s.bias,
-            field: |s| &mut s.bias,
-        },
-        Field {
-            suffix: "_lsb",
-            unit: None,
-            per_second: false,
-            range: (0.0, 1e9),
-            description: "Distance of the values that can be shown (0: all) of",
-            get: |s| s.lsb,
-            field: |s| &mut s.lsb,
-        },
-        Field {
-            suffix: "_bandwidth",
-            unit: Some("rad/s"),
-            per_second: false,
-            range: (0.0, 1e9),
-            description: "Bandwidth of the first-order low-pass (0: none) before the sampler of",
-            get: |s| s.bandwidth,
-            field: |s| &mut s.bandwidth,
-        },
-        Field {
-            suffix: "_delay",
-            unit: Some("s"),
-            per_second: false,
-            range: (0.0, 1e6),
-            description: "Time from a sample until it is shown of",
-            get: |s| s.delay,
-            field: |s| &mut s.delay,
-        },
-        Field {
-            suffix: "_sample_time",
-            unit: Some("s"),
-            per_second: false,
-            range: (0.0, 1e6),
-            description: "Time between two samples (0: sample_time) of",
-            get: |s| s.sample_time,
-            field: |s| &mut s.sample_time,
-        },
+    /// The numbers among them, each of a [`Signal`](crate::Signal).
+    pub const PARAMETERS: [Parameter<Self>; 6] = [
+        parameter!("{}_noise", "{}", NUMBER, "Standard deviation of the white noise in each sample of {}", noise),
+        parameter!("{}_bias", "{}", Range::new(-1e9, 1e9), "What is added to {}", bias),
+        parameter!("{}_lsb", "{}", NUMBER, "Distance of the values that can be shown (0: all) of {}", lsb),
+        parameter!(
+            "{}_bandwidth",
+            "rad/s",
+            NUMBER,
+            "Bandwidth of the first-order low-pass (0: none) before the sampler of {}",
+            bandwidth
+        ),
+        parameter!("{}_delay", "s", TIME, "Time from a sample until it is shown of {}", delay),
+        parameter!("{}_sample_time", "s", TIME, "Time between two samples (0: sample_time) of {}", sample_time),
     ];
 
     /// Checks the settings of the signal of that name.
@@ -104,7 +67,7 @@ impl SensorSettings {
     /// # Errors
     /// The first that cannot be used, with what to do.
     pub fn check(&self, signal: &str) -> Result<(), SettingError> {
-        check_ranges(&Self::FIELDS, signal, self)?;
+        check_of(Owner::named(signal), &Self::PARAMETERS, self)?;
         let Self { noise, delay, sample_time, .. } = *self;
         if sample_time == 0.0 {
             let needy = [
@@ -115,7 +78,7 @@ impl SensorSettings {
                 None => Ok(()),
                 Some((suffix, value, why)) => {
                     let reason = format_args!("{why}; set sample_time or {signal}_sample_time");
-                    Err(SettingError::new(format!("{signal}{suffix}"), value, reason))
+                    Err(SettingError::unfit(format!("{signal}{suffix}"), value, reason))
                 }
             };
         }
@@ -127,11 +90,11 @@ impl SensorSettings {
 pub(crate) fn check_sampling(signal: &str, sample_time: f64, delay: f64) -> Result<(), SettingError> {
     if sample_time < SampleClock::SHORTEST {
         let reason = format_args!("it must be 0 or at least {:e} s", SampleClock::SHORTEST);
-        return Err(SettingError::new(format!("{signal}_sample_time"), sample_time, reason));
+        return Err(SettingError::unfit(format!("{signal}_sample_time"), sample_time, reason));
     }
     if delay / sample_time > LONGEST_LINE as f64 {
         let reason = format_args!("it must be at most {LONGEST_LINE} sample times of {sample_time} s");
-        return Err(SettingError::new(format!("{signal}_delay"), delay, reason));
+        return Err(SettingError::unfit(format!("{signal}_delay"), delay, reason));
     }
     Ok(())
 }

@@ -55,9 +55,9 @@ mod state_space;
 pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
 pub use extended::LONGEST_STEP;
-pub use grasp_parameter::{Admissible, InvalidParameter, Parameter, Range};
 /// Re-exported because a [`StateSpace`] holds its matrices.
 pub use nalgebra;
+pub use parameter_table::{Admissible, InvalidParameter, Parameter, Range};
 pub use parameters::{ActuatorModel, Arm, Channel, ORDER_RANGE, Parameters, Start};
 pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};

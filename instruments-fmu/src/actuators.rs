@@ -67,11 +67,9 @@ impl Declare for GraspActuators {
     const INFO: Info = Info {
         name: "GraspActuators",
         description: "Way of the commands from a controller to the dual-arm plant: inverse dead zone, delay, rate limit, lag",
-        version: env!("CARGO_PKG_VERSION"),
-        license: env!("CARGO_PKG_LICENSE"),
         default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 2.0, step_size: 1e-4, tolerance: None },
         directional_derivatives: true,
-        ..Info::new()
+        ..fmi2_export::cargo_info!()
     };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -92,25 +90,19 @@ impl Declare for GraspActuators {
                 .description(&format!("What the plant gets as {}", command.name));
         }
         variables.parameter("actuator_profile", |m| &mut m.profile).description("What happens to the commands");
-        let (min, max) = ActuationSettings::SAMPLE_TIME;
-        variables
-            .parameter("sample_time", |m| &mut m.settings.sample_time)
-            .unit("s")
-            .range(min, max)
-            .description("Time between two samples of the commands; 0: none, or 1 ms where the profile samples");
-        for field in &CommandSettings::FIELDS {
+        variables.parameters([ActuationSettings::SAMPLE_TIME], |m| &mut m.settings);
+        for row in CommandSettings::PARAMETERS {
             for (i, command) in COMMANDS.iter().enumerate() {
-                let of_command = if field.per_second { command.unit_per_second } else { command.unit };
-                variables
-                    .parameter(format!("{}{}", command.name, field.suffix), move |m| {
-                        (field.field)(&mut m.settings.commands[i])
-                    })
-                    .unit(field.unit.unwrap_or(of_command))
-                    .range(field.range.0, field.range.1)
-                    .description(&format!("{} {}", field.description, command.name));
+                variables.parameters_of(command.owner(), [row], move |m| &mut m.settings.commands[i]);
             }
         }
-        declare_dead_zones(variables);
+        variables
+            .parameter("dead_zone_inverse", |m| &mut m.settings.dead_zone_inverse)
+            .description("Whether commands go through the inverse of a dead zone, eq. (18), first");
+        // Under the names that the plant's own ones have.
+        for (i, channel) in DeadZone::CHANNELS.into_iter().enumerate() {
+            variables.parameters_of(channel, DeadZone::PARAMETERS, move |m| &mut m.settings.dead_zones[i]);
+        }
     }
 }
 
@@ -140,36 +132,5 @@ impl Model for GraspActuators {
         for ((output, gain), input) in direction.outputs.iter_mut().zip(gains).zip(&direction.inputs) {
             *output = gain * input;
         }
-    }
-}
-
-/// The dead zones an inverse believes in, under the names that the plant's own ones have.
-fn declare_dead_zones(variables: &mut Variables<GraspActuators>) {
-    variables
-        .parameter("dead_zone_inverse", |m| &mut m.settings.dead_zone_inverse)
-        .description("Whether commands go through the inverse of a dead zone, eq. (18), first");
-    let [right, left, slope] = DeadZone::RANGES;
-    for (i, (unit, what)) in [("N.m", "torques"), ("N", "the force")].into_iter().enumerate() {
-        let n = i + 1;
-        variables
-            .parameter(format!("m_r{n}"), move |m| &mut m.settings.dead_zones[i].m_r)
-            .unit(unit)
-            .range(right.0, right.1)
-            .description(&format!("Right end of the dead zone that the inverse for {what} assumes"));
-        variables
-            .parameter(format!("m_l{n}"), move |m| &mut m.settings.dead_zones[i].m_l)
-            .unit(unit)
-            .range(left.0, left.1)
-            .description(&format!("Left end of the dead zone that the inverse for {what} assumes"));
-        variables
-            .parameter(format!("k_r{n}"), move |m| &mut m.settings.dead_zones[i].k_r)
-            .unit("1")
-            .range(slope.0, slope.1)
-            .description(&format!("Slope at the right of the dead zone that the inverse for {what} assumes"));
-        variables
-            .parameter(format!("k_l{n}"), move |m| &mut m.settings.dead_zones[i].k_l)
-            .unit("1")
-            .range(slope.0, slope.1)
-            .description(&format!("Slope at the left of the dead zone that the inverse for {what} assumes"));
     }
 }

@@ -77,16 +77,14 @@ impl Declare for GraspInstruments {
     const INFO: Info = Info {
         name: "GraspInstruments",
         description: "Sensors between the dual-arm plant and its controller: noise, bias, quantisation, low-pass, delay",
-        version: env!("CARGO_PKG_VERSION"),
-        license: env!("CARGO_PKG_LICENSE"),
         default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 2.0, step_size: 1e-4, tolerance: None },
         directional_derivatives: true,
-        ..Info::new()
+        ..fmi2_export::cargo_info!()
     };
 
     fn variables(variables: &mut Variables<Self>) {
         for (i, signal) in SIGNALS.iter().enumerate() {
-            of_signal(variables.input(signal.name, move |m| &mut m.inputs[i]), signal)
+            in_degrees(variables.input(signal.name, move |m| &mut m.inputs[i]).unit(signal.unit), signal)
                 .ramp(move |m| &mut m.slopes[i])
                 .nominal(signal.nominal)
                 .description(&format!("True {}", signal.description));
@@ -94,37 +92,21 @@ impl Declare for GraspInstruments {
         let (outputs, rates) = (variables.evaluation(Self::outputs), variables.evaluation(Self::rates));
         declare_outputs(variables, outputs, rates);
         variables.parameter("sensor_profile", |m| &mut m.profile).description("What the sensors are like");
-        let (min, max) = InstrumentSettings::SAMPLE_TIME;
-        variables
-            .parameter("sample_time", |m| &mut m.settings.sample_time)
-            .unit("s")
-            .range(min, max)
-            .description(
-                "Time between two samples of every signal without one of its own; 0: none, or 1 ms where the profile samples",
-            );
+        variables.parameters([InstrumentSettings::SAMPLE_TIME], |m| &mut m.settings);
         variables
             .parameter("seed", |m| &mut m.settings.seed)
             .range(0.0, f64::from(i32::MAX))
             .description("Chooses among independent sequences of noise");
-        let (min, max) = InstrumentSettings::NOISE_SCALE;
-        variables
-            .parameter("noise_scale", |m| &mut m.settings.noise_scale)
-            .range(min, max)
-            .description("Factor on the standard deviations of all noise, also that of the profile");
+        variables.parameters([InstrumentSettings::NOISE_SCALE], |m| &mut m.settings);
         variables
             .parameter("no_rates", |m| &mut m.settings.no_rates)
             .description("Nothing measures rates: the outputs of all _dot signals are 0");
-        for field in &SensorSettings::FIELDS {
+        for row in SensorSettings::PARAMETERS {
             for (i, signal) in SIGNALS.iter().enumerate() {
-                let name = format!("{}{}", signal.name, field.suffix);
-                let parameter = variables.parameter(name, move |m| (field.field)(&mut m.settings.sensors[i]));
-                let parameter = match field.unit {
-                    Some(unit) => parameter.unit(unit),
-                    None => of_signal(parameter, signal),
-                };
-                parameter
-                    .range(field.range.0, field.range.1)
-                    .description(&format!("{} {}", field.description, signal.name));
+                let parameter = variables.parameters_of(signal.owner(), [row], move |m| &mut m.settings.sensors[i]);
+                if row.unit == "{}" {
+                    in_degrees(parameter, signal);
+                }
             }
         }
     }
@@ -162,19 +144,18 @@ impl Model for GraspInstruments {
     }
 }
 
-/// Unit of a signal; angles are shown in degrees.
-fn of_signal<'a>(
+/// Angles and their rates are shown in degrees.
+fn in_degrees<'a>(
     builder: VariableBuilder<'a, GraspInstruments>,
     signal: &Signal,
 ) -> VariableBuilder<'a, GraspInstruments> {
-    let builder = builder.unit(signal.unit);
     if signal.unit.starts_with("rad") { builder.display_degrees() } else { builder }
 }
 
 fn declare_outputs(variables: &mut Variables<GraspInstruments>, outputs: Evaluation, rates: Evaluation) {
     for (i, signal) in SIGNALS.iter().enumerate() {
         let name = format!("{}_measured", signal.name);
-        of_signal(variables.output(name, outputs, move |m| &mut m.outputs[i]), signal)
+        in_degrees(variables.output(name, outputs, move |m| &mut m.outputs[i]).unit(signal.unit), signal)
             .rate(rates, move |m| &mut m.rates[i])
             .nominal(signal.nominal)
             .depends_on([signal.name])

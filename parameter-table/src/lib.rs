@@ -1,40 +1,21 @@
-//! Parameters as rows of a table: name, unit, range, meaning and place, each said once.
-//!
-//! A model keeps its parameters in plain structs and lists them in tables. The tables check values, and whoever shows the
-//! model to the world declares its variables from them. So a range stands in one place only, and no parameter can be
-//! declared and not checked.
-//!
-//! ```
-//! use grasp_parameter::{Parameter, Range, check_family, parameter};
-//!
-//! #[derive(Clone)]
-//! struct Arm {
-//!     rigidity: f64,
-//! }
-//!
-//! const ARM: [Parameter<Arm>; 1] =
-//!     [parameter!("EI{}", "N.m2", Range::new(1e-9, 1e9), "Flexural rigidity of arm {}", rigidity)];
-//!
-//! let arms = [Arm { rigidity: 0.115 }, Arm { rigidity: -1.0 }];
-//! let error = check_family(&ARM, &arms).unwrap_err();
-//! assert_eq!(error.name, "EI2");
-//! assert_eq!(error.to_string(), "parameter EI2 = -1 is not admissible: it must be between 1e-9 and 1000000000.0");
-//! ```
+#![doc = include_str!("../README.md")]
 
 mod range;
 
 pub use range::{Admissible, InvalidParameter, Range};
 
-/// A real parameter of an owner `T`.
+/// A real parameter of an owner `T`, as a row of a table.
+///
+/// In its texts `{}` stands for the [`Owner`].
 #[derive(Debug)]
 pub struct Parameter<T> {
-    /// Its name. In a family of owners, `{}` stands for the owner's number, counted from 1.
+    /// Its name.
     pub name: &'static str,
-    /// Its SI unit as FMI writes it, for example `N.m2`; `1` for a pure number.
+    /// Its SI unit as FMI writes it, for example `N.m2`; `1` for a pure number, empty for none.
     pub unit: &'static str,
     /// The values it may take.
     pub range: Range,
-    /// What it is, in one line. In a family, `{}` stands for the owner's number.
+    /// What it is, in one line.
     pub description: &'static str,
     /// Where it is.
     pub field: fn(&mut T) -> &mut f64,
@@ -48,6 +29,48 @@ impl<T> Clone for Parameter<T> {
 }
 
 impl<T> Copy for Parameter<T> {}
+
+impl<T> Parameter<T> {
+    /// Its name for this owner.
+    #[must_use]
+    pub fn name_of(&self, owner: Owner<'_>) -> String {
+        self.name.replace("{}", owner.name)
+    }
+
+    /// Its unit for this owner.
+    #[must_use]
+    pub fn unit_of(&self, owner: Owner<'_>) -> String {
+        self.unit.replace("{}", owner.unit)
+    }
+
+    /// What it is of this owner.
+    #[must_use]
+    pub fn description_of(&self, owner: Owner<'_>) -> String {
+        self.description.replace("{}", owner.called)
+    }
+}
+
+/// Whose parameter it is: what `{}` in the texts of a row stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Owner<'a> {
+    /// In names: `theta` makes `theta_offset` of `{}_offset`.
+    pub name: &'a str,
+    /// In units: the owner's own, of which `{}/s` is a rate.
+    pub unit: &'a str,
+    /// In descriptions.
+    pub called: &'a str,
+}
+
+impl<'a> Owner<'a> {
+    /// The only one: `{}` stands for itself.
+    pub const ALONE: Owner<'static> = Owner { name: "{}", unit: "{}", called: "{}" };
+
+    /// One who is called the same everywhere: by a number in a family, or by a name.
+    #[must_use]
+    pub const fn named(name: &'a str) -> Self {
+        Self { name, unit: name, called: name }
+    }
+}
 
 /// A row of a table: name, unit, range, description, path of the field.
 #[macro_export]
@@ -63,29 +86,30 @@ macro_rules! parameter {
     };
 }
 
-/// Checks all parameters of an owner, in the order of their table.
+/// Checks all parameters of an owner who is the only one, in the order of their table.
 ///
 /// # Errors
 /// The first parameter that is not a number in its range.
 pub fn check<T: Clone>(table: &[Parameter<T>], owner: &T) -> Result<(), InvalidParameter> {
-    check_named(table, owner, str::to_owned)
+    check_of(Owner::ALONE, table, owner)
 }
 
-/// Checks all parameters of several owners, the first one's first. Their names get the owners' numbers.
+/// Checks all parameters of several owners, the first one's first. Their names get the owners' numbers, from 1.
 ///
 /// # Errors
 /// The first parameter that is not a number in its range.
 pub fn check_family<T: Clone>(table: &[Parameter<T>], owners: &[T]) -> Result<(), InvalidParameter> {
     (1..).zip(owners).try_for_each(|(number, owner): (usize, _)| {
-        check_named(table, owner, |name| name.replace("{}", &number.to_string()))
+        let number = number.to_string();
+        check_of(Owner::named(&number), table, owner)
     })
 }
 
-fn check_named<T: Clone>(
-    table: &[Parameter<T>],
-    owner: &T,
-    name: impl Fn(&str) -> String,
-) -> Result<(), InvalidParameter> {
+/// Checks all parameters of this owner, in the order of their table.
+///
+/// # Errors
+/// The first parameter that is not a number in its range.
+pub fn check_of<T: Clone>(who: Owner<'_>, table: &[Parameter<T>], owner: &T) -> Result<(), InvalidParameter> {
     // The table knows the way to a field that is to be written; a copy may be.
     let mut owner = owner.clone();
     table.iter().try_for_each(|row| {
@@ -93,13 +117,6 @@ fn check_named<T: Clone>(
         if row.range.contains(value) {
             return Ok(());
         }
-        Err(InvalidParameter { name: name(row.name), value, admissible: Admissible::Within(row.range) })
+        Err(InvalidParameter { name: row.name_of(who), value, admissible: Admissible::Within(row.range) })
     })
-}
-
-#[cfg(feature = "fmi2-export")]
-impl<T> From<Parameter<T>> for fmi2_export::Parameter<T> {
-    fn from(Parameter { name, unit, range: Range { min, max }, description, field }: Parameter<T>) -> Self {
-        Self { name, unit, min, max, description, field }
-    }
 }

@@ -12,6 +12,9 @@ pub struct Range {
 }
 
 impl Range {
+    /// All numbers but NaN; infinite ones, too.
+    pub const ANY: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY);
+
     /// The interval from `min` to `max`.
     #[must_use]
     pub const fn new(min: f64, max: f64) -> Self {

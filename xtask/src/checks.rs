@@ -11,11 +11,11 @@ pub const COUNT: usize = 4;
 pub fn add(steps: &mut Runner, tree: &Tree) {
     steps.step("Formatting", || tree.cargo_component("fmt", "rustfmt", &["--all", "--check"]));
     steps.step("Lints", || {
-        let arguments = ["--release", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"];
+        let arguments = ["--release", "--workspace", "--all-features", "--all-targets", "--", "-D", "warnings"];
         tree.cargo_component("clippy", "clippy", &arguments)
     });
     steps.step("Documentation", || {
-        let mut doc = tree.cargo(&["doc", "--release", "--workspace", "--no-deps"]);
+        let mut doc = tree.cargo_all("doc", &["--no-deps"]);
         doc.env("RUSTDOCFLAGS", "-D warnings");
         run(doc)
     });

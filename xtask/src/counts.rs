@@ -68,8 +68,7 @@ fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Err(Outcome::Skipped("valgrind is not installed".into()));
     }
-    let build =
-        crate::steps::run(tree.cargo(&["build", "--release", "--package", "dualarm", "--example", "step_cost"]));
+    let build = crate::steps::run(tree.cargo_all("build", &["--example", "step_cost"]));
     if build != Outcome::Passed {
         return Err(build);
     }

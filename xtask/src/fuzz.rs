@@ -1,4 +1,5 @@
-//! The fuzz targets in `fuzz/`: as plain Rust with their seeds, and for a minute by libFuzzer where it is installed.
+//! The fuzz targets in `fuzz/`, for a minute by libFuzzer where it is installed. With their seeds, as plain Rust, they are among the
+//! Rust tests.
 
 use std::process::Command;
 
@@ -8,13 +9,6 @@ use crate::tree::{Tree, works};
 /// The targets, and how long each is run, in s.
 const TARGETS: [&str; 3] = ["description", "ssp", "state"];
 const SECONDS: u32 = 20;
-
-/// Feeds the seeds to every target with stable Rust: targets that are never run would rot.
-pub fn seeds(tree: &Tree) -> Outcome {
-    let mut command = tree.cargo(&["test", "--release", "--manifest-path", "fuzz/Cargo.toml"]);
-    command.env("CARGO_TARGET_DIR", &tree.target);
-    run(command)
-}
 
 /// Runs each target with libFuzzer.
 pub fn run_targets(tree: &Tree) -> Outcome {
@@ -26,7 +20,7 @@ pub fn run_targets(tree: &Tree) -> Outcome {
     }
     for target in TARGETS {
         let time = format!("-max_total_time={SECONDS}");
-        let arguments = ["+nightly", "fuzz", "run", "--fuzz-dir", "fuzz", "--features", "fuzzing", target, "--", &time];
+        let arguments = ["+nightly", "fuzz", "run", "--fuzz-dir", "fuzz", target, "--", &time];
         let mut command = rustup_cargo(tree, &arguments);
         command.env("CARGO_TARGET_DIR", tree.target.join("fuzz"));
         let outcome = run(command);

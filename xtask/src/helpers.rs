@@ -1,5 +1,6 @@
 //! Builds what the Python tests need from cargo before they run: no test waits for a compiler.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -28,10 +29,7 @@ pub fn build(tree: &Tree) -> Outcome {
 
 /// The FMU of the Rust example.
 fn example(tree: &Tree, folder: &Path) -> Outcome {
-    let arguments = ["run", "--release", "--package", "hub-friction", "--features", "package", "--", "--out"];
-    let mut command = tree.cargo(&arguments);
-    command.arg(folder);
-    run(command)
+    tree.run_packager("examples/hub-friction", &[OsStr::new("--out"), folder.as_os_str()])
 }
 
 /// A stranger's crate: made from the template, its FMU packaged, its tests compiled.
@@ -49,12 +47,11 @@ fn from_template(tree: &Tree, folder: &Path) -> Outcome {
     if let Err(error) = fs::copy(tree.root.join("Cargo.lock"), path.join("Cargo.lock")) {
         return Outcome::Failed(format!("cannot copy Cargo.lock: {error}"));
     }
-    let built = run(tree.cargo(&["build", "--release", "--package", "cargo-fmi2"]));
+    let built = run(tree.cargo_all("build", &["--bin", "cargo-fmi2"]));
     if built != Outcome::Passed {
         return built;
     }
-    let name = format!("cargo-fmi2{}", std::env::consts::EXE_SUFFIX);
-    let mut package = Command::new(tree.target.join("release").join(name));
+    let mut package = Command::new(tree.program("cargo-fmi2"));
     package.args(["fmi2", "package"]);
     for mut command in [package, tree.cargo(&["test", "--release", "--no-run"])] {
         command

@@ -17,10 +17,12 @@ mod counts;
 mod fuzz;
 mod helpers;
 mod long;
+mod publish;
 mod python;
 mod steps;
 mod tree;
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -52,7 +54,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
     // First, because the Rust tests attack the FMUs' libraries too; stale ones would be attacked for what is no longer there.
     steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package", "--release"])));
     if !what.python {
-        steps.step("Rust tests", || run(tree.cargo(&["test", "--release", "--workspace", "--all-features"])));
+        steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
     }
     if !what.rust {
         steps.step("Python environment", || python::prepare(tree));
@@ -62,7 +64,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
     if everything {
         steps.step("Long checks", || long::checks(tree));
         steps.step("Instruction counts", || counts::check(tree));
-        steps.step("Seeds of the fuzz targets", || fuzz::seeds(tree));
+        steps.step("Crates as they are published", || publish::check(tree));
         steps.step("Fuzz targets", || fuzz::run_targets(tree));
         // The code checks come last: a lint that a newer clippy brings must not hide what the tests say.
         checks::add(&mut steps, tree);
@@ -84,9 +86,7 @@ fn describe(tree: &Tree) -> ExitCode {
     for (name, package) in
         [("Plant", "plant-fmu"), ("Controllers", "controller-fmu"), ("Instruments", "instruments-fmu")]
     {
-        let program = ["run", "--release", "--quiet", "--package", package, "--features", "package"];
-        let arguments = [&program[..], &["--", "--describe", "modelDescription"]].concat();
-        steps.step(name, || run(tree.cargo(&arguments)));
+        steps.step(name, || tree.run_packager(package, &[OsStr::new("--describe"), OsStr::new("modelDescription")]));
     }
     steps.step("Systems", || run(tree.cargo(&["run", "--release", "--", "package", "--describe", "modelDescription"])));
     steps.finish()

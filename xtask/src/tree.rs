@@ -1,5 +1,6 @@
 //! Where the workspace and its build directory are, and the cargo that runs us.
 
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -26,9 +27,36 @@ impl Tree {
 
     /// `cargo <args>` in the workspace root, with the cargo that runs us.
     pub fn cargo(&self, args: &[&str]) -> Command {
-        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        let mut command = Command::new(cargo());
         command.args(args).current_dir(&self.root);
         command
+    }
+
+    /// `cargo <subcommand>` of the whole workspace, as everything that `cargo xtask test` builds: for other crates or features,
+    /// cargo would give dependencies other features, and compile them and all that needs them anew.
+    pub fn cargo_all(&self, subcommand: &str, args: &[&str]) -> Command {
+        let mut command = self.cargo(&[subcommand, "--release", "--workspace", "--all-features"]);
+        command.args(args);
+        command
+    }
+
+    /// Builds the packaging program of the crate in `folder`, and runs it in the root of the workspace.
+    pub fn run_packager(&self, folder: &str, arguments: &[&OsStr]) -> Outcome {
+        let name = folder.rsplit('/').next().unwrap_or(folder);
+        let built = run(self.cargo_all("build", &["--quiet", "--bin", name]));
+        if built != Outcome::Passed {
+            return built;
+        }
+        let mut command = Command::new(self.program(name));
+        // What `cargo run` would tell it.
+        let manifest = self.root.join(folder);
+        command.args(arguments).current_dir(&self.root).env("CARGO", cargo()).env("CARGO_MANIFEST_DIR", manifest);
+        run(command)
+    }
+
+    /// The file of a program that cargo has built.
+    pub fn program(&self, name: &str) -> PathBuf {
+        self.target.join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
 
     /// Runs the cargo subcommand of an optional toolchain component, or says that it is absent.
@@ -40,6 +68,11 @@ impl Tree {
         command.args(args);
         run(command)
     }
+}
+
+/// The cargo that runs us.
+fn cargo() -> OsString {
+    std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }
 
 /// Whether a command starts and succeeds.

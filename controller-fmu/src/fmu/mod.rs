@@ -181,11 +181,9 @@ impl<L: FmuLaw> Declare for Controller<L> {
     const INFO: Info = Info {
         name: L::NAME,
         description: L::DESCRIPTION,
-        version: env!("CARGO_PKG_VERSION"),
-        license: env!("CARGO_PKG_LICENSE"),
         default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 2.0, step_size: 1e-4, tolerance: None },
         directional_derivatives: true,
-        ..Info::new()
+        ..fmi2_export::cargo_info!()
     };
 
     fn variables(variables: &mut Variables<Self>) {
@@ -194,7 +192,7 @@ impl<L: FmuLaw> Declare for Controller<L> {
         variables::commands(variables, rates);
         variables::targets(variables, rates);
         L::declare_extra(variables, rates);
-        variables.parameters(Arms::PARAMETERS.map(Into::into), |m| &mut m.arms);
+        variables.parameters(Arms::PARAMETERS, |m| &mut m.arms);
         L::declare_settings(variables);
     }
 }

@@ -174,12 +174,12 @@ impl FmuLaw for NabfcLaw {
     fn declare_settings(variables: &mut Variables<NabfcController>) {
         variables.parameter("law", |m| &mut m.settings.choice).description("Which law commands the grasp");
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.tunables(ObjectGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.object);
-        variables.tunable_family(PostureGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.posture);
-        variables.tunables(Gains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains);
-        variables.parameter_family(PostureGains::FIXED.map(Into::into), |m| &mut m.settings.gains.posture);
-        variables.parameters(ObjectGains::FIXED.map(Into::into), |m| &mut m.settings.gains.object);
-        variables.parameters(RbfLayout::PARAMETERS.map(Into::into), |m| &mut m.settings.gains.rbf);
+        variables.parameters(ObjectGains::PARAMETERS, |m| &mut m.settings.gains.object).tunable();
+        variables.parameter_family(PostureGains::PARAMETERS, |m| &mut m.settings.gains.posture).tunable();
+        variables.parameters(Gains::PARAMETERS, |m| &mut m.settings.gains).tunable();
+        variables.parameter_family(PostureGains::FIXED, |m| &mut m.settings.gains.posture);
+        variables.parameters(ObjectGains::FIXED, |m| &mut m.settings.gains.object);
+        variables.parameters(RbfLayout::PARAMETERS, |m| &mut m.settings.gains.rbf);
         let (posture, object) = (RbfLayout::NODES_POSTURE, RbfLayout::RINGS_OBJECT);
         variables
             .parameter("rbf_nodes_posture", |m| &mut m.settings.gains.rbf.nodes_posture)
@@ -189,17 +189,15 @@ impl FmuLaw for NabfcLaw {
             .parameter("rbf_rings_object", |m| &mut m.settings.gains.rbf.rings_object)
             .range(f64::from(*object.start()), f64::from(*object.end()))
             .description("Nodes of the object network on each side of the centre along each of its seven axes");
-        variables
-            .tunables(root_strain::ObjectGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain.object);
-        variables
-            .tunable_family(root_strain::HubGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain.hub);
-        variables.tunables(root_strain::MassGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain.mass);
-        variables.tunables(RootStrainGains::PARAMETERS.map(Into::into), |m| &mut m.settings.root_strain);
-        variables.parameters(root_strain::MassGains::FIXED.map(Into::into), |m| &mut m.settings.root_strain.mass);
+        variables.parameters(root_strain::ObjectGains::PARAMETERS, |m| &mut m.settings.root_strain.object).tunable();
+        variables.parameter_family(root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
+        variables.parameters(root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
+        variables.parameters(RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
+        variables.parameters(root_strain::MassGains::FIXED, |m| &mut m.settings.root_strain.mass);
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");
-        variables.tunables(Actuation::PARAMETERS.map(Into::into), |m| &mut m.settings.actuation);
+        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
     }
 
     fn declare_extra(variables: &mut Variables<NabfcController>, rates: Evaluation) {

@@ -66,10 +66,10 @@ impl FmuLaw for Encoders<Pd> {
 
     fn declare_settings(variables: &mut Variables<PdController>) {
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.tunables(PdGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains);
+        variables.parameters(PdGains::PARAMETERS, |m| &mut m.settings.gains).tunable();
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");
-        variables.tunables(Actuation::PARAMETERS.map(Into::into), |m| &mut m.settings.actuation);
+        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
     }
 }

@@ -64,10 +64,10 @@ impl FmuLaw for Encoders<Pds> {
 
     fn declare_settings(variables: &mut Variables<PdsController>) {
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.tunables(PdsGains::PARAMETERS.map(Into::into), |m| &mut m.settings.gains);
+        variables.parameters(PdsGains::PARAMETERS, |m| &mut m.settings.gains).tunable();
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");
-        variables.tunables(Actuation::PARAMETERS.map(Into::into), |m| &mut m.settings.actuation);
+        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
     }
 }

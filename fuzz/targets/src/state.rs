@@ -26,9 +26,9 @@ impl Declare for Lags {
         let outputs = variables.evaluation(|m| m.y = m.states.iter().sum());
         variables.input("u", |m| &mut m.u).description("Input");
         variables.output("y", outputs, |m| &mut m.y).description("Sum of the lags");
-        variables.tunable("count", |m| &mut m.count).range(0.0, 9.0).description("A number");
-        variables.tunable("is_on", |m| &mut m.is_on).description("A choice");
-        variables.tunable("label", |m| &mut m.label).description("Words");
+        variables.parameter("count", |m| &mut m.count).tunable().range(0.0, 9.0).description("A number");
+        variables.parameter("is_on", |m| &mut m.is_on).tunable().description("A choice");
+        variables.parameter("label", |m| &mut m.label).tunable().description("Words");
     }
 }
 
@@ -164,7 +164,7 @@ fn hand_over(bytes: &[u8]) -> bool {
     let c = instance();
     let mut state = null_mut();
     // SAFETY: `c` is an instance, `bytes` are that many, and `state` is used only if there is one.
-    let accepted = unsafe {
+    unsafe {
         let status = host::fmi2DeSerializeFMUstate(c, bytes.as_ptr().cast(), bytes.len(), &raw mut state);
         let accepted = status == OK && host::fmi2SetFMUstate(c, state) == OK;
         if accepted {
@@ -179,8 +179,7 @@ fn hand_over(bytes: &[u8]) -> bool {
         }
         host::fmi2FreeInstance(c);
         accepted
-    };
-    accepted
+    }
 }
 
 #[cfg(test)]

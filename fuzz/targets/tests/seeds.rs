@@ -13,7 +13,7 @@ fn seeds(endings: &[&str]) -> Vec<Vec<u8>> {
         }
     }
     let mut found = Vec::new();
-    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription"), &mut found);
+    collect(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../modelDescription"), &mut found);
     found.retain(|path| path.extension().is_some_and(|e| endings.iter().any(|ending| e == *ending)));
     found.sort();
     assert!(!found.is_empty(), "no file ends with {endings:?}");
@@ -54,21 +54,21 @@ fn feed(target: fn(&[u8]), seed: &[u8], count: u64) {
 #[test]
 fn descriptions() {
     for seed in seeds(&["xml"]) {
-        feed(fuzz::description, &seed, 200);
+        feed(fuzz_targets::description, &seed, 200);
     }
 }
 
 #[test]
 fn systems_and_parameters() {
     for seed in seeds(&["ssd", "ssv"]) {
-        feed(fuzz::ssp, &seed, 100);
+        feed(fuzz_targets::ssp, &seed, 100);
     }
 }
 
 #[test]
 fn states() {
-    let blob = fuzz::blob();
-    feed(fuzz::state, fuzz::payload(&blob), 5_000);
-    feed(fuzz::state, &blob, 5_000);
-    feed(fuzz::state, &[], 0);
+    let blob = fuzz_targets::blob();
+    feed(fuzz_targets::state, fuzz_targets::payload(&blob), 5_000);
+    feed(fuzz_targets::state, &blob, 5_000);
+    feed(fuzz_targets::state, &[], 0);
 }

@@ -11,7 +11,7 @@ use crate::blocks::observer::{Known, Observer, RateSource};
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::signals::{Commands, Inputs, column};
 use crate::target::Arms;
-use grasp_parameter::{InvalidParameter, Parameter, Range, check, parameter};
+use parameter_table::{InvalidParameter, Parameter, Range, check, parameter};
 use serde::{Deserialize, Serialize};
 
 /// Poles of observers and filters \[rad/s\].

@@ -6,7 +6,7 @@ pub mod pd;
 pub mod pds;
 pub mod root_strain;
 
-use grasp_parameter::Range;
+use parameter_table::Range;
 
 /// A gain: zero or positive.
 pub(crate) const GAIN: Range = Range::new(0.0, 1e6);

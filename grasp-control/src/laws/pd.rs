@@ -5,7 +5,7 @@ use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::pds::{Pds, PdsGains};
 use crate::signals::{Commands, Inputs};
 use crate::target::Arms;
-use grasp_parameter::{InvalidParameter, Parameter, check, parameter};
+use parameter_table::{InvalidParameter, Parameter, check, parameter};
 use serde::{Deserialize, Serialize};
 
 pub use crate::laws::pds::Limits;

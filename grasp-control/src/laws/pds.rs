@@ -5,7 +5,7 @@ use super::encoders::Actuation;
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::signals::{Commands, INPUTS, Inputs, column};
 use crate::target::Arms;
-use grasp_parameter::{InvalidParameter, Parameter, check, parameter};
+use parameter_table::{InvalidParameter, Parameter, check, parameter};
 use serde::{Deserialize, Serialize};
 
 /// Gains of the PDS law; index 0 of an array is arm 1.

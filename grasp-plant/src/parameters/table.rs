@@ -1,7 +1,7 @@
 //! The parameters by name, with unit and range: what is declared and what is checked.
 
 use super::{Arm, Channel, ORDER_RANGE, Parameters, Start};
-use grasp_parameter::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
+use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
 
 /// The largest magnitude of any parameter, in its SI unit: far beyond anything physical.
 const LARGEST: f64 = 1e9;

@@ -10,8 +10,8 @@ use crate::parameters::Parameters;
 use crate::propagator::Cache;
 use crate::state::{State, StateError};
 use crate::state_space::StateSpace;
-use grasp_parameter::InvalidParameter;
 use model::Model;
+use parameter_table::InvalidParameter;
 use std::sync::Arc;
 
 /// Into how many parts a step is divided at most, if it is too long for one piece: seconds of computing time.

@@ -120,11 +120,9 @@ impl Declare for DualArmPlant {
     const INFO: Info = Info {
         name: "DualArmPlant",
         description: "Two flexible one-link arms (Euler-Bernoulli beams on motor hubs) grasping an object",
-        version: env!("CARGO_PKG_VERSION"),
-        license: env!("CARGO_PKG_LICENSE"),
         default_experiment: DefaultExperiment { start_time: 0.0, stop_time: 2.0, step_size: 1e-4, tolerance: None },
         directional_derivatives: true,
-        ..Info::new()
+        ..fmi2_export::cargo_info!()
     };
 
     fn variables(variables: &mut Variables<Self>) {

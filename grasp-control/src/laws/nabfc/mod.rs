@@ -12,8 +12,8 @@ use crate::blocks::lowpass::LowPass;
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::signals::{Commands, INPUTS, Inputs, column};
 use crate::target::{Arms, ErrorJacobian};
-use grasp_parameter::InvalidParameter;
 use object_loop::{ObjectInputs, ObjectLoop, ObjectPartials};
+use parameter_table::InvalidParameter;
 use posture_loop::PostureLoop;
 use serde::{Deserialize, Serialize};
 

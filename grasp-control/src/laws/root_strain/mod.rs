@@ -48,8 +48,8 @@ use crate::laws::encoders::Actuation;
 use crate::laws::nabfc::{Estimates, Surfaces};
 use crate::signals::{Commands, INPUTS, Inputs, column};
 use crate::target::Arms;
-use grasp_parameter::InvalidParameter;
 use mass::MassEstimator;
+use parameter_table::InvalidParameter;
 use serde::{Deserialize, Serialize};
 
 /// The law of the module's text.

@@ -3,7 +3,7 @@
 use super::{HubGains, MassGains, ObjectGains, RootStrainGains};
 use crate::laws::GAIN;
 use crate::laws::encoders::POLES;
-use grasp_parameter::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
+use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
 
 /// A share of an inertia.
 const SHARE: Range = Range::new(0.0, 1.0);

@@ -3,7 +3,7 @@
 use super::{Gains, ObjectGains, PostureGains, RbfLayout};
 use crate::blocks::rbf::WIDTHS;
 use crate::laws::{DIVISOR, GAIN};
-use grasp_parameter::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
+use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
 use std::ops::RangeInclusive;
 
 /// Admissible widths of the Gaussians.

@@ -1,0 +1,118 @@
+//! The crates that are meant for crates.io: packaged, unpacked, and tested where nothing of the repository is around them.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::process::Command;
+
+use crate::steps::{Outcome, run};
+use crate::tree::Tree;
+
+/// The crates, in the order of publication: each needs those before it only.
+pub const CRATES: [&str; 6] =
+    ["parameter-table", "fmi2-export-derive", "fmi2-export", "fmi2-package", "cargo-fmi2", "fmi2-import"];
+
+/// A crate without code that gives dependencies the features they have in the workspace, so that they are not compiled again.
+const FEATURES: &str = "workspace-hack";
+
+/// Packages the crates, unpacks them side by side, and tests what was in the packages.
+pub fn check(tree: &Tree) -> Outcome {
+    let packages = CRATES.iter().flat_map(|name| ["--package", *name]);
+    let mut package = tree.cargo(&["package", "--allow-dirty", "--no-verify", "--quiet"]);
+    package.args(packages);
+    let packaged = run(package);
+    if packaged != Outcome::Passed {
+        return packaged;
+    }
+    let folder = tree.target.join("published");
+    if let Err(error) = unpack(tree, &folder) {
+        return Outcome::Failed(format!("cannot unpack to {}: {error}", folder.display()));
+    }
+    let mut test = tree.cargo_all("test", &["--quiet"]);
+    test.current_dir(&folder).env("CARGO_TARGET_DIR", &tree.target);
+    run(test)
+}
+
+/// Makes a workspace of the packages' contents.
+fn unpack(tree: &Tree, folder: &Path) -> io::Result<()> {
+    if folder.exists() {
+        fs::remove_dir_all(folder)?;
+    }
+    fs::create_dir_all(folder.join(FEATURES).join("src"))?;
+    let root = fs::read_to_string(tree.root.join("Cargo.toml"))?;
+    let version = version(&root).ok_or_else(|| io::Error::other("Cargo.toml has no [workspace.package] version"))?;
+    for name in CRATES {
+        let packed = tree.target.join("package").join(format!("{name}-{version}.crate"));
+        let mut tar = Command::new("tar");
+        tar.arg("-xzf").arg(&packed).current_dir(folder);
+        if !tar.status()?.success() {
+            return Err(io::Error::other(format!("tar failed for {}", packed.display())));
+        }
+        fs::rename(folder.join(format!("{name}-{version}")), folder.join(name))?;
+    }
+    for file in ["Cargo.toml", "src/lib.rs"] {
+        fs::copy(tree.root.join(FEATURES).join(file), folder.join(FEATURES).join(file))?;
+    }
+    // The versions that the workspace has: they have been compiled.
+    fs::copy(tree.root.join("Cargo.lock"), folder.join("Cargo.lock"))?;
+    fs::write(folder.join("Cargo.toml"), manifest(&root))
+}
+
+/// The workspace's manifest with these members only, which find each other here as they will on crates.io. They are compiled
+/// fast: how well the compiler optimises is not what is tested.
+fn manifest(root: &str) -> String {
+    let settings = root.find("[workspace.package]").map_or("", |at| &root[at..]);
+    let members = CRATES.iter().chain([&FEATURES]).map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+    let mut text = format!("[workspace]\nresolver = \"3\"\nmembers = [{members}]\n\n{settings}\n[patch.crates-io]\n");
+    for name in CRATES {
+        let _ = writeln!(text, "{name} = {{ path = {name:?} }}");
+    }
+    text.replace("[profile.release]\n", "[profile.release]\nopt-level = 1\n")
+        .replace("[profile.release.package.\"*\"]\n", "[profile.release.package.\"*\"]\nopt-level = 3\n")
+}
+
+/// The version that all crates have.
+fn version(root: &str) -> Option<&str> {
+    let (_, package) = root.split_once("[workspace.package]")?;
+    package.lines().find_map(|line| line.strip_prefix("version = ")).map(|text| text.trim_matches('"'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROOT: &str =
+        "[workspace]\nmembers = [\"a\"]\n\n[workspace.package]\nversion = \"1.2.3\"\n\n[profile.release]\nx = 1\n";
+
+    #[test]
+    fn the_manifest_has_other_members_and_the_same_settings() {
+        let text = manifest(ROOT);
+        assert!(text.contains("members = [\"parameter-table\", ") && !text.contains("\"a\""), "{text}");
+        assert!(text.contains("opt-level = 1\nx = 1") && text.contains("fmi2-import = { path = "), "{text}");
+        assert_eq!(version(ROOT), Some("1.2.3"));
+    }
+
+    /// What is published first cannot need what comes later, and whatever says no `publish = false` is among them.
+    #[test]
+    fn the_order_of_publication_is_possible_and_no_crate_is_forgotten() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let manifest = |name: &str| fs::read_to_string(root.join(name).join("Cargo.toml")).unwrap();
+        for (i, name) in CRATES.iter().enumerate() {
+            let needs = |other: &&&str| {
+                let line = |line: &str| line.starts_with(**other) && line[other.len()..].starts_with([' ', '.']);
+                manifest(name).lines().any(line)
+            };
+            assert_eq!(CRATES[i..].iter().find(needs), None, "{name} is published before what it needs");
+        }
+        let mut published: Vec<String> = fs::read_dir(root)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| root.join(name).join("src").is_dir() && !manifest(name).contains("publish = false"))
+            .collect();
+        published.sort();
+        let mut listed = CRATES.map(str::to_owned).to_vec();
+        listed.sort();
+        assert_eq!(published, listed);
+    }
+}
