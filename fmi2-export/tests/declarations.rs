@@ -117,7 +117,9 @@ fn arrays_and_tables_become_variables_with_their_numbers_in_their_texts() {
     assert!(of("EI2").contains("<Real unit=\"N.m2\" min=\"0.0\" start=\"0.3\"/>"));
     assert!(of("m1").contains("<Real min=\"-1.0\" max=\"1000000000.0\" start=\"0.2\"/>"));
     assert!(of("object_share").contains("description=\"What the object loses\" causality=\"parameter\""));
-    assert!(of("object_share").contains("variability=\"tunable\" initial=\"exact\"> <Real unit=\"kg/s\" start=\"0.6\"/>"));
+    assert!(
+        of("object_share").contains("variability=\"tunable\" initial=\"exact\"> <Real unit=\"kg/s\" start=\"0.6\"/>")
+    );
     assert!(of("k[3]").contains("variability=\"tunable\"") && of("k[3]").contains("start=\"3.0\""));
     assert!(of("theta2_0").contains("unit=\"rad\" displayUnit=\"deg\" start=\"1.5\""));
     // Each output depends on the input of its own number.

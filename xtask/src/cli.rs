@@ -48,6 +48,8 @@ pub enum Command {
         /// The new folder
         path: PathBuf,
     },
+    /// Package the crates that are meant for crates.io, unpack them, and run their tests there
+    Published,
     /// Count the instructions of a communication step, and fail if one costs over 5 % more than the last time
     ///
     /// Needs valgrind; without it the counts are skipped. The last time is the last entry of
@@ -95,6 +97,7 @@ mod tests {
         assert_eq!(parsed("counts"), Some(Command::Counts { record: None }));
         assert_eq!(parsed("counts --record why"), Some(Command::Counts { record: Some("why".into()) }));
         assert_eq!(parsed("describe"), Some(Command::Describe));
+        assert_eq!(parsed("published"), Some(Command::Published));
         assert_eq!(parsed("new-fmu ../dc-motor"), Some(Command::NewFmu { path: "../dc-motor".into() }));
         assert_eq!(parsed("test"), Some(Command::Test(Test::default())));
         assert_eq!(parsed("test --rust"), Some(Command::Test(Test { rust: true, ..Test::default() })));
@@ -130,7 +133,8 @@ mod tests {
     #[test]
     fn help_names_every_variable_of_the_environment() {
         let help = Arguments::command().render_long_help().to_string();
-        for name in ["PYTHON", "CARGO_TARGET_DIR", "CI", "test", "check", "describe", "new-fmu", "counts"] {
+        for name in ["PYTHON", "CARGO_TARGET_DIR", "CI", "test", "check", "describe", "new-fmu", "published", "counts"]
+        {
             assert!(help.contains(name), "{name} is missing in\n{help}");
         }
     }

@@ -13,6 +13,9 @@ use crate::tree::Tree;
 pub const CRATES: [&str; 6] =
     ["parameter-table", "fmi2-export-derive", "fmi2-export", "fmi2-package", "cargo-fmi2", "fmi2-import"];
 
+/// They are compiled fast: how well the compiler optimises is not what is tested.
+const OPTIMISATION: u8 = 0;
+
 /// A crate without code that gives dependencies the features they have in the workspace, so that they are not compiled again.
 const FEATURES: &str = "workspace-hack";
 
@@ -59,8 +62,7 @@ fn unpack(tree: &Tree, folder: &Path) -> io::Result<()> {
     fs::write(folder.join("Cargo.toml"), manifest(&root))
 }
 
-/// The workspace's manifest with these members only, which find each other here as they will on crates.io. They are compiled
-/// fast: how well the compiler optimises is not what is tested.
+/// The workspace's manifest with these members only, which find each other here as they will on crates.io.
 fn manifest(root: &str) -> String {
     let settings = root.find("[workspace.package]").map_or("", |at| &root[at..]);
     let members = CRATES.iter().chain([&FEATURES]).map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
@@ -68,8 +70,10 @@ fn manifest(root: &str) -> String {
     for name in CRATES {
         let _ = writeln!(text, "{name} = {{ path = {name:?} }}");
     }
-    text.replace("[profile.release]\n", "[profile.release]\nopt-level = 1\n")
-        .replace("[profile.release.package.\"*\"]\n", "[profile.release.package.\"*\"]\nopt-level = 3\n")
+    for name in CRATES {
+        let _ = writeln!(text, "\n[profile.release.package.{name}]\nopt-level = {OPTIMISATION}");
+    }
+    text
 }
 
 /// The version that all crates have.
@@ -89,7 +93,7 @@ mod tests {
     fn the_manifest_has_other_members_and_the_same_settings() {
         let text = manifest(ROOT);
         assert!(text.contains("members = [\"parameter-table\", ") && !text.contains("\"a\""), "{text}");
-        assert!(text.contains("opt-level = 1\nx = 1") && text.contains("fmi2-import = { path = "), "{text}");
+        assert!(text.contains("[profile.release]\nx = 1") && text.contains("fmi2-import = { path = "), "{text}");
         assert_eq!(version(ROOT), Some("1.2.3"));
     }
 
