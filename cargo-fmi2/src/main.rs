@@ -1,5 +1,6 @@
 //! `cargo fmi2`: makes a crate that exports a model as an FMU, and packages it.
 
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -47,9 +48,10 @@ enum Command {
 fn main() -> ExitCode {
     let Cargo::Fmi2 { command } = Cargo::parse();
     let result = match command {
-        Command::New { folder, path } => new::create(&folder, path.as_deref()).map(|next| {
-            print!("{next}");
-            ExitCode::SUCCESS
+        Command::New { folder, path } => new::create(&folder, path.as_deref()).and_then(|next| {
+            let mut out = std::io::stdout();
+            let printed = out.write_all(next.as_bytes()).and_then(|()| out.flush());
+            printed.map(|()| ExitCode::SUCCESS).map_err(|error| format!("cannot write to standard output: {error}"))
         }),
         Command::Package(arguments) => package::run(&arguments),
     };

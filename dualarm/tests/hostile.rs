@@ -413,6 +413,21 @@ fn an_interrupted_run_leaves_what_was_there() {
     }
 }
 
+/// The process that works notices when the one that watches is killed.
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_stays_when_the_watching_process_is_killed() {
+    let Some(folder) = hostile() else { return };
+    let mut child = start(folder.path(), "hang-step", &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
+    child.kill().unwrap();
+    assert_eq!(child.wait().unwrap().signal(), Some(9));
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while folder.path().join("out").exists() || !files(&folder.path().join("tmp")).is_empty() {
+        assert!(Instant::now() < deadline, "{:?}", files(folder.path()));
+        thread::sleep(Duration::from_millis(10));
+    }
+}
+
 /// One input, named as the other FMU's output `y`, with this type.
 fn pair(from: &str, to: &str) -> Option<TempDir> {
     fixtures(&["From", "To"], |model, text| {

@@ -1,5 +1,7 @@
 //! Communication points of a run with a fixed step.
 
+use crate::names::number;
+
 /// The communication points `start + i·step`, computed (never accumulated), and `stop` as the last one. When the
 /// duration is no multiple of the step, the last step is shorter.
 ///
@@ -49,10 +51,10 @@ impl Decimal {
 #[non_exhaustive]
 pub enum GridError {
     /// The step is zero, negative or not a number.
-    #[error("the step size must be a positive number of seconds, not {0}")]
+    #[error("the step size must be a positive number of seconds, not {}", number(*.0))]
     Step(f64),
     /// The stop time does not lie behind the start time.
-    #[error("the stop time ({stop} s) must lie behind the start time ({start} s)")]
+    #[error("the stop time ({} s) must lie behind the start time ({} s)", number(*stop), number(*start))]
     Stop {
         /// Start time in s.
         start: f64,
@@ -60,7 +62,7 @@ pub enum GridError {
         stop: f64,
     },
     /// Time would not advance in floating point.
-    #[error("a step of {step} s is too small for times up to {stop} s: time would not advance")]
+    #[error("a step of {} s is too small for times up to {} s: time would not advance", number(*step), number(*stop))]
     TooFine {
         /// Step size in s.
         step: f64,

@@ -9,6 +9,13 @@ pub fn suggestion(similar: &[String]) -> String {
     }
 }
 
+/// A number as people write it: the shortest digits that read back, with an exponent where it is very large or small.
+#[must_use]
+pub fn number(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
 /// The candidates that come closest to a misspelt name, best first; none if none is close. Nobody misspells a name of
 /// hundreds of letters, and comparing two of them takes their product in time.
 #[must_use]

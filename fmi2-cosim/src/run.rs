@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::grid::{GridError, TimeGrid};
 use crate::master::{Coupling, Master, MasterError};
+use crate::names::number;
 use crate::record::{Column, Last, Sink};
 use crate::system::{RunOptions, System};
 use fmi2_import::CallError;
@@ -27,7 +28,7 @@ pub enum RunError {
     #[error(transparent)]
     Grid(#[from] GridError),
     /// The first step would lead beyond the stop time.
-    #[error("a step of {step} s is longer than the run from {start} s to {stop} s")]
+    #[error("a step of {} s is longer than the run from {} s to {} s", number(*step), number(*start), number(*stop))]
     LongStep {
         /// Start time in s.
         start: f64,
@@ -37,7 +38,7 @@ pub enum RunError {
         step: f64,
     },
     /// Rows cannot come at such an interval.
-    #[error("the interval must be 0 or more seconds, not {0}")]
+    #[error("the interval must be 0 or more seconds, not {}", number(*.0))]
     Interval(f64),
 }
 
@@ -155,11 +156,11 @@ impl Run {
 
     /// What to say about rows that are not equally spaced: they are taken at communication points only.
     fn uneven_rows(&self) -> Option<String> {
-        let (interval, step) = (self.interval, self.grid.step());
-        let steps = interval / step;
+        let steps = self.interval / self.grid.step();
         let is_multiple = (steps - steps.round()).abs() <= 1e-6 * steps.max(1.0);
         // An interval shorter than the step means every step: no row is missing.
         (steps > 1.0 && !is_multiple).then(|| {
+            let (interval, step) = (number(self.interval), number(self.grid.step()));
             format!(
                 "the interval of {interval} s is no multiple of the step of {step} s: rows come at the first communication \
                  point after each multiple, not equally spaced"

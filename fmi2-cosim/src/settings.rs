@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::names::{closest, suggestion};
+use crate::names::{self, closest, suggestion};
 use crate::signal::Signal;
 use crate::units::{UnitMismatch, Units};
 use fmi2_import::description::BaseType;
@@ -258,10 +258,10 @@ fn outside(variable: &Variable, value: &Value) -> Option<String> {
     };
     let unit = variable.unit().map(|unit| format!(" {unit}")).unwrap_or_default();
     let is_outside = min.is_some_and(|min| number < min) || max.is_some_and(|max| number > max);
-    is_outside.then(|| match (min, max) {
+    is_outside.then(|| match (min.map(names::number), max.map(names::number)) {
         (Some(min), Some(max)) => format!("from {min} to {max}{unit}"),
         (Some(min), None) => format!("at least {min}{unit}"),
-        (None, max) => format!("at most {}{unit}", max.unwrap_or(f64::INFINITY)),
+        (None, max) => format!("at most {}{unit}", max.unwrap_or_default()),
     })
 }
 

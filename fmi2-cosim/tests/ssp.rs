@@ -556,6 +556,15 @@ fn names_that_others_refer_to_are_there_once() {
     structure.system.components[0].connectors.push(twice);
     let message = read::system_structure(write::system_structure(&structure).as_bytes()).unwrap_err().to_string();
     assert!(message.ends_with("two connectors of one element are called \"u\""), "{message}");
+    structure.system.components[0].connectors.truncate(2);
+    structure.system.components[0].name.clear();
+    let message = read::system_structure(write::system_structure(&structure).as_bytes()).unwrap_err().to_string();
+    assert!(message.ends_with("one of the components has an empty name"), "{message}");
+    structure.system = System::default();
+    let folder = tempfile::tempdir().unwrap();
+    if let Some(path) = ssp(folder.path(), &write::system_structure(&structure), &[]) {
+        assert!(Package::open(&path).unwrap_err().to_string().ends_with("the system has no components"));
+    }
     let twice = set(vec![("a", real(1.0)), ("b", real(1.0)), ("a", real(2.0))]);
     let message = read::parameter_set(write::parameter_set(&twice).as_bytes()).unwrap_err().to_string();
     assert!(message.ends_with("two parameters of one set are called \"a\""), "{message}");

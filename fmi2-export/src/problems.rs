@@ -73,6 +73,9 @@ fn info_problems(info: &Info, problems: &mut Vec<String>) {
     if !is_c_identifier(info.name) {
         problems.push(format!("the name {:?} is not a C identifier", info.name));
     }
+    if is_device(info.name) {
+        problems.push(format!("no file can be called {}: Windows takes it for a device", info.name));
+    }
     for text in [info.description, info.author, info.version, info.copyright, info.license] {
         text_problem("text", text, problems);
     }
@@ -186,8 +189,28 @@ fn text_problem(what: &str, text: &str, problems: &mut Vec<String>) {
     }
 }
 
+/// Names that no file can have on Windows, with whatever ending.
+fn is_device(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let numbered = name.strip_prefix("com").or(name.strip_prefix("lpt"));
+    matches!(name.as_str(), "con" | "prn" | "aux" | "nul")
+        || numbered.is_some_and(|n| n.len() == 1 && "123456789".contains(n))
+}
+
 fn is_c_identifier(name: &str) -> bool {
     let mut characters = name.chars();
     characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
         && characters.all(|c| c.is_ascii_alphanumeric() || c == '_')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_models_become_names_of_files_and_functions() {
+        assert!(["Pump", "_1", "console", "com10", "com"].iter().all(|name| is_c_identifier(name) && !is_device(name)));
+        assert!(["con", "NUL", "Com1", "lpt9"].iter().all(|name| is_device(name)));
+        assert!(!["", "1a", "a-b", "ä", "a.b", "a/b"].iter().any(|name| is_c_identifier(name)));
+    }
 }

@@ -30,7 +30,10 @@ pub struct Mismatch {
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Real(value) => write!(f, "{value}"),
+            Self::Real(value) => {
+                let text = format!("{value:?}");
+                f.write_str(text.strip_suffix(".0").unwrap_or(&text))
+            }
             Self::Integer(value) => write!(f, "{value}"),
             Self::Boolean(value) => write!(f, "{value}"),
             Self::Text(value) => f.write_str(value),
@@ -77,7 +80,7 @@ mod tests {
 
     #[test]
     fn values_read_as_a_user_writes_them() {
-        let values = [Value::from(1e-4), 0.1.into(), 8.0.into(), (-3).into(), true.into(), "fast".into()];
-        assert_eq!(values.map(|value| value.to_string()), ["0.0001", "0.1", "8", "-3", "true", "fast"]);
+        let values = [Value::from(1e-4), 0.1.into(), 8.0.into(), 1e300.into(), (-3).into(), true.into(), "fast".into()];
+        assert_eq!(values.map(|value| value.to_string()), ["0.0001", "0.1", "8", "1e300", "-3", "true", "fast"]);
     }
 }

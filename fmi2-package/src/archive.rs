@@ -1,10 +1,10 @@
 //! The zip archive that an `.fmu` file is (FMI 2.0.4, section 2.3).
 
 use std::collections::HashMap;
-use std::fs::File;
 use std::io::{Cursor, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use tempfile::NamedTempFile;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
@@ -34,7 +34,15 @@ impl Archive {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), PackageError> {
-        let bytes = self.bytes().map_err(PackageError::file("write", path))?;
+        self.beside(path.to_owned())?.appear().map(drop)
+    }
+
+    /// Writes the archive to a temporary file beside its destination.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn beside(&self, path: PathBuf) -> Result<Finished, PackageError> {
+        let bytes = self.bytes().map_err(PackageError::file("write", &path))?;
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
@@ -49,10 +57,10 @@ impl Archive {
             let mut file = builder.tempfile_in(folder)?;
             file.write_all(&bytes)?;
             file.as_file().sync_all()?;
-            file.persist(path)?;
-            Ok(())
+            Ok(file)
         };
-        write().map_err(PackageError::file("write", path))
+        let file = write().map_err(PackageError::file("write", &path))?;
+        Ok(Finished { file, path })
     }
 
     fn bytes(&self) -> std::io::Result<Vec<u8>> {
@@ -74,13 +82,44 @@ impl Archive {
     }
 }
 
+/// An archive that is written, and not yet at its place. Dropped, it leaves no trace.
+#[derive(Debug)]
+pub struct Finished {
+    file: NamedTempFile,
+    path: PathBuf,
+}
+
+impl Finished {
+    /// Moves it to its place, which it returns.
+    ///
+    /// # Errors
+    /// If that cannot be.
+    pub fn appear(self) -> Result<PathBuf, PackageError> {
+        let Self { file, path } = self;
+        match file.persist(&path) {
+            Ok(_) => Ok(path),
+            Err(error) => Err(PackageError::file("write", &path)(error.error)),
+        }
+    }
+}
+
+/// The content of a file that is nothing else: a pipe would keep us waiting.
+pub(crate) fn plain_file(path: &Path) -> std::io::Result<Vec<u8>> {
+    let kind = std::fs::metadata(path)?;
+    if !kind.is_file() && !kind.is_dir() {
+        return Err(std::io::Error::other("it is a pipe or a device, not a file"));
+    }
+    std::fs::read(path)
+}
+
 /// The files of an archive.
 ///
 /// # Errors
 /// If it cannot be read.
 pub fn read(path: &Path) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
     let failed = |source: std::io::Error| PackageError::file("read", path)(source);
-    let mut zip = ZipArchive::new(File::open(path).map_err(failed)?).map_err(|error| failed(error.into()))?;
+    let content = plain_file(path).map_err(failed)?;
+    let mut zip = ZipArchive::new(Cursor::new(content)).map_err(|error| failed(error.into()))?;
     let mut files = Vec::new();
     for i in 0..zip.len() {
         let mut entry = zip.by_index(i).map_err(|error| failed(error.into()))?;
@@ -120,4 +159,24 @@ pub fn check_target(folder: &Path, model: &str, package: &str) -> Result<(), Pac
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_that_some_systems_take_for_one_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut archive = Archive::new();
+        archive.add("resources/table.txt", b"1");
+        archive.write(&folder.path().join("a.fmu")).unwrap();
+        archive.add("resources/Table.txt", b"2");
+        let message = archive.write(&folder.path().join("b.fmu")).unwrap_err().to_string();
+        assert!(
+            message.contains("resources/table.txt and resources/Table.txt are the same file on some systems"),
+            "{message}"
+        );
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
 }

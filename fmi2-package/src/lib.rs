@@ -112,6 +112,9 @@ pub enum PackageError {
         /// Why.
         source: std::io::Error,
     },
+    /// Standard output did not take what the program says.
+    #[error("cannot write to standard output: {0}")]
+    StandardOutput(std::io::Error),
     /// A platform has no name in FMI 2.0, or cannot be built for here.
     #[error("{0}")]
     Platform(String),

@@ -1,5 +1,6 @@
 //! What the packaging program does: descriptions, libraries, documents into archives.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use fmi2_export::{Description, Library};
@@ -17,24 +18,20 @@ type Binary = (&'static Platform, Vec<u8>);
 pub fn run(library: &'static Library, documents: &[Document<'_>]) -> Result<(), PackageError> {
     let command = parse()?;
     if matches!(command, Command::Help) {
-        print!("{HELP}");
-        return Ok(());
+        return print(HELP);
     }
     let descriptions: Vec<Description> =
         library.models().iter().map(|model| model.description()).collect::<Result<_, _>>()?;
     check_names(documents, &descriptions)?;
     match command {
         Command::Help => Ok(()),
-        Command::Guids => {
-            println!("{}", guids(&descriptions));
-            Ok(())
-        }
+        Command::Guids => print(&format!("{}\n", guids(&descriptions))),
         Command::Describe { out } => {
             create(&out)?;
             for description in &descriptions {
                 let path = out.join(format!("{}.xml", description.name));
                 std::fs::write(&path, &description.xml).map_err(PackageError::file("write", &path))?;
-                println!("{}", path.display());
+                print(&format!("{}\n", path.display()))?;
             }
             Ok(())
         }
@@ -114,6 +111,7 @@ fn package(
             String::new()
         }
     };
+    let mut finished = Vec::new();
     for (description, files) in descriptions.iter().zip(&extras) {
         let mut archive = Archive::new();
         archive.add("modelDescription.xml", description.xml.as_bytes());
@@ -132,11 +130,17 @@ fn package(
         if !licenses.is_empty() {
             archive.add(document::LINKED_LICENSES, licenses.as_bytes());
         }
-        let path = options.out.join(format!("{}.fmu", description.name));
-        archive.write(&path)?;
-        println!("{}", path.display());
+        finished.push(archive.beside(options.out.join(format!("{}.fmu", description.name)))?);
     }
-    Ok(())
+    // The models of a library belong together: an interruption before this leaves the former ones.
+    let written = finished.into_iter().map(archive::Finished::appear).collect::<Result<Vec<_>, _>>()?;
+    written.iter().try_for_each(|path| print(&format!("{}\n", path.display())))
+}
+
+/// Prints to standard output, which may be closed or full.
+fn print(text: &str) -> Result<(), PackageError> {
+    let mut out = std::io::stdout();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(PackageError::StandardOutput)
 }
 
 /// Where an archive has the library for a platform.
@@ -148,7 +152,7 @@ pub fn library_path(platform: &Platform, model: &str) -> String {
 fn given(paths: &[PathBuf], descriptions: &[Description]) -> Result<Vec<Binary>, PackageError> {
     let mut binaries: Vec<Binary> = Vec::new();
     for path in paths {
-        let content = std::fs::read(path).map_err(PackageError::file("read", path))?;
+        let content = archive::plain_file(path).map_err(PackageError::file("read", path))?;
         let wrong = |problem| PackageError::Library { path: path.clone(), problem };
         let platform = Platform::of(&content).map_err(wrong)?;
         if binaries.iter().any(|(other, _)| *other == platform) {

@@ -2,6 +2,7 @@
 
 use std::io;
 
+use crate::names::number;
 use crate::wiring::WiringError;
 use fmi2_import::CallError;
 
@@ -55,8 +56,8 @@ pub enum MasterError {
     },
     /// A component cannot do a last step of another size.
     #[error(
-        "{component} can only do steps of equal size, but {duration} s is no multiple of the step size {step} s; \
-         choose a stop time that is"
+        "{component} can only do steps of equal size, but {} s is no multiple of the step size {} s; \
+         choose a stop time that is", number(*duration), number(*step)
     )]
     UnequalSteps {
         /// The component.
@@ -73,6 +74,9 @@ pub enum MasterError {
 
 /// A time without the digits that only rounding puts there.
 fn seconds(time: f64) -> String {
+    if time != 0.0 && !(1e-6..1e15).contains(&time.abs()) {
+        return number(time);
+    }
     let digits = format!("{time:.9}");
     digits.trim_end_matches('0').trim_end_matches('.').to_owned()
 }

@@ -34,6 +34,9 @@ static TEMPORARY_FOLDER: OnceLock<PathBuf> = OnceLock::new();
 
 /// Does the tool's work, and gives its exit code, or that of what prevented it.
 pub fn run(work: impl FnOnce() -> u8) -> u8 {
+    // An interrupt waits until there is somebody to clean up.
+    #[cfg(unix)]
+    supervisor::block();
     files::remember_surroundings();
     // Without a folder of its own the tool uses the common one: some commands need none at all.
     if let Ok(folder) = tempfile::Builder::new().prefix("dualarm-").tempdir() {

@@ -36,14 +36,9 @@ const SO_FAR: &str = "files that were complete by then are in their places";
 /// has ended.
 pub fn run(work: impl FnOnce() -> u8) -> u8 {
     let Some(outcome) = Outcome::new() else { return cannot_begin() };
-    // What arrives from here on waits until both know what to do about it.
-    block();
     // SAFETY: there is one thread, so the copy has no lock that nobody would ever release.
     match unsafe { libc::fork() } {
-        -1 => {
-            unblock();
-            cannot_begin()
-        }
+        -1 => cannot_begin(),
         0 => {
             let code = worker::run(outcome, work);
             // The watching process removes temporary files.
@@ -105,11 +100,12 @@ fn is_ignored(signal: c_int) -> bool {
     }
 }
 
-fn block() {
+/// Holds signals back until both processes know what to do about them.
+pub fn block() {
     mask(libc::SIG_BLOCK);
 }
 
-/// Lets signals through that [`run`] held back.
+/// Lets through what [`block`] held back.
 pub fn unblock() {
     mask(libc::SIG_UNBLOCK);
 }

@@ -24,6 +24,8 @@ const PANICKED: u8 = 101;
 /// Works, and tells the watching process that what happens from here on does not count.
 pub fn run(outcome: Outcome, work: impl FnOnce() -> u8) -> u8 {
     let outcome = OUTCOME.get_or_init(|| outcome);
+    // SAFETY: asks for a number.
+    let watching = unsafe { libc::getppid() };
     #[cfg(target_os = "linux")]
     // SAFETY: asks for a signal when the watching process ends, which involves no memory.
     unsafe {
@@ -35,7 +37,7 @@ pub fn run(outcome: Outcome, work: impl FnOnce() -> u8) -> u8 {
         files::keep_journal(journal);
     }
     keep_standard_output();
-    end_when_interrupted();
+    end_when_interrupted(watching);
     let code = panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or(PANICKED);
     outcome.set(code);
     code
@@ -66,15 +68,19 @@ fn keep_standard_output() {
     }
 }
 
-/// An interrupted process does not leave files half moved, and then dies of the signal. What it had under construction the
-/// watching process removes.
-fn end_when_interrupted() {
+/// An interrupted process does not leave files half moved, and then dies of the signal. What else there is to remove the
+/// watching process removes, if it is still there: whoever killed it has this process interrupted, on Linux.
+fn end_when_interrupted(watching: libc::pid_t) {
     let signals = Signals::new(super::supervisor::heeded());
     unblock();
     let Ok(mut signals) = signals else { return };
     thread::spawn(move || {
         for signal in &mut signals {
             files::abandon();
+            // SAFETY: asks for a number.
+            if unsafe { libc::getppid() } != watching {
+                super::clean();
+            }
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }
     });

@@ -13,6 +13,7 @@ use crate::cli::{paragraph, print_error};
 use crate::grasp::metrics::{Metrics, MetricsObstacle};
 use crate::report;
 use fmi2_cosim::master::Master;
+use fmi2_cosim::names::number;
 use fmi2_cosim::record::{Column, Kind};
 use fmi2_cosim::run::{Ended, Results, Run};
 use fmi2_cosim::system::System;
@@ -79,6 +80,9 @@ impl From<Ended> for End {
     }
 }
 
+/// Names of components in the first line of a summary.
+const SHOWN: usize = 10;
+
 impl Outcome {
     /// Gathers everything about a run but what the FMUs logged. `columns` are those of its rows, `output` is the file with
     /// them.
@@ -134,14 +138,19 @@ impl Outcome {
 
     /// For people; `controller` is what the metrics judge.
     pub fn summary(&self, controller: Option<&str>, metrics: Result<&Metrics, &MetricsObstacle>) -> String {
-        let names: Vec<_> = self.components.iter().map(|component| component.name.as_str()).collect();
+        let mut names: Vec<_> = self.components.iter().map(|component| component.name.as_str()).take(SHOWN).collect();
+        if self.components.len() > SHOWN {
+            names.push("…");
+        }
         let title = self.title.as_ref().map(|title| one_line(title).into_owned() + "\n").unwrap_or_default();
         let ExperimentDocument { steps, step, stop, .. } = &self.experiment;
         let stop = self.ended.as_ref().map_or(stop, |end| &end.time);
         let mut text = format!(
-            "{title}{}: {} signals connected, {steps} steps of {step} s up to t = {stop} s in {:.2} s ({:.2} µs per step)\n",
+            "{title}{}: {} signals connected, {steps} steps of {} s up to t = {} s in {:.2} s ({:.2} µs per step)\n",
             one_line(&names.join(" + ")),
             self.connections.len(),
+            number(*step),
+            number(*stop),
             self.wall_time,
             1e6 * self.wall_time / (*steps).max(1) as f64
         );
@@ -154,7 +163,7 @@ impl Outcome {
             text += "  no FMU has an output that is a number: rows have only times\n";
         }
         if let Some(End { time, component, reason }) = &self.ended {
-            let line = format!("{component} ended the simulation at t = {time} s: {reason}");
+            let line = format!("{component} ended the simulation at t = {} s: {reason}", number(*time));
             let _ = writeln!(text, "{}", one_line(&line));
         }
         match metrics {

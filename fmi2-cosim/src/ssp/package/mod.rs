@@ -72,6 +72,11 @@ impl Package {
         let mut archive = Documents::open(&path)?;
         let structure = archive.parse(&document, None, read::system_structure)?;
 
+        if structure.system.components.is_empty() {
+            let source = DocumentError::Conflict { problem: "the system has no components".into(), line: 1 };
+            return Err(SspError::Document { path, document, source: Box::new(source) });
+        }
+
         let system_sets = archive.bound_sets(&document, &structure.system.bindings)?;
         let components = &structure.system.components;
         let component_sets = components

@@ -110,8 +110,11 @@ fn units(node: Node) -> Result<Vec<Unit>> {
 /// Names by which others refer to these must be there once.
 fn unique<'a>(what: &str, mut named: impl Iterator<Item = (&'a str, Line)>) -> Result<()> {
     let mut seen = HashSet::new();
-    match named.find(|(name, _)| !seen.insert(*name)) {
+    match named.find(|(name, _)| name.is_empty() || !seen.insert(*name)) {
         None => Ok(()),
+        Some(("", line)) => {
+            Err(DocumentError::Conflict { problem: format!("one of the {what} has an empty name"), line: line.0 })
+        }
         Some((name, line)) => {
             let problem = format!("two {what} are called \"{name}\"");
             Err(DocumentError::Conflict { problem, line: line.0 })
