@@ -370,6 +370,10 @@ fn info_runs_no_code_unless_asked() {
     };
     assert_eq!(info(&[]), (true, false, false));
     assert_eq!(info(&["--load"]), (true, true, true));
+    // It unpacks nothing either: there is no place for it.
+    fs::remove_file(&mark).unwrap();
+    fs::remove_dir(folder.path().join("tmp")).unwrap();
+    assert_eq!(info(&[]), (true, false, false));
 }
 
 /// A run that does not end by itself, with a file under construction.

@@ -78,7 +78,7 @@ pub enum StepError {
     #[error("step size {0} s is not positive and finite")]
     StepSize(f64),
     /// An input, or its change over the step, is not finite or larger than [`Inputs::LARGEST`].
-    #[error("input {name} reaches {value} in this step, which is not a usable value")]
+    #[error("input {name} reaches {value:e} in this step, which is not a usable value")]
     Input {
         /// Name of the input.
         name: &'static str,
