@@ -22,14 +22,19 @@
 
 mod common;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::Path;
 use std::process::Command;
 use std::ptr::{null, null_mut, without_provenance_mut};
+use std::sync::Mutex;
 
-use common::real::{Counts, all_libraries, count, libraries, reals};
+use common::real::{Counts, EXAMPLES, all_libraries, count, libraries, reals};
 use common::{DISCARD, ERROR, Fmu, OK, Slave};
+
+/// Calls to each library, and the beginning of their sequence.
+const CALLS: u64 = 340_000;
+const SEED: u64 = 20_260_101;
 
 /// A generator of random numbers: `SplitMix64`.
 struct Random(u64);
@@ -753,18 +758,18 @@ fn drive(path: &Path, calls: u64, seed: u64) -> u64 {
 
 #[test]
 fn random_calls_have_the_effect_they_should_or_none() {
-    let calls = variable("FMI2_CALLS", 340_000);
+    let calls = variable("FMI2_CALLS", CALLS);
     let mut total = 0;
     for (i, path) in (0..).zip(all_libraries()) {
         // Real FMUs compute more in a call.
         let calls = if i < 3 { calls } else { calls / 10 };
-        total += drive(&path, calls, variable("FMI2_SEED", 20_260_101) + i);
+        total += drive(&path, calls, variable("FMI2_SEED", SEED) + i);
     }
     println!("{total} calls");
 }
 
-/// Runs test programs of this crate with other tools; the examples are built anew as well.
-fn cargo(arguments: &[&str], variables: &[(&str, &str)]) {
+/// Cargo, for test programs of this crate with other tools.
+fn cargo(arguments: &[&str], variables: &[(&str, &str)]) -> Command {
     let mut command = Command::new("cargo");
     command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments).envs(variables.iter().copied());
     // Without what the toolchain that runs this test says to its children.
@@ -772,8 +777,25 @@ fn cargo(arguments: &[&str], variables: &[(&str, &str)]) {
     for name in own {
         command.env_remove(name);
     }
-    println!("{command:?}");
-    assert!(command.status().unwrap().success());
+    command
+}
+
+/// Runs commands as many at a time as there are processors, the first ones first; what each says is printed when it ends.
+fn run(commands: Vec<Command>) {
+    let waiting = Mutex::new(VecDeque::from(commands));
+    let next = || waiting.lock().unwrap().pop_front();
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
+            scope.spawn(|| {
+                while let Some(mut command) = next() {
+                    let output = command.output().unwrap();
+                    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+                    println!("{command:?}\n{}{}", text(&output.stdout), text(&output.stderr));
+                    assert!(output.status.success(), "{command:?}");
+                }
+            });
+        }
+    });
 }
 
 fn works(program: &str, arguments: &[&str]) -> bool {
@@ -789,10 +811,20 @@ fn all_calls_under_valgrind() {
     }
     let runner = "target.'cfg(all())'.runner = ['valgrind', '--quiet', '--error-exitcode=9', '--leak-check=full', \
                   '--show-leak-kinds=definite', '--errors-for-leak-kinds=definite']";
-    let tests = TESTS.iter().flat_map(|test| ["--test", test]);
-    let arguments: Vec<&str> = ["test", "--release", "--config", runner].into_iter().chain(tests).collect();
-    cargo(&["build", "--release", "--examples"], &[]);
-    cargo(&arguments, &[("FMI2_BLOBS", "300")]);
+    // Of the whole workspace, where this crate is part of one: then nothing is compiled anew.
+    let all = ["--release", "--workspace", "--all-features"];
+    let examples = EXAMPLES.iter().flat_map(|name| ["--example", name]);
+    run(vec![cargo(&["build"].into_iter().chain(all).chain(examples).collect::<Vec<_>>(), &[])]);
+    let test = |name: &str, variables: &[(&str, &str)]| {
+        cargo(&[&["test"], &all[..], &["--config", runner, "--test", name]].concat(), variables)
+    };
+    // The random calls take longest: in two parts, which begin at different places.
+    let calls = (variable("FMI2_CALLS", CALLS) / 2).to_string();
+    let seed = variable("FMI2_SEED", SEED);
+    let parts = [seed, seed + 1000].map(|seed| seed.to_string());
+    let random = parts.iter().map(|seed| test("random_calls", &[("FMI2_CALLS", &calls), ("FMI2_SEED", seed)]));
+    let others = TESTS.iter().filter(|name| **name != "random_calls").map(|name| test(name, &[("FMI2_BLOBS", "300")]));
+    run(random.chain(others).collect());
 }
 
 #[test]
@@ -815,7 +847,7 @@ fn all_calls_under_address_sanitizer() {
         ["+nightly", "test", "--release"].into_iter().chain(tests).collect(),
     ] {
         let arguments: Vec<&str> = command.into_iter().chain(target).collect();
-        cargo(&arguments, &variables);
+        run(vec![cargo(&arguments, &variables)]);
     }
 }
 
