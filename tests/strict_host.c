@@ -4,20 +4,31 @@
  *
  * The plan is read line by line; slaves are numbered from 0 in the order in which they are given.
  *
- *   slave LIBRARY GUID          an instance
+ *   slave GUID LIBRARY          an instance; the library is the rest of the line
  *   real S VR VALUE             a start value; also integer
  *   wire FROM VR TO VR          a real output and the real input that follows it
  *   drive STEP S VR VALUE       a real input from this step on; in order of the steps
  *   read S VR                   a real output to print at the end
+ *   trace EVERY                 also prints their bits after every so many steps, in hexadecimal
+ *   save FILE                   writes the state of slave S to FILE.S in the end
+ *   load DONE FILE              goes on from such states, which stand after so many steps
  *   run STEPS SIZE              initialises and runs; the last line
  *
- * Prints the values asked for, one a line, and then the number of warnings the loggers were told.
+ * Prints the values asked for, one a line, and then the number of warnings the loggers were told. Two other last lines:
+ *
+ *   panic VR VALUE              slave 0 panics in a step when this integer is set; the host must live on, and the slave
+ *                               after a reset
+ *   cycles COUNT GUID LIBRARY   loads, runs a step and unloads so many times
  */
-#include <dlfcn.h>
+#define __USE_MINGW_ANSI_STDIO 1 /* numbers are read and printed exactly on Windows, too */
+#include <inttypes.h>
 #include <stdarg.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "loader.h"
 
 typedef void *Component;
 typedef unsigned int Reference;
@@ -32,6 +43,7 @@ typedef struct {
 
 typedef struct {
     Component c;
+    void *library;
     int (*setup)(Component, int, double, double, int, double);
     int (*enter)(Component);
     int (*leave)(Component);
@@ -40,6 +52,13 @@ typedef struct {
     int (*set_real)(Component, const Reference *, size_t, const double *);
     int (*set_integer)(Component, const Reference *, size_t, const int *);
     int (*step)(Component, double, double, int);
+    int (*reset)(Component);
+    int (*get_state)(Component, void **);
+    int (*set_state)(Component, void *);
+    int (*free_state)(Component, void **);
+    int (*state_size)(Component, void *, size_t *);
+    int (*serialize)(Component, void *, char *, size_t);
+    int (*deserialize)(Component, const char *, size_t, void **);
     void (*free)(Component);
 } Slave;
 
@@ -52,7 +71,9 @@ static Slave slaves[SLAVES];
 static Wire wires[WIRES];
 static Drive drives[DRIVES];
 static Read reads[READS];
-static int slave_count, wire_count, drive_count, read_count, warnings;
+static int slave_count, wire_count, drive_count, read_count, warnings, errors;
+static long trace_every, steps_done;
+static char save_to[4096], load_from[4096];
 
 static void fail(const char *what, double time, int status) {
     fprintf(stderr, "%s at t = %g s: status %d\n", what, time, status);
@@ -68,6 +89,7 @@ static void hear(void *environment, const char *instance, int status, const char
     (void)environment;
     if (status == 1) warnings++;
     if (status <= 1) return;
+    errors++;
     fprintf(stderr, "%s: %s: ", instance, category);
     va_start(arguments, message);
     vfprintf(stderr, message, arguments);
@@ -83,18 +105,19 @@ static void finished(void *environment, int status) {
 static const Callbacks callbacks = {hear, calloc, free, finished, NULL};
 
 static void *symbol(void *library, const char *name) {
-    void *found = dlsym(library, name);
+    void *found = find(library, name);
     if (!found) fail(name, 0, -1);
     return found;
 }
 
 static void open_slave(const char *path, const char *guid) {
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    void *library = load(path);
     Slave *s = &slaves[slave_count];
     char name[16];
     Component (*instantiate)(const char *, int, const char *, const char *, const Callbacks *, int, int);
-    if (!library) fail(dlerror(), 0, -1);
+    if (!library) fail(problem(), 0, -1);
     snprintf(name, sizeof name, "slave %d", slave_count++);
+    s->library = library;
     *(void **)&instantiate = symbol(library, "fmi2Instantiate");
     *(void **)&s->setup = symbol(library, "fmi2SetupExperiment");
     *(void **)&s->enter = symbol(library, "fmi2EnterInitializationMode");
@@ -104,9 +127,82 @@ static void open_slave(const char *path, const char *guid) {
     *(void **)&s->set_real = symbol(library, "fmi2SetReal");
     *(void **)&s->set_integer = symbol(library, "fmi2SetInteger");
     *(void **)&s->step = symbol(library, "fmi2DoStep");
+    *(void **)&s->reset = symbol(library, "fmi2Reset");
+    *(void **)&s->get_state = symbol(library, "fmi2GetFMUstate");
+    *(void **)&s->set_state = symbol(library, "fmi2SetFMUstate");
+    *(void **)&s->free_state = symbol(library, "fmi2FreeFMUstate");
+    *(void **)&s->state_size = symbol(library, "fmi2SerializedFMUstateSize");
+    *(void **)&s->serialize = symbol(library, "fmi2SerializeFMUstate");
+    *(void **)&s->deserialize = symbol(library, "fmi2DeSerializeFMUstate");
     *(void **)&s->free = symbol(library, "fmi2FreeInstance");
     s->c = instantiate(name, 1, guid, "", &callbacks, 0, 1);
     if (!s->c) fail("fmi2Instantiate", 0, -1);
+}
+
+/* The file of a slave's state. */
+static FILE *state_file(const char *name, int slave, const char *mode) {
+    char path[4200];
+    FILE *file;
+    snprintf(path, sizeof path, "%s.%d", name, slave);
+    file = open_file(path, mode);
+    if (!file) fail(path, 0, -1);
+    return file;
+}
+
+static void save(Slave *s, FILE *file) {
+    void *state = NULL;
+    size_t size;
+    char *bytes;
+    ok(s->get_state(s->c, &state), "fmi2GetFMUstate", 0);
+    ok(s->state_size(s->c, state, &size), "fmi2SerializedFMUstateSize", 0);
+    bytes = malloc(size);
+    ok(s->serialize(s->c, state, bytes, size), "fmi2SerializeFMUstate", 0);
+    if (fwrite(bytes, 1, size, file) != size || fclose(file) != 0) fail("cannot write a state", 0, -1);
+    free(bytes);
+    ok(s->free_state(s->c, &state), "fmi2FreeFMUstate", 0);
+}
+
+static void restore(Slave *s, FILE *file) {
+    static char bytes[1 << 20];
+    size_t size = fread(bytes, 1, sizeof bytes, file);
+    void *state = NULL;
+    fclose(file);
+    ok(s->deserialize(s->c, bytes, size, &state), "fmi2DeSerializeFMUstate", 0);
+    ok(s->set_state(s->c, state), "fmi2SetFMUstate", 0);
+    ok(s->free_state(s->c, &state), "fmi2FreeFMUstate", 0);
+}
+
+static void start(Slave *s, int has_stop, double stop) {
+    ok(s->setup(s->c, 0, 0.0, 0.0, has_stop, stop), "fmi2SetupExperiment", 0);
+    ok(s->enter(s->c), "fmi2EnterInitializationMode", 0);
+}
+
+/* A step panics, which the slave must catch and say; after a reset it can be used again. */
+static void panic(Reference reference, int value) {
+    Slave *s = &slaves[0];
+    int status, before = errors;
+    start(s, 0, 0.0);
+    ok(s->leave(s->c), "fmi2ExitInitializationMode", 0);
+    ok(s->set_integer(s->c, &reference, 1, &value), "fmi2SetInteger", 0);
+    status = s->step(s->c, 0.0, 1e-3, 1);
+    if (status != 3 || errors == before) fail("the panic was not reported as fmi2Error", 0, status);
+    ok(s->reset(s->c), "fmi2Reset", 0);
+    start(s, 0, 0.0);
+    ok(s->leave(s->c), "fmi2ExitInitializationMode", 0);
+    ok(s->step(s->c, 0.0, 1e-3, 1), "fmi2DoStep", 0);
+    s->free(s->c);
+    puts("caught");
+}
+
+static void cycle(const char *path, const char *guid) {
+    Slave *s = &slaves[0];
+    slave_count = 0;
+    open_slave(path, guid);
+    start(s, 0, 0.0);
+    ok(s->leave(s->c), "fmi2ExitInitializationMode", 0);
+    ok(s->step(s->c, 0.0, 1e-3, 1), "fmi2DoStep", 0);
+    s->free(s->c);
+    if (!unload(s->library)) fail("the library is not unloaded", 0, -1);
 }
 
 /* Hands on what slave `from` puts out. */
@@ -119,16 +215,33 @@ static void hand_on(int from, double time) {
     }
 }
 
+static double read_value(const Read *read, double time) {
+    Slave *s = &slaves[read->slave];
+    double value;
+    ok(s->get_real(s->c, &read->output, 1, &value), "fmi2GetReal", time);
+    return value;
+}
+
+/* The bits of all values asked for, in one line. */
+static void trace(double time) {
+    for (int i = 0; i < read_count; i++) {
+        double value = read_value(&reads[i], time);
+        uint64_t bits;
+        memcpy(&bits, &value, sizeof bits);
+        printf("%s%016" PRIx64, i ? " " : "", bits);
+    }
+    putchar('\n');
+}
+
 static void run(long steps, double size) {
     int next = 0;
-    for (int s = 0; s < slave_count; s++) {
-        ok(slaves[s].setup(slaves[s].c, 0, 0.0, 0.0, 1, steps * size), "fmi2SetupExperiment", 0);
-        ok(slaves[s].enter(slaves[s].c), "fmi2EnterInitializationMode", 0);
-    }
+    for (int s = 0; s < slave_count; s++) start(&slaves[s], 1, steps * size);
     for (int sweep = 0; sweep < slave_count; sweep++)
         for (int s = 0; s < slave_count; s++) hand_on(s, 0);
     for (int s = 0; s < slave_count; s++) ok(slaves[s].leave(slaves[s].c), "fmi2ExitInitializationMode", 0);
-    for (long i = 0; i < steps; i++) {
+    if (*load_from)
+        for (int s = 0; s < slave_count; s++) restore(&slaves[s], state_file(load_from, s, "rb"));
+    for (long i = steps_done; i < steps; i++) {
         double time = i * size;
         for (; next < drive_count && drives[next].step <= i; next++) {
             Drive *d = &drives[next];
@@ -136,13 +249,11 @@ static void run(long steps, double size) {
         }
         for (int s = 0; s < slave_count; s++) hand_on(s, time);
         for (int s = 0; s < slave_count; s++) ok(slaves[s].step(slaves[s].c, time, size, 1), "fmi2DoStep", time);
+        if (trace_every && (i + 1) % trace_every == 0) trace(time);
     }
-    for (int i = 0; i < read_count; i++) {
-        Slave *s = &slaves[reads[i].slave];
-        double value;
-        ok(s->get_real(s->c, &reads[i].output, 1, &value), "fmi2GetReal", steps * size);
-        printf("%.17g\n", value);
-    }
+    for (int i = 0; i < read_count; i++) printf("%.17g\n", read_value(&reads[i], steps * size));
+    if (*save_to)
+        for (int s = 0; s < slave_count; s++) save(&slaves[s], state_file(save_to, s, "wb"));
     for (int s = 0; s < slave_count; s++) {
         ok(slaves[s].terminate(slaves[s].c), "fmi2Terminate", steps * size);
         slaves[s].free(slaves[s].c);
@@ -160,7 +271,7 @@ int main(void) {
         Drive *d = &drives[drive_count];
         Read *r = &reads[read_count];
         Reference reference;
-        if (sscanf(line, "slave %4095s %63s", path, guid) == 2 && slave_count < SLAVES) {
+        if (sscanf(line, "slave %63s %4095[^\r\n]", guid, path) == 2 && slave_count < SLAVES) {
             open_slave(path, guid);
         } else if (sscanf(line, "real %d %u %lf", &slave, &reference, &value) == 3) {
             ok(slaves[slave].set_real(slaves[slave].c, &reference, 1, &value), "fmi2SetReal", 0);
@@ -174,6 +285,17 @@ int main(void) {
             drive_count++;
         } else if (sscanf(line, "read %d %u", &r->slave, &r->output) == 2 && read_count < READS - 1) {
             read_count++;
+        } else if (sscanf(line, "trace %ld", &trace_every) == 1
+                   || sscanf(line, "save %4095[^\r\n]", save_to) == 1
+                   || sscanf(line, "load %ld %4095[^\r\n]", &steps_done, load_from) == 2) {
+            continue;
+        } else if (sscanf(line, "panic %u %d", &reference, &integer) == 2 && slave_count == 1) {
+            panic(reference, integer);
+            return 0;
+        } else if (sscanf(line, "cycles %ld %63s %4095[^\r\n]", &count, guid, path) == 3) {
+            for (long i = 0; i < count; i++) cycle(path, guid);
+            printf("%ld\n", count);
+            return 0;
         } else if (sscanf(line, "run %ld %lf", &count, &value) == 2) {
             run(count, value);
             return 0;

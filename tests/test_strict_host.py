@@ -102,7 +102,7 @@ def plan(fmus: list[Fmu], scenario: Mapping[str, Any]) -> str:
     """The scenario as the host reads it."""
     size = scenario["experiment"]["step"]
     steps = round(scenario["experiment"]["stop"] / size)
-    lines = [f"slave {library(fmu)} {fmu.description.guid}" for fmu in fmus]
+    lines = [f"slave {fmu.description.guid} {library(fmu)}" for fmu in fmus]
     lines += start_values(fmus, scenario.get("parameters", {}))
     for source, output, target, to in wires(fmus):
         references = (fmus[source].variables[output].valueReference, fmus[target].variables[to].valueReference)

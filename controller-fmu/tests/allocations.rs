@@ -21,7 +21,15 @@ fn instance(guid: &str) -> Component {
     let guid = CString::new(guid).unwrap();
     // SAFETY: as a host does.
     unsafe {
-        let c = calls::instantiate(&controller_fmu::FMUS, c"c".as_ptr(), 1, guid.as_ptr(), null(), &NO_CALLBACKS, 1);
+        let c = calls::instantiate(
+            controller_fmu::FMUS.served(),
+            c"c".as_ptr(),
+            1,
+            guid.as_ptr(),
+            null(),
+            &NO_CALLBACKS,
+            1,
+        );
         assert_eq!(calls::setup_experiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
         assert_eq!(calls::enter_initialization_mode(c), Status::Ok);
         assert_eq!(calls::exit_initialization_mode(c), Status::Ok);

@@ -12,7 +12,8 @@ pub struct VariableBuilder<'a, M> {
     pub(crate) variables: &'a mut [Variable<M>],
 }
 
-// Builder methods return the builder for chaining; ending a chain anywhere is fine.
+// Builder methods return the builder for chaining; ending a chain anywhere is fine. They are not inlined: declarations are long
+// lists of such calls, run once for a library, and would become a third of its code.
 #[allow(clippy::return_self_not_must_use, clippy::must_use_candidate)]
 impl<M: 'static> VariableBuilder<'_, M> {
     fn each(self, mut change: impl FnMut(&mut Variable<M>)) -> Self {
@@ -21,6 +22,7 @@ impl<M: 'static> VariableBuilder<'_, M> {
     }
 
     /// What the variable is, in one line. Required. For an array, `{}` stands for the element's number, counted from 1.
+    #[inline(never)]
     pub fn description(self, text: &str) -> Self {
         self.each(|v| v.description = v.numbered(text))
     }
@@ -34,6 +36,7 @@ impl<M: 'static> VariableBuilder<'_, M> {
     }
 
     /// The unit of a number, as an expression of SI units such as `N.m` or `1/(m2.s)`: see [`Unit`].
+    #[inline(never)]
     pub fn unit(self, expression: &str) -> Self {
         self.each(|v| match expression.parse() {
             Ok(unit) => v.unit = Some(unit),
@@ -42,17 +45,20 @@ impl<M: 'static> VariableBuilder<'_, M> {
     }
 
     /// The unit of a number, if it is no expression of coherent SI units.
+    #[inline(never)]
     pub fn other_unit(self, unit: &Unit) -> Self {
         self.each(|v| v.unit = Some(unit.clone()))
     }
 
     /// The unit in which tools should show the number to people: `factor` times as many of them, e.g. deg and 180/π for
     /// a number in rad.
+    #[inline(never)]
     pub fn display_unit(self, name: &str, factor: f64) -> Self {
         self.each(|v| v.display_unit = Some(DisplayUnit { name: name.to_owned(), factor }))
     }
 
     /// Has tools show an angle, or a rate of one, in degrees. Its [unit](Self::unit) is given first: rad, rad/s, rad/s2, …
+    #[inline(never)]
     pub fn display_degrees(self) -> Self {
         self.each(|v| match v.unit.as_ref().and_then(DisplayUnit::degrees) {
             Some(degrees) => v.display_unit = Some(degrees),
@@ -63,23 +69,27 @@ impl<M: 'static> VariableBuilder<'_, M> {
     }
 
     /// The admissible range, both ends included; an infinite end is none. Values outside it are refused.
+    #[inline(never)]
     pub fn range(self, min: f64, max: f64) -> Self {
         let (min, max) = (Some(min).filter(|v| *v != f64::NEG_INFINITY), Some(max).filter(|v| *v != f64::INFINITY));
         self.each(|v| (v.min, v.max) = (min, max))
     }
 
     /// The least admissible value.
+    #[inline(never)]
     pub fn min(self, min: f64) -> Self {
         self.each(|v| v.min = Some(min).filter(|v| *v != f64::NEG_INFINITY))
     }
 
     /// The order of magnitude of a number.
+    #[inline(never)]
     pub fn nominal(self, nominal: f64) -> Self {
         self.each(|v| v.nominal = Some(nominal))
     }
 
     /// A number that changes at communication points only, such as the output of a counter or of a sampled controller.
     /// Inputs and outputs that are no numbers always are discrete.
+    #[inline(never)]
     pub fn discrete(self) -> Self {
         self.each(|v| match v.causality {
             Causality::Parameter => v.mistakes.push("a parameter is fixed or tunable, not discrete".into()),
@@ -100,16 +110,16 @@ impl<M: 'static> VariableBuilder<'_, M> {
     /// The inputs an output depends on *directly*: those that change it without a step in between. Without this, none.
     /// For an array, `{}` stands for the element's number, counted from 1.
     pub fn depends_on<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>) -> Self {
-        self.depends(inputs, DependencyKind::Dependent)
+        self.depends(&inputs.into_iter().map(Into::into).collect::<Vec<String>>(), DependencyKind::Dependent)
     }
 
     /// Inputs an output depends on directly and linearly, with a factor fixed once the parameters are.
     pub fn depends_linearly_on<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>) -> Self {
-        self.depends(inputs, DependencyKind::Fixed)
+        self.depends(&inputs.into_iter().map(Into::into).collect::<Vec<String>>(), DependencyKind::Fixed)
     }
 
-    fn depends<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>, kind: DependencyKind) -> Self {
-        let inputs: Vec<String> = inputs.into_iter().map(Into::into).collect();
+    #[inline(never)]
+    fn depends(self, inputs: &[String], kind: DependencyKind) -> Self {
         self.each(|v| {
             let its: Vec<_> = inputs.iter().map(|input| (v.numbered(input), kind)).collect();
             v.depends_on.extend(its);
@@ -120,7 +130,11 @@ impl<M: 'static> VariableBuilder<'_, M> {
     /// [`Model::initialize`](crate::Model::initialize) reads. They are listed in `InitialUnknowns`, besides all parameters
     /// and the inputs it [depends on](Self::depends_on) directly.
     pub fn starts_from<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>) -> Self {
-        let inputs: Vec<String> = inputs.into_iter().map(Into::into).collect();
+        self.starts(&inputs.into_iter().map(Into::into).collect::<Vec<String>>())
+    }
+
+    #[inline(never)]
+    fn starts(self, inputs: &[String]) -> Self {
         self.each(|v| {
             let its: Vec<_> = inputs.iter().map(|input| v.numbered(input)).collect();
             v.starts_from.extend(its);

@@ -16,8 +16,9 @@ macro_rules! export {
             "an FMU must not be built with panic = \"abort\": a panic would end the host; say panic = \"unwind\""
         );
 
-        /// The models this library serves.
-        pub static FMUS: $crate::Library = $crate::Library::new(::core::env!("CARGO_PKG_NAME"), &[
+        /// What the C functions know of the models.
+        #[doc(hidden)]
+        static FMUS_SERVED: $crate::Served = $crate::Served::new(&[
             $({
                 static EXPORTED: $crate::Exported<$model> = $crate::Exported::new($crate::fixed_guid(
                     // Set by the packaging: see `identity`.
@@ -27,7 +28,14 @@ macro_rules! export {
                 &EXPORTED
             }),+
         ]);
-        $crate::export_c_functions!(FMUS);
+
+        /// The models this library serves.
+        pub static FMUS: $crate::Library = $crate::Library::new(
+            ::core::env!("CARGO_PKG_NAME"),
+            &[$($crate::Described::<$model>::MODEL),+],
+            &FMUS_SERVED,
+        );
+        $crate::export_c_functions!(FMUS_SERVED);
     };
 }
 

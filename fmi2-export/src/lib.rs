@@ -26,6 +26,7 @@ pub mod packaging;
 mod phase;
 mod problems;
 mod resources;
+mod served;
 mod slave;
 mod snapshot;
 mod status;
@@ -43,7 +44,7 @@ pub use identity::fixed as fixed_guid;
 pub use info::{DefaultExperiment, Info};
 pub use layout::DeclarationError;
 #[doc(hidden)]
-pub use library::Exported;
+pub use library::Described;
 pub use library::{ExportedModel, Library};
 pub use model::{Declare, Experiment, Failure, Model, Step};
 /// Tables of parameters, which a crate of equations can have without this one.
@@ -51,6 +52,8 @@ pub use parameter_table::{self, Owner, Parameter, Range, parameter};
 pub use resources::Resources;
 #[doc(hidden)]
 pub use serde;
+#[doc(hidden)]
+pub use served::{Exported, Served};
 pub use snapshot::SnapshotError;
 pub use unit::{Unit, UnitError};
 pub use variable::{Causality, DependencyKind, Variability};

@@ -1,20 +1,19 @@
-//! What is shared by all instances in a loaded library: the models it serves, their layouts, the saved states.
+//! A library as its packaging program sees it: which models it has and what they say of themselves.
 //!
-//! A library can be loaded and unloaded many times in the life of a host, and the memory of statics is not freed then.
-//! So nothing here keeps memory once the last instance is gone.
+//! The C functions do not use any of this (see `served`), so nothing of it is in the library that an importing tool loads.
 
+use std::marker::PhantomData;
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+use std::sync::Arc;
 
-use crate::handles::Handles;
 use crate::interface::Interface;
 use crate::layout::{DeclarationError, Layout};
 use crate::model::Model;
 use crate::resources::Resources;
+use crate::served::Served;
 use crate::slave::{AnySlave, Slave};
-use crate::snapshot::GUID_LENGTH;
 use crate::status::Refusal;
-use crate::xml::{Description, describe, describe_interface};
+use crate::xml::{Description, describe};
 
 /// A model that a library serves, whatever its type.
 pub trait ExportedModel: Sync + sealed::Internal {
@@ -29,100 +28,58 @@ pub(crate) mod sealed {
     use super::{AnySlave, DeclarationError, Interface, Refusal, Resources};
 
     pub trait Internal {
-        fn guid(&'static self) -> Result<&'static str, DeclarationError>;
         #[allow(private_interfaces)]
         fn interface(&self) -> Result<Interface, DeclarationError>;
+        /// An instance that no host has.
         #[allow(private_interfaces)]
-        fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
-        /// Frees what only instances need, if there are none.
-        fn tidy(&self);
+        fn instantiate(&self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
     }
 }
 
-/// A model of a library: see [`export!`](crate::export).
-pub struct Exported<M> {
-    /// As the packaging had it compiled in.
-    fixed: Option<&'static str>,
-    guid: OnceLock<[u8; GUID_LENGTH]>,
-    layout: Mutex<Weak<Layout<M>>>,
+/// What a model says of itself: see [`export!`](crate::export).
+pub struct Described<M>(PhantomData<fn() -> M>);
+
+impl<M: Model> Described<M> {
+    /// The model, its type forgotten.
+    pub const MODEL: &'static dyn ExportedModel = &Self(PhantomData);
 }
 
-impl<M> Exported<M> {
-    /// For a static.
-    #[must_use]
-    pub const fn new(guid: Option<&'static str>) -> Self {
-        Self { fixed: guid, guid: OnceLock::new(), layout: Mutex::new(Weak::new()) }
-    }
-}
-
-impl<M: Model> Exported<M> {
-    fn layout(&self) -> Result<Arc<Layout<M>>, DeclarationError> {
-        let mut shared = lock(&self.layout);
-        if let Some(layout) = shared.upgrade() {
-            return Ok(layout);
-        }
-        let layout = Arc::new(Layout::build()?);
-        *shared = Arc::downgrade(&layout);
-        Ok(layout)
-    }
-}
-
-impl<M: Model> ExportedModel for Exported<M> {
+impl<M: Model> ExportedModel for Described<M> {
     fn description(&self) -> Result<Description, DeclarationError> {
         describe::<M>()
     }
 }
 
-impl<M: Model> sealed::Internal for Exported<M> {
-    fn guid(&'static self) -> Result<&'static str, DeclarationError> {
-        if let Some(guid) = self.fixed {
-            return Ok(guid);
-        }
-        let bytes = if let Some(bytes) = self.guid.get() {
-            bytes
-        } else {
-            let guid = describe_interface(&Interface::of(&*self.layout()?)).guid;
-            self.tidy();
-            let mut bytes = [b' '; GUID_LENGTH];
-            bytes.iter_mut().zip(guid.bytes()).for_each(|(to, from)| *to = from);
-            self.guid.get_or_init(|| bytes)
-        };
-        Ok(std::str::from_utf8(bytes).unwrap_or_default())
-    }
-
+impl<M: Model> sealed::Internal for Described<M> {
     #[allow(private_interfaces)]
     fn interface(&self) -> Result<Interface, DeclarationError> {
         Ok(Interface::of(&Layout::<M>::build()?))
     }
 
     #[allow(private_interfaces)]
-    fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
-        let refused = |error: DeclarationError| Refusal::error(error.to_string());
-        let (layout, guid) = (self.layout().map_err(refused)?, self.guid().map_err(refused)?);
-        Ok(Box::new(Slave::<M>::new(layout, guid, resources.clone())?))
-    }
-
-    fn tidy(&self) {
-        let mut shared = lock(&self.layout);
-        if shared.strong_count() == 0 {
-            // Also frees the memory block that the weak reference kept.
-            *shared = Weak::new();
-        }
+    fn instantiate(&self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
+        let layout = Layout::build().map_err(|error| Refusal::error(error.to_string()))?;
+        // The GUID guards states that are read from bytes; the packaging reads none.
+        Ok(Box::new(Slave::<M>::new(Arc::new(layout), "", resources.clone())?))
     }
 }
 
-/// A loaded library: the models it serves and the states saved by `fmi2GetFMUstate`.
+/// The models of a library.
 pub struct Library {
     package: &'static str,
-    pub(crate) models: &'static [&'static dyn ExportedModel],
-    pub(crate) states: Handles,
+    models: &'static [&'static dyn ExportedModel],
+    served: &'static Served,
 }
 
 impl Library {
     /// For a static.
     #[must_use]
-    pub const fn new(package: &'static str, models: &'static [&'static dyn ExportedModel]) -> Self {
-        Self { package, models, states: Handles::new() }
+    pub const fn new(
+        package: &'static str,
+        models: &'static [&'static dyn ExportedModel],
+        served: &'static Served,
+    ) -> Self {
+        Self { package, models, served }
     }
 
     /// Name of the crate that it is of.
@@ -135,6 +92,13 @@ impl Library {
     #[must_use]
     pub fn models(&self) -> &'static [&'static dyn ExportedModel] {
         self.models
+    }
+
+    /// The same as the C functions know it: for tests that call these as Rust functions.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn served(&self) -> &'static Served {
+        self.served
     }
 
     /// Which models' descriptions differ from the files `NAME.xml` in a folder, or have none there. For a test in crates that
@@ -153,9 +117,4 @@ impl Library {
         }
         Ok(names)
     }
-}
-
-/// Locks; what a panicking thread left is consistent, since every critical section is a single operation.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -267,6 +267,7 @@ impl<M: 'static> Variables<M> {
         }
     }
 
+    #[inline(never)]
     fn add(&mut self, name: String, number: Option<usize>, role: Role, access: Access<M>) {
         let variability = match (role.variability, &access) {
             (Variability::Continuous, Access::Real(_)) => Variability::Continuous,

@@ -13,8 +13,8 @@ Usage: cargo fmi2 package [OPTIONS]
 
 Options:
   -o, --out DIR         folder for the .fmu files [default: dist]
-      --platform NAMES  build for these platforms, e.g. linux64,win64 [default: this machine's, and linux64 and
-                        win64 where their toolchains are installed]
+      --platform NAMES  build for these platforms, e.g. linux64,win64 [default: this machine's, and all others whose
+                        toolchains are installed]
       --require NAMES   fail if one of these platforms is missing in the end
       --merge FILE      take the libraries for further platforms from this .fmu, which was built elsewhere from the
                         same description; can be repeated
@@ -24,6 +24,14 @@ Options:
       --guids           only print the models' GUIDs, as the variable FMI2_EXPORT_GUIDS must have them where a library
                         for --library is built
   -h, --help            print this help
+
+Toolchains:
+  win64                        rustup target add x86_64-pc-windows-gnu, and mingw-w64
+  linux64, for old systems     cargo-zigbuild and zig (pip install cargo-zigbuild ziglang): the library then needs glibc
+                               2.17, otherwise that of this machine; documentation/externalDependencies.txt in the
+                               archive says which
+  aarch64-linux                rustup target add aarch64-unknown-linux-gnu, and zig as above or gcc-aarch64-linux-gnu
+  darwin64, aarch64-darwin     a Mac, with rustup target add x86_64-apple-darwin or aarch64-apple-darwin
 
 Examples:
   cargo fmi2 package                           dist/NAME.fmu for each model of the crate
@@ -89,13 +97,5 @@ pub fn parse() -> Result<Command, PackageError> {
 /// Names with commas between them.
 fn platforms(parser: &mut lexopt::Parser) -> Result<Vec<&'static Platform>, PackageError> {
     let names = parser.value().map_err(|error| PackageError::Usage(error.to_string()))?;
-    let names = names.to_string_lossy();
-    let mut platforms: Vec<&'static Platform> = Vec::new();
-    for name in names.split(',').map(str::trim).filter(|name| !name.is_empty()) {
-        let platform = Platform::named(name).map_err(PackageError::Usage)?;
-        if !platforms.contains(&platform) {
-            platforms.push(platform);
-        }
-    }
-    Ok(platforms)
+    Platform::list(&names.to_string_lossy()).map_err(PackageError::Usage)
 }

@@ -91,12 +91,9 @@ impl Crate {
 
     /// Builds the library with these GUIDs in it and tells where it is. Cargo reports the path itself.
     pub fn library(&self, platform: &'static Platform, guids: &str) -> Result<PathBuf, BuildError> {
-        let mut command =
-            self.command(&["build", "--lib", "--profile", self.profile()?, "--message-format=json-render-diagnostics"]);
-        if Platform::here() != Some(platform) {
-            command.args(["--target", platform.target]);
-        }
-        command.env(fmi2_export::packaging::VARIABLE, guids).envs(platform.linker());
+        let mut command = platform.build_library(self.cargo.as_ref());
+        command.args(["--profile", self.profile()?, "--message-format=json-render-diagnostics", "--manifest-path"]);
+        command.arg(&self.manifest).env(fmi2_export::packaging::VARIABLE, guids);
         let output = command.stderr(Stdio::inherit()).output().map_err(|source| self.start(source))?;
         if !output.status.success() {
             return Err(BuildError::Failed(platform.folder));

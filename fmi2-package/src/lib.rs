@@ -5,9 +5,11 @@ mod arguments;
 mod build;
 mod document;
 mod licenses;
-mod platform;
+pub mod platform;
 mod program;
+pub mod requirements;
 mod response;
+pub mod toolchain;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -187,6 +189,7 @@ pub fn write(
     let mut archive = Archive::new();
     archive.add("modelDescription.xml", description.xml.as_bytes());
     archive.add(program::library_path(here, description.name), binary);
+    archive.add(requirements::PATH, requirements::text(&[(here, binary)]).as_bytes());
     for (path, content) in document::files(model, description, document, &Origin::new("", vec![here]))? {
         archive.add(path, &content);
     }

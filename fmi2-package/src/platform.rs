@@ -1,8 +1,6 @@
-//! Platforms: what FMI 2.0.4 (section 2.3) calls the folders below `binaries/`, what a library for them looks like, and what it
-//! takes to build one. For all but the first six the standard refers to the platform tuples of FMI 3.0.
-
-use std::path::Path;
-use std::process::Command;
+//! Platforms: what FMI 2.0.4 (section 2.3) calls the folders below `binaries/`, and what a library for them looks like. For all
+//! but the first six the standard refers to the platform tuples of FMI 3.0. What it takes to build for them is in
+//! [`toolchain`](crate::toolchain).
 
 use object::{Architecture, BinaryFormat, Object, ObjectKind};
 
@@ -11,12 +9,12 @@ use object::{Architecture, BinaryFormat, Object, ObjectKind};
 pub struct Platform {
     /// Its folder below `binaries/`.
     pub folder: &'static str,
-    os: &'static str,
-    arch: &'static str,
+    pub(crate) os: &'static str,
+    pub(crate) arch: &'static str,
     /// What cargo calls it.
     pub target: &'static str,
     /// The linker that cargo starts if it is not the machine's own, and the package that has it.
-    linker: Option<(&'static str, &'static str)>,
+    pub(crate) linker: Option<(&'static str, &'static str)>,
 }
 
 const fn platform(folder: &'static str, os: &'static str, arch: &'static str, target: &'static str) -> Platform {
@@ -43,9 +41,6 @@ pub const PLATFORMS: [Platform; 8] = [
     platform("aarch64-darwin", "macos", "aarch64", "aarch64-apple-darwin"),
     platform("aarch64-windows", "windows", "aarch64", "aarch64-pc-windows-msvc"),
 ];
-
-/// Those that are built where their toolchains are, besides the machine's own.
-const USUAL: [&str; 2] = ["linux64", "win64"];
 
 /// Every function that an FMU for co-simulation has to export.
 const FUNCTIONS: [&str; 31] = [
@@ -146,86 +141,20 @@ impl Platform {
             .ok_or_else(|| format!("FMI 2.0 names no folder for binaries of {os} on {arch}"))
     }
 
-    /// What is missing to build for it here, as what to do about it. `None` if nothing is.
-    #[must_use]
-    pub fn missing(&self) -> Option<String> {
-        if Self::here() == Some(self) {
-            return None;
-        }
-        let mut todo = Vec::new();
-        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-        let libraries = Command::new(rustc).args(["--print", "target-libdir", "--target", self.target]).output();
-        let has_std = libraries.is_ok_and(|output| {
-            let folder = String::from_utf8_lossy(&output.stdout).trim().to_owned();
-            output.status.success()
-                && std::fs::read_dir(Path::new(&folder)).is_ok_and(|mut files| files.next().is_some())
-        });
-        if !has_std {
-            todo.push(format!("rustup target add {}", self.target));
-        }
-        let linker_variable = format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace('-', "_"));
-        match self.linker {
-            // Apple's tools are on Apple's machines only.
-            None if self.os == "macos" && !cfg!(target_os = "macos") => todo.push("a Mac".to_owned()),
-            Some((linker, package)) if std::env::var_os(linker_variable).is_none() && !on_path(linker) => {
-                todo.push(format!("{linker} (package {package})"));
+    /// Those of these names, with commas between them.
+    ///
+    /// # Errors
+    /// If there is none of a name; the message names those there are.
+    pub fn list(names: &str) -> Result<Vec<&'static Self>, String> {
+        let mut platforms: Vec<&'static Self> = Vec::new();
+        for name in names.split(',').map(str::trim).filter(|name| !name.is_empty()) {
+            let platform = Self::named(name)?;
+            if !platforms.contains(&platform) {
+                platforms.push(platform);
             }
-            _ => {}
         }
-        (!todo.is_empty()).then(|| todo.join(" and "))
+        Ok(platforms)
     }
-
-    /// The program that links for it, if cargo has to be told.
-    #[must_use]
-    pub fn linker(&self) -> Option<(String, &'static str)> {
-        let (linker, _) = self.linker.filter(|_| Self::here() != Some(self))?;
-        let variable = format!("CARGO_TARGET_{}_LINKER", self.target.to_uppercase().replace('-', "_"));
-        std::env::var_os(&variable).is_none().then_some((variable, linker))
-    }
-}
-
-fn on_path(program: &str) -> bool {
-    let name = format!("{program}{}", std::env::consts::EXE_SUFFIX);
-    std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(&name).is_file()))
-}
-
-/// Platforms to build for, and others with what they lack.
-pub type Selection = (Vec<&'static Platform>, Vec<(&'static Platform, String)>);
-
-/// The platforms to build for, and those left out with what they lack. `wanted` are the ones to build and no others; where there
-/// are none, that is the machine's own, and the usual ones whose toolchains are there.
-///
-/// # Errors
-/// If one that is wanted or required cannot be built, with what to do.
-pub fn select(wanted: &[&'static Platform], required: &[&'static Platform]) -> Result<Selection, String> {
-    let lacking =
-        |platform: &Platform, what: &str| format!("{} cannot be built here: it needs {what}", platform.folder);
-    if !wanted.is_empty() {
-        if let Some(absent) = required.iter().find(|platform| !wanted.contains(platform)) {
-            return Err(format!("{} is required, but not among the platforms to build", absent.folder));
-        }
-        return match wanted.iter().find_map(|platform| Some((platform, platform.missing()?))) {
-            Some((platform, what)) => Err(lacking(platform, &what)),
-            None => Ok((wanted.to_vec(), Vec::new())),
-        };
-    }
-    let (mut built, mut left_out) = (Vec::new(), Vec::new());
-    for platform in &PLATFORMS {
-        let is_required = required.contains(&platform);
-        if !(is_required || USUAL.contains(&platform.folder) || Platform::here() == Some(platform)) {
-            continue;
-        }
-        match platform.missing() {
-            None => built.push(platform),
-            Some(what) if is_required => return Err(lacking(platform, &what)),
-            Some(what) => left_out.push((platform, what)),
-        }
-    }
-    if built.is_empty() {
-        use std::env::consts::{ARCH, OS};
-        return Err(format!("FMI 2.0 names no folder for binaries of {OS} on {ARCH}"));
-    }
-    Ok((built, left_out))
 }
 
 #[cfg(test)]
@@ -242,6 +171,9 @@ mod tests {
         }
         let message = Platform::named("linux").unwrap_err();
         assert!(message.contains("linux64") && message.contains("aarch64-darwin"), "{message}");
+        let names = Platform::list("win64, linux64,,win64").unwrap();
+        assert_eq!(names.iter().map(|platform| platform.folder).collect::<Vec<_>>(), ["win64", "linux64"]);
+        assert!(Platform::list("win64,linux").is_err());
     }
 
     #[test]
@@ -251,18 +183,5 @@ mod tests {
         }
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         assert!(Platform::of(&program).is_err(), "a program");
-    }
-
-    #[test]
-    fn the_machines_own_platform_needs_nothing() {
-        let here = Platform::here().unwrap();
-        assert_eq!(here.missing(), None);
-        let (built, _) = select(&[], &[]).unwrap();
-        assert!(built.contains(&here));
-        assert_eq!(select(&[here], &[here]).unwrap().0, [here]);
-        let elsewhere = PLATFORMS.iter().find(|platform| platform.missing().is_some()).unwrap();
-        for refused in [select(&[elsewhere], &[]), select(&[], &[elsewhere]), select(&[here], &[elsewhere])] {
-            assert!(refused.unwrap_err().starts_with(elsewhere.folder));
-        }
     }
 }

@@ -9,8 +9,8 @@ use crate::archive::{self, Archive};
 use crate::arguments::{Command, HELP, Options, parse};
 use crate::build::Crate;
 use crate::document::{self, Origin};
-use crate::platform::{self, Platform};
-use crate::{Document, PackageError};
+use crate::platform::{PLATFORMS, Platform};
+use crate::{Document, PackageError, requirements, toolchain};
 
 /// A library and what it is for.
 type Binary = (&'static Platform, Vec<u8>);
@@ -59,11 +59,11 @@ fn package(
     };
     let required: Vec<_> = options.required.iter().copied().filter(|platform| !is_merged(platform)).collect();
     let to_build = if binaries.is_empty() {
-        let (to_build, left_out) = platform::select(&options.platforms, &required).map_err(PackageError::Platform)?;
-        let left_out = left_out.iter().filter(|(platform, _)| !is_merged(platform));
-        let left_out: Vec<_> = left_out.map(|(platform, what)| format!("{} (needs {what})", platform.folder)).collect();
-        if !left_out.is_empty() {
-            eprintln!("left out: {}", left_out.join(", "));
+        let (to_build, mut left_out) =
+            toolchain::select(&options.platforms, &required).map_err(PackageError::Platform)?;
+        left_out.retain(|(platform, _)| !is_merged(platform));
+        if let Some(line) = toolchain::left_out(&left_out) {
+            eprintln!("{line}");
         }
         to_build
     } else {
@@ -117,13 +117,17 @@ fn package(
         archive.add("modelDescription.xml", description.xml.as_bytes());
         let own = binaries.iter();
         let others = merged.iter().filter(|(of, _)| *of == description.name).flat_map(|(_, files)| files);
-        let mut taken: Vec<&Platform> = Vec::new();
+        let mut libraries: Vec<(&'static Platform, &[u8])> = Vec::new();
         for (platform, content) in own.chain(others) {
-            if !taken.contains(platform) {
-                archive.add(library_path(platform, description.name), content);
-                taken.push(platform);
+            if !libraries.iter().any(|(taken, _)| taken == platform) {
+                libraries.push((platform, content));
             }
         }
+        libraries.sort_by_key(|(platform, _)| PLATFORMS.iter().position(|known| known == *platform));
+        for (platform, content) in &libraries {
+            archive.add(library_path(platform, description.name), content);
+        }
+        archive.add(requirements::PATH, requirements::text(&libraries).as_bytes());
         for (path, content) in files {
             archive.add(path, content);
         }
@@ -190,7 +194,7 @@ fn merge<'d>(path: &Path, descriptions: &'d [Description]) -> Result<(&'d str, V
         )));
     };
     let mut binaries = Vec::new();
-    for platform in &platform::PLATFORMS {
+    for platform in &PLATFORMS {
         let Some((name, content)) = files.iter().find(|(name, _)| *name == library_path(platform, description.name))
         else {
             continue;

@@ -2,19 +2,25 @@
 //!
 //! Each model crate has a program of its own name that knows how to package its library
 //! (`plant-fmu --library <library> --out <folder>`). Cargo's build messages say where both were built. [`crosscheck`] lays the
-//! FMUs out with reference solutions.
+//! FMUs out with reference solutions. Which platforms there are, and what building for one takes, is `fmi2_package`'s to say,
+//! for these models as for any other.
 
+mod cargo;
 pub mod crosscheck;
+mod merge;
 
-use std::ffi::{OsStr, OsString};
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 
-use serde_json::Value;
-
 use fmi2_import::{Fmu, FmuError};
+use fmi2_package::platform::Platform;
+use fmi2_package::toolchain;
+
+use merge::Merged;
 
 /// The crates that become FMUs.
 pub const MODELS: &[&str] = &["plant-fmu", "controller-fmu", "instruments-fmu"];
@@ -60,6 +66,17 @@ pub enum PackageError {
         /// What the program says.
         message: String,
     },
+    /// A platform cannot be built for here.
+    #[error("{0}")]
+    Platform(String),
+    /// An archive cannot be merged.
+    #[error("cannot merge {}: {problem}", path.display())]
+    Merge {
+        /// Which one.
+        path: PathBuf,
+        /// Why not.
+        problem: String,
+    },
     /// The result is no FMU.
     #[error("packaging went wrong: {0}")]
     Unusable(#[from] FmuError),
@@ -73,12 +90,24 @@ pub enum PackageError {
     },
 }
 
-/// Files that cargo built for one crate.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct Built {
-    model: String,
-    library: PathBuf,
-    program: PathBuf,
+/// Which platforms the FMUs shall have libraries for.
+#[derive(Clone, Debug, Default)]
+pub struct Platforms {
+    /// To build for these and no others; if empty, for all whose toolchains are there.
+    pub wanted: Vec<&'static Platform>,
+    /// To have in the end.
+    pub required: Vec<&'static Platform>,
+    /// FMUs that were built elsewhere, or folders of them, whose libraries are added.
+    pub merged: Vec<PathBuf>,
+}
+
+/// What packaging has made.
+#[derive(Clone, Debug)]
+pub struct Packaged {
+    /// The FMUs, sorted.
+    pub fmus: Vec<PathBuf>,
+    /// One line on platforms that people look for and that could not be built here, with what to do; `None` if there are none.
+    pub left_out: Option<String>,
 }
 
 /// The repository this tool was built from.
@@ -95,21 +124,33 @@ pub fn repository() -> &'static Path {
 pub fn package(
     root: &Path,
     out: &Path,
+    platforms: &Platforms,
     quiet: bool,
     progress: &mut dyn FnMut(&str),
-) -> Result<Vec<PathBuf>, PackageError> {
+) -> Result<Packaged, PackageError> {
     if !MODELS.iter().all(|model| root.join(model).join("Cargo.toml").is_file()) {
         return Err(PackageError::NoSources { root: root.to_owned() });
     }
+    let merged = Merged::read(&platforms.merged)?;
     progress("building the FMU libraries");
-    let built = build(root, quiet)?;
+    let crates = programs(root, quiet)?;
+    let guids: Vec<BTreeMap<String, String>> = crates.iter().map(|one| merge::read_guids(&one.guids)).collect();
+    let archives = merge::assign(&merged, &guids)?;
+    let is_merged = |platform: &Platform| merge::covers(&merged, &guids, platform);
+    let required: Vec<_> = platforms.required.iter().copied().filter(|platform| !is_merged(platform)).collect();
+    let (to_build, mut left_out) = toolchain::select(&platforms.wanted, &required).map_err(PackageError::Platform)?;
+    left_out.retain(|(platform, _)| !is_merged(platform));
+    let libraries = to_build.into_iter().map(|platform| libraries(root, quiet, platform, &crates));
+    let libraries: Vec<Vec<PathBuf>> = libraries.collect::<Result<_, _>>()?;
 
     let write = |source| PackageError::Write { folder: out.to_owned(), source };
     fs::create_dir_all(out).map_err(write)?;
-    for Built { model, library, program } in &built {
-        progress(&format!("packaging {model}"));
-        let arguments = [OsStr::new("--library"), library.as_os_str(), OsStr::new("--out"), out.as_os_str()];
-        run(&root.join(model), program, &arguments)?;
+    for (index, one) in crates.iter().enumerate() {
+        progress(&format!("packaging {}", one.model));
+        let mut arguments: Vec<OsString> = vec!["--out".into(), out.into()];
+        arguments.extend(libraries.iter().flat_map(|built| ["--library".into(), built[index].clone().into()]));
+        arguments.extend(archives[index].iter().flat_map(|path| ["--merge".into(), path.into()]));
+        run(&root.join(&one.model), &one.program, &arguments)?;
     }
 
     let mut fmus = Vec::new();
@@ -121,39 +162,56 @@ pub fn package(
         }
     }
     fmus.sort();
-    Ok(fmus)
+    Ok(Packaged { fmus, left_out: toolchain::left_out(&left_out) })
 }
 
-/// The programs with the profile of this tool, which has compiled most of what they need (selecting the whole workspace gives
-/// dependencies the features they have there); then, with the GUIDs that these say, the libraries with the profile `fmu` and
-/// without what packaging needs.
-fn build(root: &Path, quiet: bool) -> Result<Vec<Built>, PackageError> {
-    let mut libraries = vec!["--profile", "fmu", "--lib"];
-    let mut programs = vec!["--release", "--workspace"];
-    let features: Vec<String> = MODELS.iter().map(|model| format!("{model}/package")).collect();
-    for (model, feature) in MODELS.iter().zip(&features) {
-        libraries.extend(["--package", *model]);
-        programs.extend(["--bin", *model, "--features", feature.as_str()]);
+/// A model crate.
+struct Packager {
+    model: String,
+    program: PathBuf,
+    /// Names and GUIDs of its models, as `FMI2_EXPORT_GUIDS` has them.
+    guids: String,
+}
+
+/// The packaging programs, with the profile of this tool, which has compiled most of what they need (selecting the whole
+/// workspace gives dependencies the features they have there), and what they say of their models.
+fn programs(root: &Path, quiet: bool) -> Result<Vec<Packager>, PackageError> {
+    let mut command = Command::new(cargo::program());
+    command.args(["build", "--release", "--workspace"]);
+    for model in MODELS {
+        command.args(["--bin", model, "--features", &format!("{model}/package")]);
     }
-    let messages = cargo_build(root, quiet, &programs, "")?;
-    let programs: Vec<PathBuf> =
-        MODELS.iter().map(|model| find_program(&messages, model)).collect::<Result<_, PackageError>>()?;
-    let mut guids = Vec::new();
-    for (model, program) in MODELS.iter().zip(&programs) {
-        guids.push(run(&root.join(model), program, &[OsStr::new("--guids")])?);
-    }
-    let messages = cargo_build(root, quiet, &libraries, &guids.join(";"))?;
-    let built = MODELS.iter().zip(programs).map(|(model, program)| {
-        Ok(Built { model: (*model).to_owned(), library: find_library(&messages, model)?, program })
-    });
-    built.collect()
+    let messages = cargo::build(command, root, quiet)?;
+    let program = |model: &&str| {
+        let program = cargo::find_program(&messages, model)?;
+        let guids = run(&root.join(model), &program, &["--guids".into()])?;
+        Ok(Packager { model: (*model).to_owned(), program, guids })
+    };
+    MODELS.iter().map(program).collect()
+}
+
+/// The libraries of all crates for a platform, with the profile `fmu`, without what packaging needs, and with the GUIDs in
+/// them.
+fn libraries(
+    root: &Path,
+    quiet: bool,
+    platform: &'static Platform,
+    crates: &[Packager],
+) -> Result<Vec<PathBuf>, PackageError> {
+    let guids: Vec<&str> = crates.iter().map(|one| one.guids.as_str()).collect();
+    let library = |one: &Packager| {
+        let mut command = platform.build_library(&cargo::program());
+        command.args(["--profile", "fmu", "--package", &one.model]).env("FMI2_EXPORT_GUIDS", guids.join(";"));
+        cargo::find_library(&cargo::build(command, root, quiet)?, &one.model, platform.extension())
+    };
+    crates.iter().map(library).collect()
 }
 
 /// Runs a model's packaging program, with what `cargo run` would tell it of its crate; what it prints.
-fn run(home: &Path, program: &Path, arguments: &[&OsStr]) -> Result<String, PackageError> {
+fn run(home: &Path, program: &Path, arguments: &[OsString]) -> Result<String, PackageError> {
     let output = Command::new(program)
         .args(arguments)
-        .env("CARGO", cargo())
+        .env("CARGO", cargo::program())
         .env("CARGO_MANIFEST_DIR", home)
         .stdin(Stdio::null())
         .output()
@@ -167,90 +225,15 @@ fn run(home: &Path, program: &Path, arguments: &[&OsStr]) -> Result<String, Pack
     Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
-fn cargo() -> OsString {
-    std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
-}
-
-/// Runs `cargo build`; its messages, one JSON object per line.
-fn cargo_build(root: &Path, quiet: bool, arguments: &[&str], guids: &str) -> Result<String, PackageError> {
-    let cargo = cargo();
-    let mut command = Command::new(&cargo);
-    command.current_dir(root).args(["build", "--message-format=json-render-diagnostics"]).args(arguments);
-    if !guids.is_empty() {
-        // Compiled into the libraries: which descriptions they belong to.
-        command.env("FMI2_EXPORT_GUIDS", guids);
-    }
-    if quiet {
-        command.arg("--quiet");
-    }
-    let output = command
-        .stdin(Stdio::null())
-        .stderr(Stdio::inherit())
-        .output()
-        .map_err(|source| PackageError::Start { program: cargo.to_string_lossy().into_owned(), source })?;
-    if !output.status.success() {
-        return Err(PackageError::Build(output.status));
-    }
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
-}
-
-/// What cargo says it has built for a crate, in its messages, one JSON object per line.
-fn artifacts(messages: &str, model: &str, kind: &str) -> Vec<Value> {
-    messages
-        .lines()
-        .filter_map(|line| serde_json::from_str(line).ok())
-        .filter(|message: &Value| {
-            let target = &message["target"];
-            message["reason"] == "compiler-artifact"
-                && target["name"].as_str().is_some_and(|name| name.replace('_', "-") == model)
-                && target["kind"].as_array().is_some_and(|kinds| kinds.iter().any(|found| found == kind))
-        })
-        .collect()
-}
-
-fn find_library(messages: &str, model: &str) -> Result<PathBuf, PackageError> {
-    artifacts(messages, model, "cdylib")
-        .iter()
-        .flat_map(|artifact| artifact["filenames"].as_array().into_iter().flatten())
-        .filter_map(Value::as_str)
-        .find(|name| name.ends_with(std::env::consts::DLL_SUFFIX))
-        .map(PathBuf::from)
-        .ok_or_else(|| PackageError::NotBuilt { model: model.to_owned(), what: "shared library" })
-}
-
-fn find_program(messages: &str, model: &str) -> Result<PathBuf, PackageError> {
-    artifacts(messages, model, "bin")
-        .iter()
-        .find_map(|artifact| artifact["executable"].as_str())
-        .map(PathBuf::from)
-        .ok_or_else(|| PackageError::NotBuilt { model: model.to_owned(), what: "packaging program" })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn built_files_are_found_in_cargos_messages() {
-        let suffix = std::env::consts::DLL_SUFFIX;
-        let messages = format!(
-            r#"{{"reason":"compiler-artifact","target":{{"kind":["lib"],"name":"serde"}},"filenames":["libserde.rlib"],"executable":null}}
-not json
-{{"reason":"compiler-artifact","target":{{"kind":["cdylib","rlib"],"name":"plant_fmu"}},"filenames":["t/libplant_fmu.rlib","t/libplant_fmu{suffix}"],"executable":null}}
-{{"reason":"compiler-artifact","target":{{"kind":["bin"],"name":"plant-fmu"}},"filenames":["t/plant-fmu"],"executable":"t/plant-fmu"}}
-{{"reason":"build-finished","success":true}}"#
-        );
-        let library = PathBuf::from(format!("t/libplant_fmu{suffix}"));
-        assert_eq!(find_library(&messages, "plant-fmu").unwrap(), library);
-        assert_eq!(find_program(&messages, "plant-fmu").unwrap(), Path::new("t/plant-fmu"));
-        let message = find_library(&messages, "controller-fmu").unwrap_err().to_string();
-        assert_eq!(message, "cargo built no shared library for controller-fmu");
-    }
-
-    #[test]
     fn missing_sources_are_named() {
         let folder = tempfile::tempdir().unwrap();
-        let error = package(folder.path(), &folder.path().join("dist"), true, &mut |_| ()).unwrap_err().to_string();
-        assert!(error.contains("are not at") && !folder.path().join("dist").exists(), "{error}");
+        let out = folder.path().join("dist");
+        let error = package(folder.path(), &out, &Platforms::default(), true, &mut |_| ()).unwrap_err().to_string();
+        assert!(error.contains("are not at") && !out.exists(), "{error}");
     }
 }

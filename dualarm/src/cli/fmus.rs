@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::Failure;
 use super::package::package_all;
+use crate::build::Platforms;
 
 /// The folder of the packaged FMUs.
 #[derive(Debug, Clone, Args)]
@@ -44,7 +45,7 @@ impl Job {
     /// Builds and packages the FMUs and systems, unless the user wants those that are there.
     pub fn package(&self, quiet: bool) -> Result<(), Failure> {
         if !self.no_package {
-            package_all(&self.folder.fmus, quiet)?;
+            package_all(&self.folder.fmus, &Platforms::default(), quiet)?;
         }
         Ok(())
     }

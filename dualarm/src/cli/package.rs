@@ -7,17 +7,31 @@ use clap::Args;
 
 use super::{Failure, print, print_error};
 use crate::build::crosscheck::release;
-use crate::build::{package, repository};
+use crate::build::{Platforms, package, repository};
 use crate::grasp::systems;
 use fmi2_cosim::files::FileSet;
+use fmi2_package::platform::Platform;
 
 const AFTER_HELP: &str = "\
 Leaves the FMUs, and each controller with the plant as one system: DualArmGrasp-NABFC.ssp, -PDS.ssp and -PD.ssp (SSP \
 1.0), which `dualarm simulate`, Ecos, FMPy, OMSimulator and others run.
 
+An FMU has a library for this machine's platform, and for each other one whose toolchain is installed:
+  win64                     rustup target add x86_64-pc-windows-gnu, and mingw-w64
+  linux64, for old systems  pip install cargo-zigbuild ziglang: glibc 2.17 instead
+                            of this machine's
+  aarch64-linux             rustup target add aarch64-unknown-linux-gnu, and zig as
+                            above or gcc-aarch64-linux-gnu
+  darwin64, aarch64-darwin  a Mac, with its rustup targets
+What a library needs is in documentation/externalDependencies.txt of the archive.
+
 Examples:
   dualarm package                     dist/*.fmu and dist/*.ssp
   dualarm package --out ~/fmus        elsewhere
+  dualarm package --require linux64,win64
+                                      fails unless they run on both
+  dualarm package --merge windows/    with the libraries of the FMUs that were
+                                      packaged in that folder on another machine
   dualarm package --release           and dist/release: each FMU with inputs,
                                       reference solution, options and README, as
                                       the FMI cross-check rules want them";
@@ -29,6 +43,15 @@ pub struct Arguments {
     /// Folder for the .fmu and .ssp files
     #[arg(long, short, default_value = "dist", value_name = "FOLDER")]
     out: PathBuf,
+    /// Build for these platforms, e.g. linux64,win64 [default: this machine's, and all others whose toolchains are installed]
+    #[arg(long, value_name = "NAMES", value_parser = Platform::list, conflicts_with = "describe")]
+    platform: Option<Names>,
+    /// Fail if one of these platforms is missing in the end
+    #[arg(long, value_name = "NAMES", value_parser = Platform::list, conflicts_with = "describe")]
+    require: Option<Names>,
+    /// Add the libraries of this .fmu, or of all in this folder, built elsewhere from the same sources; can be repeated
+    #[arg(long, value_name = "PATH", conflicts_with = "describe")]
+    merge: Vec<PathBuf>,
     /// Also write the release layout of the FMI cross-check rules to FOLDER/release
     #[arg(long, conflicts_with = "describe")]
     release: bool,
@@ -37,11 +60,19 @@ pub struct Arguments {
     describe: Option<PathBuf>,
 }
 
+/// An alias, since clap takes an option of type `Vec` for one that can be repeated.
+type Names = Vec<&'static Platform>;
+
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     if let Some(folder) = &arguments.describe {
         return describe(folder, quiet);
     }
-    for path in package_all(&arguments.out, quiet)? {
+    let platforms = Platforms {
+        wanted: arguments.platform.clone().unwrap_or_default(),
+        required: arguments.require.clone().unwrap_or_default(),
+        merged: arguments.merge.clone(),
+    };
+    for path in package_all(&arguments.out, &platforms, quiet)? {
         if !quiet {
             let size = std::fs::metadata(&path).map_or(0, |file| file.len());
             print(&format!("{}  {:.2} MB\n", path.display(), size as f64 / 1e6));
@@ -59,9 +90,13 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 }
 
 /// Builds the FMUs, composes the systems, and writes both to a folder. They belong together, so they appear there together.
-pub fn package_all(out: &Path, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
+pub fn package_all(out: &Path, platforms: &Platforms, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
     let apart = tempfile::tempdir()?;
-    let mut made = package(repository(), apart.path(), quiet, &mut |doing| say(quiet, doing))?;
+    let packaged = package(repository(), apart.path(), platforms, quiet, &mut |doing| say(quiet, doing))?;
+    if let Some(line) = packaged.left_out.filter(|_| !quiet) {
+        print_error(&format!("{line}\n"));
+    }
+    let mut made = packaged.fmus;
     say(quiet, "composing the systems");
     made.extend(systems::write_packages(apart.path())?);
     let together = FileSet::new();

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::logger::Logger;
 use super::types::Component;
 use crate::categories::Category;
-use crate::library::Library;
+use crate::served::Served;
 use crate::slave::AnySlave;
 use crate::status::{Outcome, Refusal, Status};
 
@@ -20,7 +20,7 @@ pub struct Shared {
 }
 
 pub struct Instance {
-    pub library: &'static Library,
+    pub library: &'static Served,
     /// Which model of the library, for tidying up.
     pub model: usize,
     pub logger: Logger,

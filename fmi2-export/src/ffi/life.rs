@@ -12,9 +12,9 @@ use super::logger::Logger;
 use super::panics;
 use super::types::{Boolean, CO_SIMULATION, CallbackFunctions, Component};
 use crate::categories::Category;
-use crate::library::Library;
 use crate::model::Experiment;
 use crate::resources::Resources;
+use crate::served::Served;
 use crate::slave::AnySlave;
 use crate::status::{Refusal, Status};
 
@@ -32,7 +32,7 @@ pub fn get_version() -> *const c_char {
 
 /// `fmi2Instantiate`.
 pub unsafe fn instantiate(
-    library: &'static Library,
+    library: &'static Served,
     instance_name: *const c_char,
     fmu_type: c_int,
     guid: *const c_char,
@@ -83,7 +83,7 @@ pub unsafe fn instantiate(
 }
 
 fn find_model(
-    library: &'static Library,
+    library: &'static Served,
     guid: &str,
     resources: &Resources,
 ) -> Result<(usize, Box<dyn AnySlave>), Refusal> {

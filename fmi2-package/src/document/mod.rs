@@ -16,7 +16,7 @@ use tempfile::TempDir;
 use self::chart::Chart;
 use crate::platform::{PLATFORMS, Platform};
 use crate::response::{self, Run};
-use crate::{Document, File, PackageError, Response};
+use crate::{Document, File, PackageError, Response, requirements};
 
 pub const INDEX: &str = "documentation/index.html";
 const ICON: &str = "model.png";
@@ -26,7 +26,7 @@ const INPUTS: &str = "documentation/response_in.csv";
 /// The licences of the crates that the library is linked from.
 pub const LINKED_LICENSES: &str = "documentation/licenses/linked-crates.txt";
 /// Where else the archive has files, which are not the author's.
-const OURS: [&str; 4] = ["modelDescription.xml", "binaries/", "sources/", LINKED_LICENSES];
+const OURS: [&str; 5] = ["modelDescription.xml", "binaries/", "sources/", LINKED_LICENSES, requirements::PATH];
 
 /// Where an archive comes from and what it is for.
 pub struct Origin {

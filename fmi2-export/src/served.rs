@@ -1,0 +1,114 @@
+//! What the instances in a loaded library share: the models it serves, their layouts, the saved states.
+//!
+//! The C functions know a library as a [`Served`]. Nothing in it leads to what describes a model: the XML is written by the
+//! packaging program ([`Library`](crate::Library)), and its code is not linked into what importing tools load.
+//!
+//! A library can be loaded and unloaded many times in the life of a host, and the memory of statics is not freed then.
+//! So nothing here keeps memory once the last instance is gone.
+
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+
+use crate::handles::Handles;
+use crate::layout::{DeclarationError, Layout};
+use crate::model::Model;
+use crate::resources::Resources;
+use crate::slave::{AnySlave, Slave};
+use crate::snapshot::GUID_LENGTH;
+use crate::status::Refusal;
+use crate::xml::{Description, describe};
+
+/// A model as the C functions know it, whatever its type.
+pub trait Serve: Sync {
+    fn guid(&'static self) -> Result<&'static str, DeclarationError>;
+    #[allow(private_interfaces)]
+    fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
+    /// Frees what only instances need, if there are none.
+    fn tidy(&self);
+}
+
+/// A model of a library: see [`export!`](crate::export).
+pub struct Exported<M> {
+    identity: Identity,
+    layout: Mutex<Weak<Layout<M>>>,
+}
+
+/// Where a model's GUID is from. A function is named only where it is needed, since what a static names is linked.
+enum Identity {
+    /// The packaging had it compiled in.
+    Fixed(&'static str),
+    /// The library was built by itself: from the description, when it is first asked for.
+    Computed { describe: fn() -> Result<Description, DeclarationError>, guid: OnceLock<[u8; GUID_LENGTH]> },
+}
+
+impl<M: Model> Exported<M> {
+    /// For a static.
+    #[must_use]
+    pub const fn new(guid: Option<&'static str>) -> Self {
+        let identity = match guid {
+            Some(guid) => Identity::Fixed(guid),
+            None => Identity::Computed { describe: describe::<M>, guid: OnceLock::new() },
+        };
+        Self { identity, layout: Mutex::new(Weak::new()) }
+    }
+
+    fn layout(&self) -> Result<Arc<Layout<M>>, DeclarationError> {
+        let mut shared = lock(&self.layout);
+        if let Some(layout) = shared.upgrade() {
+            return Ok(layout);
+        }
+        let layout = Arc::new(Layout::build()?);
+        *shared = Arc::downgrade(&layout);
+        Ok(layout)
+    }
+}
+
+impl<M: Model> Serve for Exported<M> {
+    fn guid(&'static self) -> Result<&'static str, DeclarationError> {
+        let (describe, guid) = match &self.identity {
+            Identity::Fixed(guid) => return Ok(guid),
+            Identity::Computed { describe, guid } => (describe, guid),
+        };
+        let bytes = if let Some(bytes) = guid.get() {
+            bytes
+        } else {
+            let mut bytes = [b' '; GUID_LENGTH];
+            bytes.iter_mut().zip(describe()?.guid.bytes()).for_each(|(to, from)| *to = from);
+            guid.get_or_init(|| bytes)
+        };
+        Ok(std::str::from_utf8(bytes).unwrap_or_default())
+    }
+
+    #[allow(private_interfaces)]
+    fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
+        let refused = |error: DeclarationError| Refusal::error(error.to_string());
+        let (layout, guid) = (self.layout().map_err(refused)?, self.guid().map_err(refused)?);
+        Ok(Box::new(Slave::<M>::new(layout, guid, resources.clone())?))
+    }
+
+    fn tidy(&self) {
+        let mut shared = lock(&self.layout);
+        if shared.strong_count() == 0 {
+            // Also frees the memory block that the weak reference kept.
+            *shared = Weak::new();
+        }
+    }
+}
+
+/// A loaded library: the models it serves and the states saved by `fmi2GetFMUstate`.
+pub struct Served {
+    pub(crate) models: &'static [&'static dyn Serve],
+    pub(crate) states: Handles,
+}
+
+impl Served {
+    /// For a static.
+    #[must_use]
+    pub const fn new(models: &'static [&'static dyn Serve]) -> Self {
+        Self { models, states: Handles::new() }
+    }
+}
+
+/// Locks; what a panicking thread left is consistent, since every critical section is a single operation.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
