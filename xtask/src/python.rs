@@ -38,7 +38,8 @@ pub fn command(tree: &Tree, args: &[&str]) -> Command {
 }
 
 /// A program from a `PyPI` package that is not among the tests' requirements because it may be unobtainable; or why it is.
-pub fn tool(tree: &Tree, package: &str, program: &str) -> Result<Command, String> {
+/// `version` is the argument by which it tells its version.
+pub fn tool(tree: &Tree, package: &str, program: &str, version: &str) -> Result<Command, String> {
     let installed = || {
         let folder = interpreter(tree).with_file_name(program);
         let mut command = Command::new(if cfg!(windows) { folder.with_extension("exe") } else { folder });
@@ -47,7 +48,7 @@ pub fn tool(tree: &Tree, package: &str, program: &str) -> Result<Command, String
     };
     let version = || {
         let mut command = installed();
-        command.arg("--version");
+        command.arg(version);
         command
     };
     if !works(version()) {

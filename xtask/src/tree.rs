@@ -71,7 +71,7 @@ impl Tree {
 }
 
 /// The cargo that runs us.
-fn cargo() -> OsString {
+pub fn cargo() -> OsString {
     std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }
 

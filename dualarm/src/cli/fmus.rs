@@ -12,8 +12,19 @@ use crate::build::Platforms;
 #[derive(Debug, Clone, Args)]
 pub struct FmuFolder {
     /// Folder with the packaged FMUs
-    #[arg(long, default_value = "dist", value_name = "FOLDER")]
+    #[arg(long, default_value_os_t = usual_folder(), value_name = "FOLDER")]
     pub fmus: PathBuf,
+}
+
+/// The folder of FMUs beside this program, as downloads have it: there nothing is built.
+fn shipped_folder() -> Option<PathBuf> {
+    let folder = std::env::current_exe().ok()?.parent()?.join("fmus");
+    folder.is_dir().then_some(folder)
+}
+
+/// Where FMUs are looked for, unless the user says where.
+fn usual_folder() -> PathBuf {
+    shipped_folder().unwrap_or_else(|| "dist".into())
 }
 
 /// Options of commands that build the FMUs first and write results.
@@ -31,7 +42,7 @@ pub struct Job {
 
 impl Default for FmuFolder {
     fn default() -> Self {
-        Self { fmus: "dist".into() }
+        Self { fmus: usual_folder() }
     }
 }
 
@@ -42,9 +53,9 @@ impl Default for Job {
 }
 
 impl Job {
-    /// Builds and packages the FMUs and systems, unless the user wants those that are there.
+    /// Builds and packages the FMUs and systems, unless the user wants those that are there, or they came with this program.
     pub fn package(&self, quiet: bool) -> Result<(), Failure> {
-        if !self.no_package {
+        if !self.no_package && shipped_folder().is_none_or(|shipped| shipped != self.folder.fmus) {
             package_all(&self.folder.fmus, &Platforms::default(), quiet)?;
         }
         Ok(())

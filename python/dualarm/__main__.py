@@ -1,0 +1,5 @@
+"""`python -m dualarm`, as the command `dualarm`."""
+
+from . import main
+
+main()
