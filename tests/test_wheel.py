@@ -10,6 +10,7 @@ import subprocess
 import sys
 import venv
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
 
@@ -47,11 +48,13 @@ def installed(downloads: ModuleType, tmp_path_factory: pytest.TempPathFactory) -
     """The folder of programs of a clean environment that has the wheel."""
     folder = tmp_path_factory.mktemp("clean environment")
     wheel = downloads.wheel(DIST, TOOL, PLATFORM, folder)
-    # Without a pip of its own, which would take longer to install than all the rest.
-    venv.create(folder / "venv", with_pip=False)
+    # A pip of its own takes longer to install than all the rest; from 22.3 on another one's can do it.
+    has_own = tuple(int(part) for part in version("pip").split(".")[:2]) < (22, 3)
+    venv.create(folder / "venv", with_pip=has_own)
     programs = folder / "venv" / ("Scripts" if SUFFIX else "bin")
-    pip = [sys.executable, "-m", "pip", "--python", programs / f"python{SUFFIX}", "--disable-pip-version-check"]
-    subprocess.run([*pip, "install", "--quiet", "--no-index", wheel], check=True)
+    python = programs / f"python{SUFFIX}"
+    pip = [python, "-m", "pip"] if has_own else [sys.executable, "-m", "pip", "--python", python]
+    subprocess.run([*pip, "--disable-pip-version-check", "install", "--quiet", "--no-index", wheel], check=True)
     return programs
 
 
