@@ -51,6 +51,7 @@ mod propagator;
 mod signals;
 mod state;
 mod state_space;
+mod step_sizes;
 
 pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
@@ -63,3 +64,4 @@ pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};
 pub use state::{State, StateError, StepError};
 pub use state_space::{StateSpace, held_step};
+pub use step_sizes::StepSizes;

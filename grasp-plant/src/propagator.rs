@@ -3,6 +3,7 @@
 use crate::dynamics::FORCES;
 use crate::extended::Extended;
 use crate::kernel::{LANES, Panels};
+use crate::step_sizes::REMEMBERED;
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -60,8 +61,8 @@ pub(crate) struct Cache {
 }
 
 impl Cache {
-    /// Step sizes kept. Masters that compute their step as a difference of times use a few sizes that differ by rounding.
-    pub const CAPACITY: usize = 8;
+    /// Step sizes kept: as many as the state remembers.
+    pub const CAPACITY: usize = REMEMBERED;
 
     /// The propagator of step size h, made now if it is not among the [`CAPACITY`](Self::CAPACITY) last used.
     pub fn get(&mut self, extended: &Extended, h: f64) -> &Propagator {

@@ -3,6 +3,7 @@
 use crate::dynamics::{Dynamics, FORCES};
 use crate::initial;
 use crate::parameters::Parameters;
+use crate::step_sizes::StepSizes;
 use serde::{Deserialize, Serialize};
 
 /// Everything that changes while the plant moves. Together with [`Parameters`] it determines all that follows.
@@ -17,6 +18,8 @@ pub struct State {
     pub carry: [f64; 3],
     /// Work done on the plant by actuators and external disturbances since the start \[J\].
     pub supplied_energy: f64,
+    /// The step sizes so far, which decide how the next step is computed.
+    pub sizes: StepSizes,
 }
 
 impl State {
@@ -28,6 +31,7 @@ impl State {
             position: [start.theta[0], start.theta[1], start.y_object],
             carry: [0.0; 3],
             supplied_energy: 0.0,
+            sizes: StepSizes::default(),
         }
     }
 

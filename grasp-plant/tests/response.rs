@@ -2,7 +2,7 @@
 
 #![allow(clippy::doc_markdown)]
 
-use grasp_plant::{ActuatorModel, Inputs, Parameters, Plant, Start};
+use grasp_plant::{ActuatorModel, Inputs, Parameters, Plant, Start, State};
 
 const TORQUE_STEP: Inputs = Inputs { torque_command: [0.05, 0.0], ..Inputs::ZERO };
 
@@ -132,6 +132,7 @@ fn rest_is_rest() {
     let mut plant = Plant::new(Parameters::default()).unwrap();
     let before = plant.state().clone();
     plant.step(1.0, &Inputs::ZERO, &Inputs::ZERO).unwrap();
-    assert_eq!(*plant.state(), before);
+    // Nothing moves; that a step of this size was done is all that is new.
+    assert_eq!(*plant.state(), State { sizes: plant.state().sizes, ..before });
     assert!(!plant.direct(&Inputs::ZERO).in_contact());
 }

@@ -106,6 +106,7 @@ impl Plant {
         self.state.position = state.position;
         self.state.carry = state.carry;
         self.state.supplied_energy = state.supplied_energy;
+        self.state.sizes = state.sizes;
         self.signals = self.model.dynamics.signals(&self.state.coordinates);
         Ok(())
     }

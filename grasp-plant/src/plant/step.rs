@@ -16,7 +16,8 @@ impl Plant {
     /// the inputs.
     ///
     /// A ramp that runs over kinks of an actuator is followed exactly too, piece by piece. The first step of a size costs
-    /// a matrix exponential; the last eight sizes are remembered.
+    /// a matrix exponential; the last eight sizes are remembered. When more than eight new sizes come in a row, the steps
+    /// do without and cost a fortieth of that, whatever their sizes.
     ///
     /// # Errors
     /// See [`StepError`]; the plant is then as it was before.
@@ -35,7 +36,10 @@ impl Plant {
         if h > self.longest_part() {
             return self.long_step(h, inputs, rates);
         }
-        if *rates == Inputs::ZERO {
+        self.work.next.sizes = self.state.sizes;
+        self.work.next.sizes.note(h);
+        let repeats = self.work.next.sizes.repeat();
+        if *rates == Inputs::ZERO && repeats {
             self.whole_step(h, &self.model.forces(inputs), None);
         } else {
             // Outputs change at these rates, whatever becomes of the state.
@@ -44,7 +48,7 @@ impl Plant {
             }
             let mut times = [0.0; MAX_KINK_TIMES];
             let kinks = self.model.kink_times(h, inputs, rates, &mut times);
-            if kinks.is_empty() {
+            if kinks.is_empty() && repeats {
                 let force_rates = self.model.force_rates(&at(inputs, rates, h / 2.0), rates);
                 self.whole_step(h, &self.model.forces(inputs), Some(&force_rates));
             } else {
@@ -112,7 +116,8 @@ impl Plant {
         next.supplied_energy = self.state.supplied_energy + work;
     }
 
-    /// One step whose forces have kinks at the given times, into the workspace's next state.
+    /// One step whose forces have kinks at the given times, if any, without a matrix of its own, into the workspace's next
+    /// state.
     fn broken_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs, kinks: &[f64]) {
         let Model { extended, dynamics, parameters, .. } = &*self.model;
         let layout = extended.layout;
