@@ -43,6 +43,7 @@ mod beam;
 mod dynamics;
 mod exponential;
 mod extended;
+mod fields;
 mod initial;
 mod kernel;
 mod parameters;
@@ -56,6 +57,7 @@ mod step_sizes;
 pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
 pub use extended::LONGEST_STEP;
+pub use fields::{Fields, Node};
 /// Re-exported because a [`StateSpace`] holds its matrices.
 pub use nalgebra;
 pub use parameter_table::{Admissible, InvalidParameter, Parameter, Range};

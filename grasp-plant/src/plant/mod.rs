@@ -130,6 +130,13 @@ impl Plant {
         self.model.extended.longest_step
     }
 
+    /// Coefficients of the velocity fields, then √J_i θ̇_i and √m ẏ_M, from the velocity coordinates of the state.
+    pub(crate) fn physical_velocities(&self, coordinates: &[f64]) -> Vec<f64> {
+        let mut velocities = coordinates.to_vec();
+        self.model.dynamics.reflect(&mut velocities);
+        velocities
+    }
+
     /// The plant as a linear system.
     #[must_use]
     pub fn state_space(&self) -> StateSpace {
