@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from mpmath import besselj, cos, cosh, findroot, mp, mpf, sqrt, tan, tanh
 from numpy.polynomial import Polynomial
+
+from .support.tool import dualarm
 
 EI, RHO, L_ARM, J, M = 0.115, 0.054, 0.2, 0.0073, 0.5
 RANDOM = np.random.default_rng(15)
@@ -207,3 +210,105 @@ def test_elimination_of_the_hubs_conditions() -> None:
         if abs(closed - 1) > 1e-4:
             assert feasible == (closed < 1)
         assert closed >= 4 * beta1 * L_ARM * g3 * (RHO * EI) ** 0.5 * (1 - 1e-12)
+
+
+def observed(end: dict, storage: dict, r: float, r_dot: float, S: float, a: float, delta: float) -> tuple[float, float]:
+    """V of an end with its observer, and dV/dt, from the law and the observer as they are written, constant disturbance.
+
+    The law's force on the end is v - S - load_rate S_dot with S_dot free; a = r_dot - v_hat + nu S and zeta = r_dot + chi S are
+    free of it.
+    """
+    m, M, G, k = end["inertia"], end["assumed_inertia"], end["slope"], end["reach"]
+    c, f, w, load_rate = end["strain"], end["feedforward"], end["observer"], end["load_rate"]
+    chi = (M * f * c + load_rate) / m
+    nu = (M / m - 1) * f * c + load_rate / m
+    error = a - nu * S
+    v_hat = r_dot - error
+    rates = []
+    for S_dot in (0.0, 3.7):
+        known = -M * (k * (G * r + v_hat + c * S) + f * (G * v_hat + c * S_dot)) - v_hat / c - M * w * delta
+        r_ddot = (known - load_rate * S_dot) / m
+        v_hat_dot = (known + M * w * delta) / M + 2 * w * error
+        rates.append((r_ddot + chi * S_dot, r_ddot - v_hat_dot + nu * S_dot, w * error))
+    assert rates[0] == pytest.approx(rates[1], rel=1e-6, abs=1e-9 * max(map(abs, rates[0])))
+    zeta_dot, a_dot, delta_dot = rates[0]
+    A, B = storage["position"], storage["crossed"]
+    slope, x, y = storage["slope"], storage["error"], storage["learnt"]
+    (R, g, h), (u, v) = storage["observer"], storage["drift"]
+    crossed = r_dot + chi * S + slope * r + x * a + y * delta
+    crossed_dot = zeta_dot + slope * r_dot + x * a_dot + y * delta_dot
+    ap, dp, ap_dot, dp_dot = a + u * r, delta + v * r, a_dot + u * r_dot, delta_dot + v * r_dot
+    V = A * r**2 / 2 + B * crossed**2 / 2 + R * (ap**2 + 2 * g * ap * dp + h * dp**2) / 2
+    V_dot = A * r * r_dot + B * crossed * crossed_dot + R * ((ap + g * dp) * ap_dot + (g * ap + h * dp) * dp_dot)
+    return V, V_dot
+
+
+@pytest.mark.parametrize("uncertainties", [(0.0, 0.0), (0.1, 0.05)])
+def test_the_certified_preset_decays_with_its_observers(uncertainties: tuple[float, float]) -> None:
+    """Motions drawn at random, observers' errors included, obey what `dualarm certify --preset certified` says."""
+    set_ = [f"--set=root_uncertainty={uncertainties[0]}", f"--set=tip_uncertainty={uncertainties[1]}"]
+    said = json.loads(dualarm("certify", "--preset=certified", "--json", *set_).stdout)
+    assert (said["verdict"], said["uncovered"]) == ("certified", [])
+    proof = said["observed"]["certificate"]
+    constants, random = proof["constants"], np.random.default_rng(7)
+    x = Polynomial([0, 1])
+    for _ in range(300):
+        qs, y_dots, e, e_dot, p, p_dot = state(random)
+        loads = [EI * qs[i].deriv(2)(0) for i in (0, 1)] + [sum(EI * q.deriv(3)(L_ARM) for q in qs)]
+        H, H_dot = 0.0, 0.0
+        for i in (0, 1):
+            bending, motion = EI * integral(qs[i].deriv(2) ** 2), RHO * integral(y_dots[i] ** 2)
+            energy, first, second = multiplier_rates(qs[i], y_dots[i], e[i], e_dot[i])
+            H += (bending + motion) / 2
+            H += constants["epsilon_1"] * RHO * integral((x - L_ARM) * y_dots[i] * qs[i].deriv())
+            H += constants["epsilon_2"] * RHO * integral(y_dots[i] * (qs[i] - x * e[i]))
+            H_dot += energy + constants["epsilon_1"] * first + constants["epsilon_2"] * second
+        for end, storage, r, r_dot, S in zip(said["ends"], constants["storage"], [*e, p], [*e_dot, p_dot], loads):
+            a, delta = (10 ** random.uniform(-2, 1) * random.normal() * (abs(r_dot) + abs(S)) for _ in range(2))
+            V, V_dot = observed(end, storage, r, r_dot, S, a, delta)
+            H, H_dot = H + V, H_dot + V_dot
+        assert H > 0
+        # The energy's rate comes from integrals of polynomials; 1e-9 is their rounding.
+        assert H_dot <= -proof["phi"] * H + 1e-9 * abs(H_dot)
+
+
+def test_the_obstacle_of_little_root_strain() -> None:
+    """At rest with all surfaces zero the multipliers leave (eps_1 K - eps_2)(...), so K >= 1/2 excludes a certificate."""
+    said = json.loads(dualarm("certify", "--preset=fast", "--json").stdout)
+    assert said["verdict"] == "impossible"
+    ends = said["ends"]
+    e = 1 / L_ARM  # p = 1
+    root = [-ends[i]["slope"] / ends[i]["strain"] * e for i in (0, 1)]
+    tip = -ends[2]["slope"] / ends[2]["strain"]
+    against = sum(L_ARM / (2 * EI) * moment**2 for moment in root)
+    with_ = -(sum(e * moment for moment in root) + tip)
+    assert said["obstacle"]["value"] == pytest.approx(against / with_, rel=1e-12)
+    # A field with these boundary values costs as little bending as one likes: a layer of thickness d at the root.
+    costs = []
+    for d in (1e-2, 1e-3, 1e-4):
+        xi = np.linspace(0, 1, 2001)
+        curvature = root[0] / EI * (1 - xi) ** 2
+        costs.append(EI * np.trapezoid(curvature**2, d * xi) if hasattr(np, "trapezoid") else EI * np.trapz(curvature**2, d * xi))
+    assert costs[2] < 0.011 * costs[0]
+
+
+def test_natural_storage() -> None:
+    """The constants A, B, w of certificates.md make an end passive: -dV/dt - p_dot S is a sum of squares."""
+    random = np.random.default_rng(3)
+    for _ in range(200):
+        m, G, k, c, f = (10 ** random.uniform(-2, 2) for _ in range(5))
+        load_rate = 10 ** random.uniform(-3, 1)
+        if G * load_rate > c * (m * k + 1 / c):
+            continue
+        alpha = [m * k * G, m * k + m * f * G + 1 / c, m * k * c]
+        chi = f * c + load_rate / m
+        w = alpha[0] * chi / alpha[2]
+        r = w - alpha[1] / m + alpha[2] / (m * chi)
+        A, B = w / chi, 1 / (chi * abs(r))
+        for _ in range(20):
+            p, p_dot, zeta = random.normal(size=3) * 10 ** random.uniform(-2, 2, size=3)
+            S = (zeta - p_dot) / chi
+            zeta_dot = -(alpha[0] * p + alpha[1] * p_dot + alpha[2] * S) / m
+            V_dot = A * p * p_dot + B * (zeta + w * p) * (zeta_dot + w * p_dot)
+            scale = abs(A * p * p_dot) + abs(p_dot * S) + B * (zeta + w * p) ** 2 * k + p_dot**2 / chi
+            assert -V_dot - p_dot * S >= -1e-9 * scale

@@ -5,16 +5,21 @@
 //! * [`root_strain`]: a decay rate and ultimate bounds for the law with root strain in the posture surface, checked in
 //!   [interval arithmetic](interval).
 //! * [`spectrum`]: the exact eigenvalues of linear loops, counted so that none is missed.
+//! * [`law`] and [`controllers`]: any of the project's laws as a sampled linear system.
 //! * [`sampled`]: spectral radii of loops whose commands are held over a step.
 //!
 //! Everything is continuous-time and about the undiscretised beams, but [`sampled`].
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
 
+pub mod controllers;
 pub mod corrected;
+pub mod decay;
 mod grasp;
 pub mod interval;
+pub mod law;
 mod loops;
+pub mod monitor;
 pub mod printed;
 pub mod root_strain;
 pub mod sampled;

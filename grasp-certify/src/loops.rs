@@ -49,15 +49,16 @@ impl LinearLoop {
         Self { hub: [hub(0), hub(1)], object }
     }
 
-    /// The root-strain law without learning, with unbent surface and unfiltered rates.
+    /// The root-strain law without observers, with unbent surface and unfiltered rates, and what the built-in uncertainties do.
     #[must_use]
     pub fn root_strain(ports: &[Port; 3]) -> Self {
         let hub = |port: &Port| {
             let [position, rate, load, load_rate] = port.feedback();
-            HubFeedback { angle: position, rate, moment: load, moment_rate: load_rate }
+            HubFeedback { angle: position, rate, moment: load, moment_rate: load_rate + port.load_rate }
         };
         let [position, rate, load, load_rate] = ports[2].feedback();
-        let object = ObjectFeedback { position, rate, shear: [load; 2], shear_rate: [load_rate; 2] };
+        let shear_rate = [load_rate + ports[2].load_rate; 2];
+        let object = ObjectFeedback { position, rate, shear: [load; 2], shear_rate };
         Self { hub: [hub(&ports[0]), hub(&ports[1])], object }
     }
 

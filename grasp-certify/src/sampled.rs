@@ -5,9 +5,69 @@
 //! (12), so the state is without the two invariants that would show as eigenvalues 1.
 
 use crate::LinearLoop;
+use crate::law::SampledLaw;
 use grasp_control::INPUT_NAMES;
 use grasp_plant::nalgebra::DMatrix;
 use grasp_plant::{Plant, StateSpace, held_step};
+
+/// The plant over steps of one size, for loops with laws that have states.
+///
+/// The law gets the signals of the instant, moves its state with them, and commands; the plant gets these commands, or those of
+/// `delay` steps before. That is a Gauss–Seidel master, and with one step of delay a Jacobi master.
+#[derive(Clone, Debug)]
+pub struct Coupled {
+    step: DMatrix<f64>,
+    input: DMatrix<f64>,
+    signals: DMatrix<f64>,
+}
+
+impl Coupled {
+    /// The plant over steps of `h` \[s\].
+    #[must_use]
+    pub fn new(plant: &Plant, h: f64) -> Self {
+        let reduced = Reduced::new(plant);
+        let (step, input) = reduced.step(h);
+        Self { step, input, signals: reduced.c }
+    }
+
+    /// One step of plant and law: the matrix of (ξ, x, u of the last `delay` instants, newest first).
+    #[must_use]
+    pub fn matrix(&self, law: &SampledLaw, delay: usize) -> DMatrix<f64> {
+        let (n, states) = (self.step.nrows(), law.a.nrows());
+        let size = n + states + 3 * delay;
+        let measured = law.d.columns(0, SIGNALS.len()) * &self.signals;
+        let driven = law.b.columns(0, SIGNALS.len()) * &self.signals;
+        // The commands as rows on the state.
+        let mut commands = DMatrix::zeros(3, size);
+        commands.view_mut((0, 0), (3, n)).copy_from(&measured);
+        commands.view_mut((0, n), (3, states)).copy_from(&law.c);
+        let mut acting = DMatrix::zeros(3, size);
+        if delay == 0 {
+            acting.copy_from(&commands);
+        } else {
+            acting.view_mut((0, size - 3), (3, 3)).fill_with_identity();
+        }
+        let mut motion = &self.input * acting;
+        motion.view_mut((0, 0), (n, n)).zip_apply(&self.step, |sum, step| *sum += step);
+        let mut whole = DMatrix::zeros(size, size);
+        whole.view_mut((0, 0), (n, size)).copy_from(&motion);
+        whole.view_mut((n, 0), (states, size)).copy_from(&(driven * motion));
+        whole.view_mut((n, n), (states, states)).zip_apply(&law.a, |sum, a| *sum += a);
+        if delay > 0 {
+            whole.view_mut((n + states, 0), (3, size)).copy_from(&commands);
+            for i in 0..3 * (delay - 1) {
+                whole[(n + states + 3 + i, n + states + i)] = 1.0;
+            }
+        }
+        whole
+    }
+
+    /// Largest modulus of an eigenvalue of one step.
+    #[must_use]
+    pub fn spectral_radius(&self, law: &SampledLaw, delay: usize) -> f64 {
+        radius(&self.matrix(law, delay))
+    }
+}
 
 /// Plant and law between samples. Parameters as in the plant's FMU; actuators without limits.
 #[derive(Clone, Debug)]

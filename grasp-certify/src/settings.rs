@@ -2,8 +2,11 @@
 
 use crate::Grasp;
 use crate::printed;
-use crate::root_strain::Port;
+use crate::root_strain::{Disturbance, Estimator, Port};
+use grasp_control::laws::encoders::Actuation;
 use grasp_control::laws::nabfc::{Gains, ObjectGains, PostureGains};
+use grasp_control::laws::pd::PdGains;
+use grasp_control::laws::pds::PdsGains;
 use grasp_control::laws::root_strain::{HubGains, MassGains, ObjectGains as RootObjectGains, RootStrainGains};
 use grasp_control::{Arms, InvalidParameter, Parameter, References, Targets};
 use grasp_plant::{Admissible, Arm, Parameters, Start};
@@ -18,12 +21,18 @@ pub struct Settings {
     pub paper: Gains,
     /// Gains of the root-strain law.
     pub root_strain: RootStrainGains,
-    /// Inertias that the root-strain law reckons with \[kg·m²\].
-    pub hub_inertia: [f64; 2],
-    /// Disturbances that stay: bounds of |Δ_1|, |Δ_2| \[N·m\] and |Δ̄| \[N\].
-    pub disturbances: [f64; 3],
+    /// Gains of PD.
+    pub pd: PdGains,
+    /// Gains of PDS.
+    pub pds: PdsGains,
+    /// What laws know of actuators and inertias; its hub inertias are those that the root-strain law reckons with.
+    pub actuation: Actuation,
+    /// Bounds of disturbances from outside.
+    pub disturbance: Disturbance,
     /// λ_1^d and θ_1^d.
     pub references: References,
+    /// Factor of all feedback gains of a [controller](crate::controllers::Controller).
+    pub gain_factor: f64,
 }
 
 /// Why a value was not taken.
@@ -52,14 +61,17 @@ impl std::error::Error for SettingError {}
 impl Default for Settings {
     fn default() -> Self {
         let plant = Parameters { root_uncertainty: 0.0, tip_uncertainty: 0.0, ..Parameters::default() };
-        let hub_inertia = plant.arms.map(|arm| arm.hub_inertia);
+        let actuation = Actuation { hub_inertia: plant.arms.map(|arm| arm.hub_inertia), ..Actuation::default() };
         Self {
             plant,
             paper: Gains::default(),
             root_strain: RootStrainGains::default(),
-            hub_inertia,
-            disturbances: [0.0; 3],
+            pd: PdGains::default(),
+            pds: PdsGains::default(),
+            actuation,
+            disturbance: Disturbance::default(),
             references: References { lambda1_ref: -0.5, theta1_ref: 3f64.to_radians() },
+            gain_factor: 1.0,
         }
     }
 }
@@ -79,17 +91,41 @@ fn set_in<T>(table: &[Parameter<T>], owners: &mut [T], name: &str, value: f64) -
 }
 
 impl Settings {
+    /// Takes the gains of a preset of `NabfcController`, of both laws.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn set_preset(&mut self, name: &str) -> Result<(), SettingError> {
+        (self.paper, self.root_strain) = match name {
+            "parameters" => (Gains::default(), RootStrainGains::default()),
+            "fast" => (Gains::fast(), RootStrainGains::fast()),
+            "noise_proof" => (Gains::noise_proof(), RootStrainGains::default()),
+            "certified" => (Gains::default(), RootStrainGains::certified()),
+            _ => return Err(SettingError::Unknown(name.to_owned())),
+        };
+        Ok(())
+    }
+
     /// Gives one value by name.
     ///
     /// # Errors
     /// An unknown name, a value out of its range.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), SettingError> {
         let one = std::slice::from_mut::<Parameters>;
+        // PD and PDS have gains of the same names.
         let found = (|| {
-            Ok(set_in(&Parameters::COMMON, one(&mut self.plant), name, value)?
+            let pd = set_in(&PdGains::PARAMETERS, std::slice::from_mut(&mut self.pd), name, value)?;
+            let pds = set_in(&PdsGains::PARAMETERS, std::slice::from_mut(&mut self.pds), name, value)?;
+            Ok(pd
+                || pds
+                || set_in(&Parameters::COMMON, one(&mut self.plant), name, value)?
                 || set_in(&Arm::PARAMETERS, &mut self.plant.arms, name, value)?
                 || set_in(&Start::ANGLES, std::slice::from_mut(&mut self.plant.start), name, value)?
                 || set_in(&Start::OBJECT, std::slice::from_mut(&mut self.plant.start), name, value)?
+                || set_in(&Actuation::PARAMETERS, std::slice::from_mut(&mut self.actuation), name, value)?
+                || set_in(&Gains::PARAMETERS, std::slice::from_mut(&mut self.paper), name, value)?
+                || set_in(&ObjectGains::FIXED, std::slice::from_mut(&mut self.paper.object), name, value)?
+                || set_in(&PostureGains::FIXED, &mut self.paper.posture, name, value)?
                 || set_in(&ObjectGains::PARAMETERS, std::slice::from_mut(&mut self.paper.object), name, value)?
                 || set_in(&PostureGains::PARAMETERS, &mut self.paper.posture, name, value)?
                 || set_in(
@@ -99,7 +135,9 @@ impl Settings {
                     value,
                 )?
                 || set_in(&HubGains::PARAMETERS, &mut self.root_strain.hub, name, value)?
-                || set_in(&MassGains::FIXED, std::slice::from_mut(&mut self.root_strain.mass), name, value)?)
+                || set_in(&MassGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
+                || set_in(&MassGains::FIXED, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
+                || set_in(&RootStrainGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain), name, value)?)
         })();
         match found {
             Err(error) => return Err(SettingError::Invalid(error)),
@@ -107,11 +145,12 @@ impl Settings {
             Ok(false) => {}
         }
         let place = match name {
-            "observer_inertia1" => &mut self.hub_inertia[0],
-            "observer_inertia2" => &mut self.hub_inertia[1],
-            "delta_f1" => &mut self.disturbances[0],
-            "delta_f2" => &mut self.disturbances[1],
-            "delta_F" => &mut self.disturbances[2],
+            "delta_f1" => &mut self.disturbance.size[0],
+            "delta_f2" => &mut self.disturbance.size[1],
+            "delta_F" => &mut self.disturbance.size[2],
+            "delta_f1_dot" => &mut self.disturbance.rate[0],
+            "delta_f2_dot" => &mut self.disturbance.rate[1],
+            "delta_F_dot" => &mut self.disturbance.rate[2],
             "lambda1_ref" => &mut self.references.lambda1_ref,
             "theta1_ref" => &mut self.references.theta1_ref,
             _ => return Err(SettingError::Unknown(name.to_owned())),
@@ -166,42 +205,88 @@ impl Settings {
         }
     }
 
+    /// The paper's estimates of constants, with their ideal values: a network's weights and the bound of its error those of
+    /// the given disturbances, the inertias true.
+    #[must_use]
+    pub fn estimators(&self) -> Vec<Estimator> {
+        let (grasp, Gains { object: o, posture, .. }) = (self.grasp(), &self.paper);
+        let [first, second, object] = self.disturbance.size;
+        let one =
+            |name: &str, gain: f64, leakage: f64, size: f64| Estimator { name: name.to_owned(), gain, leakage, size };
+        let mut all = vec![
+            one("W", o.a1, o.a2, object),
+            one("epsilon_hat", o.gamma1, o.gamma2, object),
+            one("m_hat", o.b1, o.b2, grasp.mass),
+        ];
+        for (i, (hub, size)) in posture.iter().zip([first, second]).enumerate() {
+            let n = i + 1;
+            all.extend([
+                one(&format!("U{n}"), hub.a3, hub.a4, size),
+                one(&format!("pi{n}_hat"), hub.zeta1, hub.zeta2, size),
+                one(&format!("J{n}_hat"), hub.g1, hub.g2, grasp.arms[i].hub_inertia),
+            ]);
+        }
+        all
+    }
+
     /// The three ends under the root-strain law: hub 1, hub 2, object. The law's rates become gains on loads through the
-    /// compliances l/3EI_i and 1/Σ(3EI_i/l³). Built-in uncertainties are counted as part of the law; None where they can't
+    /// compliances l/3EI_i and 1/Σ(3EI_i/l³). Built-in uncertainties are part of the ends. None where they can't
     /// be: arms of different stiffness with `tip_uncertainty`, for which ΔF is no multiple of d/dt ΣQ_i.
     #[must_use]
     pub fn ports(&self) -> Option<[Port; 3]> {
         let (grasp, gains) = (self.grasp(), &self.root_strain);
-        let hub = |i: usize| {
-            let g = &gains.hub[i];
-            Port {
-                inertia: grasp.arms[i].hub_inertia,
-                assumed_inertia: self.hub_inertia[i],
-                slope: g.slope,
-                reach: g.reach,
-                strain: g.strain * grasp.length / (3.0 * grasp.arms[i].ei),
-                feedforward: g.feedforward,
-            }
-        };
-        let object = Port {
-            inertia: grasp.mass,
-            assumed_inertia: gains.mass.initial,
-            slope: gains.object.slope,
-            reach: gains.object.reach,
-            strain: gains.object.strain / (grasp.tip_stiffness(0) + grasp.tip_stiffness(1)),
-            feedforward: gains.object.feedforward,
-        };
-        let with = |port: Port, coefficient: f64| {
-            if coefficient > 0.0 { port.with_load_rate(coefficient) } else { Some(port) }
-        };
         let [first, second] = grasp.arms.map(|arm| arm.ei);
         if self.plant.tip_uncertainty > 0.0 && first != second {
             return None;
         }
-        let root = self.plant.root_uncertainty;
-        Some([with(hub(0), root)?, with(hub(1), root)?, with(object, 2.0 * self.plant.tip_uncertainty)?])
+        let hub = |i: usize| {
+            let g = &gains.hub[i];
+            Port {
+                inertia: grasp.arms[i].hub_inertia,
+                assumed_inertia: self.actuation.hub_inertia[i],
+                slope: g.slope,
+                reach: g.reach,
+                strain: g.strain * grasp.length / (3.0 * grasp.arms[i].ei),
+                feedforward: g.feedforward,
+                observer: g.observer,
+                load_rate: self.plant.root_uncertainty,
+            }
+        };
+        let object = Port {
+            inertia: grasp.mass,
+            assumed_inertia: gains.mass.initial.clamp(gains.mass.smallest, gains.mass.largest),
+            slope: gains.object.slope,
+            reach: gains.object.reach,
+            strain: gains.object.strain / (grasp.tip_stiffness(0) + grasp.tip_stiffness(1)),
+            feedforward: gains.object.feedforward,
+            observer: gains.object.observer,
+            // (EI_1+EI_2)ΣQ_i/EI_i for equal arms.
+            load_rate: 2.0 * self.plant.tip_uncertainty,
+        };
+        Some([hub(0), hub(1), object])
+    }
+
+    /// What these gains of the root-strain law have beside what the proof is about.
+    #[must_use]
+    pub fn uncovered(&self) -> Vec<&'static str> {
+        let gains = &self.root_strain;
+        let parts = [
+            (
+                gains.strain_rate_bandwidth > 0.0,
+                "the low-pass on the rates of loads (r_strain_rate_bandwidth = 0 leaves it out)",
+            ),
+            (gains.object.brake < STRAIGHT, "the bend of the object's surface (r_brake = 1e6 makes it straight)"),
+            (
+                gains.mass.smallest < gains.mass.largest,
+                "a changing estimate of the mass (equal r_mass_min and r_mass_max hold it)",
+            ),
+        ];
+        parts.into_iter().filter_map(|(there, text)| there.then_some(text)).collect()
     }
 }
+
+/// With a brake of this share the object's slope differs from G by less than 1e-6 within a centimetre of the target.
+const STRAIGHT: f64 = 1e6;
 
 #[cfg(test)]
 mod tests {

@@ -28,6 +28,7 @@ fmi2_export::enumeration! {
         Parameters = "parameters": "As the gain parameters say; their start values are tuned for robustness",
         Fast = "fast": "A built-in set with the shortest settling time; the gain parameters are not used",
         NoiseProof = "noise_proof": "A built-in set that bears sensor noise; for the law root_strain its start values",
+        Certified = "certified": "A built-in set of the law root_strain with a proof of its decay; for the paper's law, which has none, its start values",
     }
 }
 
@@ -48,6 +49,7 @@ impl Settings {
             Preset::Parameters => self.gains,
             Preset::Fast => Gains::fast(),
             Preset::NoiseProof => Gains::noise_proof(),
+            Preset::Certified => Gains::default(),
         }
     }
 
@@ -56,6 +58,7 @@ impl Settings {
             Preset::Parameters => self.root_strain,
             Preset::Fast => RootStrainGains::fast(),
             Preset::NoiseProof => RootStrainGains::default(),
+            Preset::Certified => RootStrainGains::certified(),
         }
     }
 }

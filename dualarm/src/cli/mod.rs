@@ -28,6 +28,7 @@ use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::build::PackageError;
 use crate::build::crosscheck::ReleaseError;
+use crate::grasp::NoFunctions;
 use crate::grasp::matrix::CellError;
 use crate::grasp::systems::ComposeError;
 use crate::tune::TuneError;
@@ -124,6 +125,7 @@ failures![
     ComposeError,
     FmuError,
     MasterError,
+    NoFunctions,
     PackageError,
     ReleaseError,
     SspError,

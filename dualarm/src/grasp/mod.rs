@@ -7,12 +7,14 @@
 //! * [`matrix`] runs many controllers in many cases.
 
 pub mod instruments;
+mod lyapunov;
 pub mod matrix;
 pub mod metrics;
 pub mod scenarios;
 pub mod systems;
 mod watch;
 
+pub use lyapunov::{LyapunovWatch, NoFunctions, Recorded};
 pub use watch::GraspWatch;
 
 use crate::grasp::metrics::Limits;
@@ -56,6 +58,14 @@ pub const NABFC_R_FAST: Controller = Controller {
     paper: "",
     ..NABFC
 };
+/// The same with gains whose decay is proved.
+pub const NABFC_R_CERTIFIED: Controller = Controller {
+    key: "nabfc-r-certified",
+    title: "NABFC-R, certified",
+    settings: &[("law", "root_strain"), ("preset", "certified")],
+    paper: "",
+    ..NABFC
+};
 /// Proportional-derivative control with strain feedback.
 pub const PDS: Controller =
     Controller { key: "pds", title: "PDS", fmu: "PdsController.fmu", settings: &[], paper: "almost 2 s" };
@@ -73,7 +83,8 @@ pub const PD_TUNED: Controller =
 pub const PID: Controller = Controller { key: "pid", title: "PID", settings: &[("preset", "pid")], paper: "", ..PD };
 
 /// All controllers a user can name.
-pub const CONTROLLERS: &[Controller] = &[NABFC, NABFC_FAST, NABFC_R, NABFC_R_FAST, PDS, PDS_TUNED, PD, PD_TUNED, PID];
+pub const CONTROLLERS: &[Controller] =
+    &[NABFC, NABFC_FAST, NABFC_R, NABFC_R_FAST, NABFC_R_CERTIFIED, PDS, PDS_TUNED, PD, PD_TUNED, PID];
 /// The controllers the paper compares, in its order.
 pub const PAPER: [Controller; 3] = [NABFC, PDS, PD];
 

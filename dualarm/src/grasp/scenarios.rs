@@ -60,6 +60,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "nabfc-fast",
     "nabfc-r",
     "nabfc-r-fast",
+    "nabfc-r-certified",
     "pds-tuned",
     "pd-tuned",
     "pid",

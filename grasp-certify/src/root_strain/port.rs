@@ -3,10 +3,11 @@
 //! With position p (e_i at a hub), load S (EI q''(0) at a hub, ΣEI q'''(l) at the object) and inertia m:
 //!
 //! ```text
-//! s = G p + ṗ + c S,    v = S − m̂ (k s + f (G ṗ + c Ṡ)) − ṗ/c − Δ̂,    m p̈ = v − S + Δ.
+//! s = G p + v̂ + c S,    v = S − m̂ (k s + f (G v̂ + c Ṡ)) − v̂/c − Δ̂,    m p̈ = v − S − χ_u Ṡ + Δ.
 //! ```
 //!
-//! With m̂ ≠ m it is the same law with k m̂/m and f m̂/m. The estimate Δ̂ is taken as part of the disturbance Δ.
+//! χ_u is what the built-in uncertainties of Section IV do to the end. Rate v̂ and disturbance Δ̂ come from an observer with both
+//! poles at −ω; without one (ω = 0), v̂ = ṗ and Δ̂ = 0.
 
 use serde::Serialize;
 
@@ -25,10 +26,14 @@ pub struct Port {
     pub strain: f64,
     /// f, the share of the inertia that is fed forward.
     pub feedforward: f64,
+    /// ω of the observer \[rad/s\]; 0 = none.
+    pub observer: f64,
+    /// χ_u \[s\].
+    pub load_rate: f64,
 }
 
 impl Port {
-    /// Coefficients of v = −(… p + … ṗ + … S + … Ṡ).
+    /// Coefficients of v = −(… p + … ṗ + … S + … Ṡ), without observer.
     #[must_use]
     pub fn feedback(&self) -> [f64; 4] {
         let (m, c) = (self.assumed_inertia, self.strain);
@@ -40,48 +45,37 @@ impl Port {
         ]
     }
 
-    /// k m̂/m.
-    pub(super) fn effective_reach(&self) -> f64 {
-        self.reach * (self.assumed_inertia / self.inertia)
-    }
-
-    /// f m̂/m.
-    pub(super) fn effective_feedforward(&self) -> f64 {
-        self.feedforward * (self.assumed_inertia / self.inertia)
-    }
-
-    /// The law that acts like this one with a disturbance −`coefficient` Ṡ \[s\] added, for that is what the built-in
-    /// uncertainties of Section IV are. None if no such law has positive gains.
+    /// The same end without observer.
     #[must_use]
-    pub fn with_load_rate(&self, coefficient: f64) -> Option<Self> {
-        let [a1, a2, a3, a4] = self.feedback();
-        let (a3, a4, m) = (a3 + 1.0, a4 + coefficient, self.inertia);
-        let rest = a2 - a1 * a4 / a3;
-        let strain = (a3 + 1.0) / rest;
-        (a3 > 0.0 && rest > 0.0).then(|| Self {
-            inertia: m,
-            assumed_inertia: m,
-            slope: a1 * strain / a3,
-            reach: a3 / (m * strain),
-            strain,
-            feedforward: a4 / (m * strain),
-        })
+    pub fn without_observer(self) -> Self {
+        Self { observer: 0.0, ..self }
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+    /// The load's share χ in ζ = ṗ + χ S, of which no Ṡ is left in ζ̇ \[m/(N·s)\].
+    #[must_use]
+    pub fn crossing(&self) -> f64 {
+        (self.assumed_inertia * self.feedforward * self.strain + self.load_rate) / self.inertia
+    }
 
-    #[test]
-    fn a_load_rate_only_changes_the_load_rate() {
-        let port = Port { inertia: 0.5, assumed_inertia: 0.6, slope: 8.0, reach: 30.0, strain: 2.0, feedforward: 0.4 };
-        let same = port.with_load_rate(0.0).unwrap();
-        let more = port.with_load_rate(0.1).unwrap();
-        for i in 0..4 {
-            let extra = if i == 3 { 0.1 } else { 0.0 };
-            assert!((same.feedback()[i] - port.feedback()[i]).abs() < 1e-12 * 100.0);
-            assert!((more.feedback()[i] - port.feedback()[i] - extra).abs() < 1e-12 * 100.0);
-        }
+    /// The load's share ν in ṗ − v̂ + ν S, of whose rate the same is true.
+    pub(super) fn observed_crossing(&self) -> f64 {
+        ((self.assumed_inertia / self.inertia - 1.0) * self.feedforward * self.strain) + self.load_rate / self.inertia
+    }
+
+    /// A, B, w of V = ½A p² + ½B(ζ + w p)² for which −dV/dt − ṗS is ṗ²/χ + …, never negative, where such exist
+    /// (`docs/certificates.md`); a start for the search where not.
+    pub(super) fn natural_storage(&self) -> [f64; 3] {
+        let [_, rate, load, _] = self.feedback();
+        let chi = self.crossing();
+        let w = self.slope * chi / self.strain;
+        let r = w - rate / self.inertia + (load + 1.0) / (self.inertia * chi);
+        [self.slope / self.strain, 1.0 / (chi * r.abs().max(1e-3 * rate / self.inertia)), w]
+    }
+
+    /// Everything that the proof divides by or takes the logarithm of.
+    pub(super) fn is_usable(&self) -> bool {
+        let positive = [self.inertia, self.assumed_inertia, self.slope, self.reach, self.strain, self.crossing()];
+        positive.iter().all(|value| *value > 0.0 && value.is_finite())
+            && [self.observer, self.load_rate].iter().all(|value| *value >= 0.0 && value.is_finite())
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::settings::Settings;
 use grasp_plant::Parameters;
 
 fn paper() -> Grasp {
@@ -7,14 +8,27 @@ fn paper() -> Grasp {
 
 /// The gains of the control notes: κ = 20, root strain σ, G = 8, everything fed forward.
 pub(crate) fn ports(sigma: f64, reach: f64) -> [Port; 3] {
-    let hub = Port { inertia: 0.0073, assumed_inertia: 0.0073, slope: 8.0, reach, strain: sigma, feedforward: 1.0 };
+    let hub = Port {
+        inertia: 0.0073,
+        assumed_inertia: 0.0073,
+        slope: 8.0,
+        reach,
+        strain: sigma,
+        feedforward: 1.0,
+        observer: 0.0,
+        load_rate: 0.0,
+    };
     [hub, hub, Port { inertia: 0.5, assumed_inertia: 0.5, strain: 20.0, ..hub }]
 }
 
 /// The storage functions of the control notes, V = ½(G/c)p² + ½ m s².
 fn plain(ports: &[Port; 3], epsilon_1: f64, epsilon_2: f64, tau: f64) -> Constants {
-    let storage = ports.map(|port| [port.slope / port.strain, port.inertia, port.slope]);
+    let storage = ports.map(|port| Storage::plain([port.slope / port.strain, port.inertia, port.slope]));
     Constants { epsilon_1, epsilon_2, tau: [tau; 2], storage }
+}
+
+fn size(size: [f64; 3]) -> Disturbance {
+    Disturbance { size, rate: [0.0; 3] }
 }
 
 /// What a norm-wise 10 × 10 comparison gives with the same constants, 4.592 and 5.859 1/s (all sign patterns), and an independent
@@ -34,6 +48,17 @@ fn the_notes_gains_are_certified() {
     }
 }
 
+/// The natural storage is the one of the notes where everything is fed forward and known.
+#[test]
+fn natural_storage_is_that_of_the_notes() {
+    for port in ports(40.0, 50.0) {
+        let found = port.natural_storage();
+        for (found, exact) in found.iter().zip([port.slope / port.strain, port.inertia, port.slope]) {
+            assert!((found - exact).abs() < 1e-12 * exact, "{found} {exact}");
+        }
+    }
+}
+
 /// The search does not fall behind the plain storage functions, also with less than everything fed forward, with a wrong
 /// inertia and with unequal arms.
 #[test]
@@ -50,6 +75,9 @@ fn searches_find_certificates() {
     assert!(certify(&grasp, &part).is_some());
     part[0].feedforward = 0.0;
     assert!(certify(&grasp, &part).is_none());
+    // What the feed-forward lacks the built-in uncertainty gives.
+    part[0].load_rate = 0.02;
+    assert!(certify(&grasp, &part).is_some());
 }
 
 /// Bounds scale as they have to: W with the square of the disturbance, errors linearly; none without disturbance.
@@ -58,11 +86,66 @@ fn bounds_follow_the_disturbance() {
     let (grasp, ports) = (paper(), ports(40.0, 50.0));
     let constants = plain(&ports, 23.0, 7.1, 94.0);
     let certificate = verify(&grasp, &ports, &constants, 4.0).expect("certified");
-    let one = certificate.ultimate(&grasp, &ports, [0.0, 0.01, 0.01]);
-    let two = certificate.ultimate(&grasp, &ports, [0.0, 0.02, 0.02]);
+    let one = certificate.ultimate(&grasp, &ports, &size([0.0, 0.01, 0.01]));
+    let two = certificate.ultimate(&grasp, &ports, &size([0.0, 0.02, 0.02]));
     assert!((two.energy / one.energy - 4.0).abs() < 1e-9 && (two.position / one.position - 2.0).abs() < 1e-9);
-    assert_eq!(certificate.ultimate(&grasp, &ports, [0.0; 3]).energy, 0.0);
+    assert_eq!(certificate.ultimate(&grasp, &ports, &Disturbance::default()).energy, 0.0);
+    // D² = ΣBΔ²/m², by hand.
+    let drive = certificate.drive(&ports, &size([0.0, 0.01, 0.01]));
+    assert!((drive.powi(2) - 1e-4 * (1.0 / 0.0073 + 1.0 / 0.5)).abs() < 1e-9 * drive.powi(2));
     let energy = certificate.energy_at_rest(&grasp, &ports, [0.0, 0.0], 1e-3);
     let now = certificate.implied(&grasp, energy);
     assert!(now.position >= 1e-3 && now.force[0] >= grasp.tip_stiffness(0) * 1e-3);
+}
+
+/// Leakage costs what its formula says, and without any nothing.
+#[test]
+fn leakage_has_its_price() {
+    let (grasp, ports) = (paper(), ports(40.0, 50.0));
+    let certificate = verify(&grasp, &ports, &plain(&ports, 23.0, 7.1, 94.0), 4.0).expect("certified");
+    let mass = |gain: f64, leakage: f64| Estimator { name: "m_hat".into(), gain, leakage, size: 0.5 };
+    let slow = certificate.with_leakage(&grasp, vec![mass(10.0, 0.1), mass(0.0, 1.0)]);
+    assert_eq!((slow.estimators.len(), slow.phi), (1, 1.0));
+    assert!((slow.ultimate.energy - 0.0125 / certificate.theta).abs() < 1e-12);
+    assert_eq!(certificate.with_leakage(&grasp, vec![]).ultimate.energy, 0.0);
+}
+
+/// The preset *certified* is proved as it is shipped: with its observers, with and without the uncertainties of Section IV,
+/// which no certificate of this kind can say of the preset *fast*.
+#[test]
+fn presets_are_certified_or_cannot_be() {
+    let grasp = paper();
+    let mut settings = Settings::default();
+    settings.set_preset("certified").unwrap();
+    for uncertainties in [[0.0; 2], [0.1, 0.05]] {
+        [settings.plant.root_uncertainty, settings.plant.tip_uncertainty] = uncertainties;
+        let ports = settings.ports().unwrap();
+        assert!(ports.iter().all(|port| port.observer > 0.0) && obstacle(&grasp, &ports).is_none());
+        let certificate = certify(&grasp, &ports).expect("certified");
+        assert!(certificate.phi > 1.0, "{uncertainties:?} {}", certificate.phi);
+        // What the observers learn leaves nothing; what changes leaves something.
+        let slow = Disturbance { size: [0.0; 3], rate: [0.0, 0.0, 0.01] };
+        assert!(certificate.ultimate(&grasp, &ports, &slow).energy > 0.0);
+    }
+    settings.set_preset("fast").unwrap();
+    let ports = settings.ports().unwrap().map(Port::without_observer);
+    let obstacle = obstacle(&grasp, &ports).expect("fast has too little root strain");
+    assert!(obstacle.value > obstacle.limit && certify(&grasp, &ports).is_none());
+}
+
+/// Just beyond the obstacle's limit no search succeeds; well below it does, so it is not far from what is needed.
+#[test]
+fn the_obstacle_is_real() {
+    let grasp = paper();
+    // K = (3/2)x²/(x + y) with x = G_i/σ_i, y = G/κ in rates.
+    let with = |slope: f64| {
+        let mut all = ports(2.9 * 20.0, 50.0);
+        for hub in &mut all[..2] {
+            hub.slope = slope;
+        }
+        all
+    };
+    let limit = (1..2000).map(|i| 0.1 * f64::from(i)).find(|g| obstacle(&grasp, &with(*g)).is_some()).unwrap();
+    assert!(certify(&grasp, &with(limit)).is_none());
+    assert!(certify(&grasp, &with(0.3 * limit)).is_some(), "{limit}");
 }

@@ -1,12 +1,18 @@
 //! `dualarm certify`
 
+mod map;
 mod report;
+mod root_strain;
 
+use std::path::PathBuf;
+
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use grasp_certify::settings::Settings;
 
 use super::{Failure, json, print};
-use report::{Corrected, Printed, RootStrain};
+use report::{Corrected, Printed};
+use root_strain::RootStrain;
 
 /// What a reader has to know of the modes.
 const AFTER_HELP: &str = "\
@@ -16,9 +22,14 @@ Modes:
   root-strain  a decay rate and ultimate bounds for the root-strain law, checked in interval arithmetic
 
 Parameters have the names of the FMUs: those of the plant, the gains of NabfcController, r_... for the
-root-strain law; delta_f1, delta_f2, delta_F are bounds of lasting disturbances. The plant's built-in
-uncertainties are off unless set. Example:
-  dualarm certify --mode root-strain --set r_strain1=60 --set r_strain2=60 --set delta_F=0.01
+root-strain law; delta_f1, delta_f2, delta_F are bounds of disturbances of any shape, delta_f1_dot, delta_f2_dot,
+delta_F_dot of the rates of those that observers learn. The plant's built-in uncertainties are off unless set. Examples:
+  dualarm certify --preset certified --set root_uncertainty=0.1 --set tip_uncertainty=0.05
+  dualarm certify --set r_strain1=60 --set r_strain2=60 --set delta_F=0.01
+
+Maps (--map): steps (longest stable steps, the table of README), gains (spectral radius over step, delay and gains),
+spectrum (exact eigenvalues), rates (certified, exact and measured decay):
+  dualarm certify --map gains --out stability.svg
 
 docs/certificates.md has the derivations.";
 
@@ -29,9 +40,22 @@ pub struct Arguments {
     /// What to prove
     #[arg(long, value_enum, default_value_t = Mode::RootStrain)]
     mode: Mode,
+    /// Take the gains of this preset of the neuro-adaptive controller
+    #[arg(long, value_name = "NAME", default_value = "parameters",
+          value_parser = ["parameters", "fast", "noise_proof", "certified"])]
+    preset: String,
     /// Gives a parameter, gain or disturbance its value
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
     settings: Vec<(String, f64)>,
+    /// Map what is stable and how fast it decays, instead of a proof; sampled loops have the plant's uncertainties
+    #[arg(long, value_enum, conflicts_with_all = ["mode", "preset"])]
+    map: Option<map::Map>,
+    /// Controller of the maps steps and gains; repeatable [default: pd, pds, nabfc, nabfc-r]
+    #[arg(long, short, value_name = "NAME", requires = "map", value_parser = PossibleValuesParser::new(map::keys()))]
+    controller: Vec<String>,
+    /// Write the map's figure to this file (.svg)
+    #[arg(long, short, value_name = "FILE", requires = "map")]
+    out: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -57,10 +81,20 @@ pub(super) fn assignment(text: &str) -> Result<(String, f64), String> {
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut settings = Settings::default();
+    settings.set_preset(&arguments.preset).map_err(Failure::usage)?;
+    if matches!(arguments.map, Some(map::Map::Steps | map::Map::Gains)) {
+        let paper = grasp_plant::Parameters::default();
+        settings.plant.root_uncertainty = paper.root_uncertainty;
+        settings.plant.tip_uncertainty = paper.tip_uncertainty;
+    }
     for (name, value) in &arguments.settings {
         settings.set(name, *value).map_err(Failure::usage)?;
     }
     settings.plant.validate().map_err(Failure::usage)?;
+    if let Some(map) = arguments.map {
+        let (controllers, out) = (&arguments.controller, arguments.out.as_deref());
+        return map::run(&map::Request { map, controllers, settings, out, as_json: arguments.json });
+    }
     match arguments.mode {
         Mode::Printed => show(&Printed::new(&settings), arguments.json),
         Mode::Corrected => show(&Corrected::new(&settings), arguments.json),

@@ -1,19 +1,13 @@
-//! What `certify` found, as text and as JSON.
+//! What `certify` found of the paper's conditions, as text and as JSON.
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
 
 use std::fmt;
 
-use grasp_certify::LinearLoop;
+use grasp_certify::corrected;
 use grasp_certify::printed::{self, Bounds, Conflict, Verdict};
-use grasp_certify::root_strain::{Bound, Certificate, Port, certify};
 use grasp_certify::settings::Settings;
-use grasp_certify::spectrum::{Characteristic, Region, eigenvalues};
-use grasp_certify::{Grasp, corrected};
 use serde::Serialize;
-
-/// What the force control promises: settled means within this share of the force.
-const SETTLED: f64 = 0.02;
 
 /// `--mode printed`.
 #[derive(Serialize)]
@@ -169,115 +163,5 @@ impl fmt::Display for Corrected {
             "  Theorem 3 is false for Delta = 0: q_1 = -q_2, clamped at resting hubs and pinned at the resting object, has"
         )?;
         writeln!(f, "  s = s_1 = s_2 = 0 and swings for ever with {} rad/s, whatever the gains", frequencies.join(", "))
-    }
-}
-
-/// `--mode root-strain`.
-#[derive(Serialize)]
-pub struct RootStrain {
-    command: &'static str,
-    mode: &'static str,
-    /// Hub 1, hub 2, object.
-    ends: [Port; 3],
-    certificate: Option<Certificate>,
-    /// In the end, under the given disturbances.
-    ultimate: Option<Bound>,
-    /// Time after which the forces are certainly within 2 % of lambda1_ref \[s\], without disturbances.
-    settling_time: Option<f64>,
-    /// Largest real part among the exact eigenvalues examined \[1/s\].
-    abscissa: Option<f64>,
-    /// The region examined \[1/s\]: left, right, bottom, top.
-    region: [f64; 4],
-    /// Eigenvalues in it with Im >= 0.
-    eigenvalues: usize,
-}
-
-/// Where the eigenvalues are looked for. The corners avoid round numbers, on which an eigenvalue could lie.
-const REGION: Region = Region { left: -60.37, right: 40.61, bottom: -1.073, top: 4000.9 };
-
-fn abscissa(grasp: &Grasp, ports: &[Port; 3]) -> (Option<f64>, usize) {
-    let function = Characteristic { grasp: *grasp, feedback: LinearLoop::root_strain(ports), kelvin_voigt: 0.0 };
-    match eigenvalues(&function, &REGION) {
-        Ok(found) => (found.first().map(|first| first.s.re), found.len()),
-        Err(_) => (None, 0),
-    }
-}
-
-impl RootStrain {
-    pub fn new(settings: &Settings) -> Result<Self, &'static str> {
-        let grasp = settings.grasp();
-        let ports = settings.ports().ok_or(
-            "no law of the certified family acts like these gains together with the built-in uncertainties (or the arms differ in \
-             stiffness, with tip_uncertainty): set root_uncertainty=0 and tip_uncertainty=0, or a smaller r_slope",
-        )?;
-        let certificate = certify(&grasp, &ports);
-        let (angle, position) = settings.start_errors();
-        let settling_time = certificate.map(|certificate| {
-            let energy = certificate.energy_at_rest(&grasp, &ports, angle, position);
-            certificate.settling_time(&grasp, energy, SETTLED * settings.references.lambda1_ref.abs())
-        });
-        let (abscissa, eigenvalues) = abscissa(&grasp, &ports);
-        Ok(Self {
-            command: "certify",
-            mode: "root-strain",
-            ends: ports,
-            ultimate: certificate.map(|certificate| certificate.ultimate(&grasp, &ports, settings.disturbances)),
-            certificate,
-            settling_time,
-            abscissa,
-            region: [REGION.left, REGION.right, REGION.bottom, REGION.top],
-            eigenvalues,
-        })
-    }
-}
-
-impl fmt::Display for RootStrain {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let (Some(c), Some(u), Some(time)) = (&self.certificate, &self.ultimate, self.settling_time) {
-            writeln!(f, "root-strain law: certified in interval arithmetic")?;
-            writeln!(
-                f,
-                "  energy decays at least with phi = {:.4} 1/s, amplitudes with {:.4} 1/s",
-                c.phi,
-                0.5 * c.phi
-            )?;
-            writeln!(
-                f,
-                "  theta {:.4}, epsilon_1 {:.4}, epsilon_2 {:.4}, tau {:.4} {:.4}",
-                c.theta, c.constants.epsilon_1, c.constants.epsilon_2, c.constants.tau[0], c.constants.tau[1]
-            )?;
-            for (end, storage) in ["hub 1", "hub 2", "object"].iter().zip(c.constants.storage) {
-                writeln!(f, "  storage of {end}: A {:.4e}, B {:.4e}, w {:.4}", storage[0], storage[1], storage[2])?;
-            }
-            writeln!(f, "  without disturbances the forces are within 2 % after {time:.2} s at the latest")?;
-            writeln!(
-                f,
-                "  in the end, with these disturbances: |p| <= {:.4} mm, |e| <= {:.4e}, {:.4e} rad, force {:.3}, {:.3} mN",
-                1e3 * u.position,
-                u.angle[0],
-                u.angle[1],
-                1e3 * u.force[0],
-                1e3 * u.force[1]
-            )?;
-        } else {
-            writeln!(f, "root-strain law: no certificate found, which proves nothing")?;
-            writeln!(f, "  what helps: a smaller r_slope, a larger r_strain1 and r_strain2, feed-forward above 0")?;
-        }
-        match self.abscissa {
-            Some(abscissa) => writeln!(
-                f,
-                "  exact eigenvalues: {} with {} < Re < {} and {} < Im < {}, counted; amplitudes of the slowest decay with {:.4} 1/s",
-                self.eigenvalues, self.region[0], self.region[1], self.region[2], self.region[3], -abscissa
-            )?,
-            None => writeln!(f, "  no exact eigenvalue was found with Re > {}", self.region[0])?,
-        }
-        writeln!(
-            f,
-            "Holds for the law's linear core on undamped beams in continuous time, within the actuators' limits."
-        )?;
-        writeln!(
-            f,
-            "Not in it: observers' transients, bend of the surface, low-pass on rates, changing m_hat, sampling, delay."
-        )
     }
 }

@@ -1,20 +1,23 @@
 //! `dualarm linearise`
 
+pub mod law;
 mod mat;
 mod npz;
 
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use fmi2_cosim::files::FileSet;
 use grasp_certify::sampled::{Reduced, SIGNALS};
 use grasp_certify::settings::Settings;
 use grasp_plant::Plant;
 use grasp_plant::nalgebra::DMatrix;
-use serde::Serialize;
+use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::certify::assignment;
 use super::{Failure, json, print};
+use crate::grasp::{CONTROLLERS, Controller};
 
 /// What a reader has to know.
 const AFTER_HELP: &str = "\
@@ -24,112 +27,114 @@ inputs are the torques on the hubs and the force on the object, outputs the sign
 States are energy coordinates and the object's position; hub angles follow from the constraint (12).
 With --step also Ad, Bd of x(t+h) = Ad x(t) + Bd u(t) for inputs held over the step, exact.
 
+A controller (--controller) is a sampled system near an operating point, as its FMU steps:
+  x(t+h) = Ad x(t) + Bd y(t),  u(t) = C x(t) + D y(t),
+inputs are the FMU's sixteen, outputs its three commands. The operating point is at rest in the target; --at moves
+inputs away from it. The law is in its initial state there; states that its inputs do not move are in it too.
+Sensors and actuators (GraspInstruments, GraspActuators) delay, round and add noise: they have no such system.
+
 The ending of --out says the format: .mat (MATLAB 5: MATLAB, Octave, scipy), .npz (NumPy), .json.
   dualarm linearise --out grasp.mat --step 1e-3 --set M=0.5
-  >> load grasp.mat; sys = ss(A, B, C, D)";
+  >> load grasp.mat; sys = ss(A, B, C, D)
+  dualarm linearise --controller nabfc-r --step 1e-3 --out law.mat
+  >> load law.mat; law = ss(Ad, Bd, C, D, h)";
 
 /// Arguments of `dualarm linearise`.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
+    /// A controller instead of the plant
+    #[arg(long, short, value_name = "NAME",
+          value_parser = PossibleValuesParser::new(CONTROLLERS.iter().map(|controller| controller.key)))]
+    controller: Option<String>,
     /// File to write: .mat, .npz or .json; without it, JSON on standard output
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
-    /// Sampling time in s for the discrete matrices Ad, Bd
+    /// Sampling time in s for the discrete matrices Ad, Bd [default for controllers: 1e-4]
     #[arg(long, value_name = "SECONDS")]
     step: Option<f64>,
     /// Polynomial degree of the beams' moments, 4 to 24
     #[arg(long, default_value_t = 8)]
     order: usize,
-    /// Gives a plant parameter its value; the built-in uncertainties are those of the paper unless set
+    /// An input of the controller at the operating point
+    #[arg(long = "at", value_name = "NAME=VALUE", value_parser = assignment, requires = "controller")]
+    inputs: Vec<(String, f64)>,
+    /// Gives a parameter of the plant, or a gain, its value; the built-in uncertainties are those of the paper unless set
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]
     settings: Vec<(String, f64)>,
 }
 
-/// A linear system with names and units. Matrices are lists of rows.
-#[derive(Serialize)]
-struct Linear {
-    #[serde(rename = "A", serialize_with = "rows")]
-    a: DMatrix<f64>,
-    #[serde(rename = "B", serialize_with = "rows")]
-    b: DMatrix<f64>,
-    #[serde(rename = "C", serialize_with = "rows")]
-    c: DMatrix<f64>,
-    #[serde(rename = "D", serialize_with = "rows")]
-    d: DMatrix<f64>,
-    #[serde(flatten)]
-    sampled: Option<Sampled>,
-    states: Vec<String>,
-    inputs: [&'static str; 3],
-    input_units: [&'static str; 3],
-    outputs: [&'static str; 14],
-    output_units: [&'static str; 14],
-}
-
-#[derive(Serialize)]
-struct Sampled {
+/// A linear system with names and units. Serialised, matrices are lists of rows.
+pub struct Linear {
+    matrices: Vec<(&'static str, DMatrix<f64>)>,
     /// Sampling time in s.
-    h: f64,
-    #[serde(rename = "Ad", serialize_with = "rows")]
-    a: DMatrix<f64>,
-    #[serde(rename = "Bd", serialize_with = "rows")]
-    b: DMatrix<f64>,
+    h: Option<f64>,
+    names: [(&'static str, Vec<String>); 5],
 }
 
-fn rows<S: serde::Serializer>(matrix: &DMatrix<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(matrix.row_iter().map(|row| row.iter().copied().collect::<Vec<f64>>()))
+impl Serialize for Linear {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (name, matrix) in &self.matrices {
+            let rows: Vec<Vec<f64>> = matrix.row_iter().map(|row| row.iter().copied().collect()).collect();
+            map.serialize_entry(name, &rows)?;
+        }
+        if let Some(h) = self.h {
+            map.serialize_entry("h", &h)?;
+        }
+        for (name, values) in &self.names {
+            map.serialize_entry(name, values)?;
+        }
+        map.end()
+    }
 }
 
 /// Units of [`SIGNALS`].
 const UNITS: [&str; 14] =
     ["rad", "rad", "rad/s", "rad/s", "m", "m/s", "N.m", "N.m", "N", "N", "N/s", "N/s", "N.m/s", "N.m/s"];
 
+/// Texts that outlive their list.
+fn owned(texts: &[&str]) -> Vec<String> {
+    texts.iter().map(|text| (*text).to_owned()).collect()
+}
+
 impl Linear {
-    fn new(plant: &Plant, step: Option<f64>) -> Self {
+    fn plant(plant: &Plant, step: Option<f64>) -> Self {
         let reduced = Reduced::new(plant);
-        let sampled = step.map(|h| {
-            let (a, b) = reduced.step(h);
-            Sampled { h, a, b }
-        });
+        let sampled = step.map(|h| reduced.step(h));
         let Reduced { a, b, c } = reduced;
         let energy = a.nrows() - 1;
         let states = (1..=energy).map(|i| format!("x{i}")).chain(["y_object".to_owned()]).collect();
         let d = DMatrix::zeros(c.nrows(), b.ncols());
-        let inputs = ["tau1", "tau2", "u"];
+        let mut matrices = vec![("A", a), ("B", b), ("C", c), ("D", d)];
+        if let Some((a, b)) = sampled {
+            matrices.extend([("Ad", a), ("Bd", b)]);
+        }
         Self {
-            a,
-            b,
-            c,
-            d,
-            sampled,
-            states,
-            inputs,
-            input_units: ["N.m", "N.m", "N"],
-            outputs: SIGNALS,
-            output_units: UNITS,
+            matrices,
+            h: step,
+            names: [
+                ("states", states),
+                ("inputs", owned(&["tau1", "tau2", "u"])),
+                ("input_units", owned(&["N.m", "N.m", "N"])),
+                ("outputs", owned(&SIGNALS)),
+                ("output_units", owned(&UNITS)),
+            ],
         }
     }
 
+    /// Everything that a file holds as a matrix.
     fn matrices(&self) -> Vec<(&'static str, DMatrix<f64>)> {
-        let mut all = vec![("A", self.a.clone()), ("B", self.b.clone()), ("C", self.c.clone()), ("D", self.d.clone())];
-        if let Some(sampled) = &self.sampled {
-            all.extend([
-                ("Ad", sampled.a.clone()),
-                ("Bd", sampled.b.clone()),
-                ("h", DMatrix::from_element(1, 1, sampled.h)),
-            ]);
-        }
-        all
+        let h = self.h.map(|h| ("h", DMatrix::from_element(1, 1, h)));
+        self.matrices.iter().cloned().chain(h).collect()
     }
 
-    fn names(&self) -> [(&'static str, Vec<&str>); 5] {
-        [
-            ("states", self.states.iter().map(String::as_str).collect()),
-            ("inputs", self.inputs.to_vec()),
-            ("input_units", self.input_units.to_vec()),
-            ("outputs", self.outputs.to_vec()),
-            ("output_units", self.output_units.to_vec()),
-        ]
+    fn names(&self) -> Vec<(&'static str, Vec<&str>)> {
+        self.names.iter().map(|(name, values)| (*name, values.iter().map(String::as_str).collect())).collect()
+    }
+
+    fn size(&self, name: &str) -> usize {
+        self.names.iter().find(|(known, _)| *known == name).map_or(0, |(_, values)| values.len())
     }
 }
 
@@ -147,8 +152,10 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     {
         return Err(Failure::usage(format!("--step must be above 0 and at most {} s", grasp_plant::LONGEST_STEP)));
     }
-    let plant = Plant::new(settings.plant).map_err(Failure::usage)?;
-    let system = Linear::new(&plant, arguments.step);
+    let system = match arguments.controller.as_deref().and_then(Controller::find) {
+        Some(controller) => law::linear(controller, &settings, &arguments.inputs, arguments.step.unwrap_or(1e-4))?,
+        None => Linear::plant(&Plant::new(settings.plant).map_err(Failure::usage)?, arguments.step),
+    };
     let Some(out) = &arguments.out else { return json::print(&system) };
     let content = match out.extension().and_then(|ending| ending.to_str()) {
         Some("mat") => mat::file(&system.matrices(), &system.names()),
@@ -160,7 +167,8 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     written.write(out, content)?;
     written.appear()?;
     if !quiet {
-        print(&format!("{} states, 3 inputs, 14 outputs; {}\n", system.states.len(), out.display()));
+        let sizes = ["states", "inputs", "outputs"].map(|name| format!("{} {name}", system.size(name)));
+        print(&format!("{}; {}\n", sizes.join(", "), out.display()));
     }
     Ok(())
 }

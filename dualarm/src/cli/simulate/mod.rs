@@ -1,6 +1,7 @@
 //! `dualarm simulate`
 
 mod experiment;
+mod monitor;
 mod outcome;
 mod output;
 mod source;
@@ -17,13 +18,14 @@ use super::process::{self, TIME_TO_END};
 use super::progress::Progress;
 use super::{Failure, json, print, print_error};
 use crate::grasp::scenarios::BUILT_IN;
-use crate::grasp::{self, CONTROLLERS, GraspWatch};
+use crate::grasp::{self, CONTROLLERS};
 pub use experiment::grid;
 use fmi2_cosim::master::{Coupling, Master, MasterError, check_steps};
 use fmi2_cosim::record::Every;
 use fmi2_cosim::run::Run;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{System, is_tolerance};
+use monitor::{MonitorName, Watch};
 use outcome::Outcome;
 use output::Output;
 
@@ -88,6 +90,9 @@ pub struct Arguments {
     /// Time in s between two rows of the output; 0 for every step [default: 1e-3]
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     interval: Option<f64>,
+    /// Record functions of the controller's proof as further columns, and draw them beside the output
+    #[arg(long, value_enum, value_name = "WHAT", requires = "output")]
+    monitor: Option<MonitorName>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -168,23 +173,26 @@ fn simulate(
 ) -> Result<(), Failure> {
     let columns = master.record(|_| true);
     // Before the simulation: an unwritable place should not cost the time of a run.
-    let output = Output::new(arguments.output.as_deref(), &columns)?;
-    let mut rows = Every::new(run.interval, run.grid.stop(), output);
-    let mut watch = GraspWatch::default();
+    let mut watch = Watch::new(arguments.monitor, &columns, run)?;
+    let output = Output::new(arguments.output.as_deref(), &watch.columns(&columns))?;
+    let mut rows = Every::new(run.interval, run.grid.stop(), watch.rows(output, &columns));
     let bar = Progress::new(quiet).bar("simulating", run.grid.steps());
     let result = run.execute(system, master, &columns, &mut rows, &mut watch, &mut |done| bar.set_position(done));
     bar.finish_and_clear();
-    let output = rows.sink;
+    let (output, kept) = rows.sink.parts();
     let results = match result {
         Err(MasterError::Record(error)) => return Err(output.failure(error)),
         result => result?,
     };
+    let Watch { grasp: watch, lyapunov } = watch;
+    let (output, verdict) = monitor::complete(lyapunov, output, kept, arguments.output.as_deref())?;
     let metrics = watch.metrics();
     let controller = grasp::controller(&system.components, master.wires()).map(str::to_owned);
     let to_stdout = output.is_pipe();
     let file = arguments.output.clone().filter(|_| !to_stdout);
     let mut outcome = Outcome::new(system, master, run, &columns, results, metrics.as_ref(), file);
     outcome.warn(&master.take_log());
+    outcome.monitor = verdict;
     output.finish()?;
     if arguments.json {
         return outcome.print_json();

@@ -48,6 +48,8 @@ pub struct Outcome {
     open_inputs: Vec<String>,
     /// What the tool and the FMUs warned about, each thing once.
     pub warnings: Vec<String>,
+    /// What `--monitor` found.
+    pub monitor: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -128,6 +130,7 @@ impl Outcome {
             ended: results.ended.map(End::from),
             open_inputs: open_inputs(system, master),
             warnings: results.remarks,
+            monitor: None,
         }
     }
 
@@ -165,6 +168,9 @@ impl Outcome {
         if let Some(End { time, component, reason }) = &self.ended {
             let line = format!("{component} ended the simulation at t = {} s: {reason}", number(*time));
             let _ = writeln!(text, "{}", one_line(&line));
+        }
+        if let Some(verdict) = &self.monitor {
+            let _ = writeln!(text, "  monitor: {verdict}");
         }
         match metrics {
             Ok(metrics) => {

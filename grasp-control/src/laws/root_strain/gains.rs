@@ -69,6 +69,28 @@ impl RootStrainGains {
             strain_rate_bandwidth: 510.0,
         }
     }
+
+    /// The preset *certified*: everything that the law does with it, but for limits and sampling, is inside a proof of
+    /// exponential decay (`docs/certificates.md`). So loads' rates are not filtered, the object's surface is straight, and
+    /// m̂ stays where it is.
+    #[must_use]
+    pub fn certified() -> Self {
+        let hub = HubGains { slope: 20.0, reach: 20.0, strain: 95.0, feedforward: 0.4, observer: 60.0 };
+        let default = Self::default();
+        Self {
+            object: ObjectGains {
+                slope: 25.0,
+                reach: 25.0,
+                strain: 20.0,
+                feedforward: 0.2,
+                brake: 1e6,
+                observer: 40.0,
+            },
+            hub: [hub; 2],
+            mass: MassGains { initial: 0.5, smallest: 0.5, largest: 0.5, ..default.mass },
+            strain_rate_bandwidth: 0.0,
+        }
+    }
 }
 
 impl Default for RootStrainGains {
