@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from .support.contract import CONTROLLERS, MEASURED
+from .support.contract import CONTROLLERS, MEASURED, PAPER
 from .support.harness import Fmu
 
 
@@ -93,7 +93,7 @@ def test_neuro_adaptive_law_without_networks(fmus: dict[str, Fmu]) -> None:
         return drive / leakage + (start - drive / leakage) * np.exp(-leakage * time)
 
     with fmus["NabfcController"].instantiate() as slave:
-        slave.set(EI1=EI[0], EI2=EI[1], **gains)
+        slave.set(**PAPER, EI1=EI[0], EI2=EI[1], **gains)
         slave.set(**{f"{key}{arm}": pair[arm - 1] for key, pair in hub.items() for arm in (1, 2)})
         slave.set(**dict(zip(MEASURED, (*theta, *theta_dot, y, y_dot, *moment, *shear, *shear_dot))))
         slave.start()

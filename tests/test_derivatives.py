@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from .support.capabilities import directional_derivative, input_slopes, output_slopes, restore, saved_state
-from .support.contract import ACTUATORS, INSTRUMENTS, PLANT
+from .support.contract import ACTUATORS, INSTRUMENTS, PAPER, PLANT
 from .support.harness import Fmu, Slave
 from .test_alone import direct_dependencies
 
@@ -29,8 +29,9 @@ INPUT_SIZES = {
     **{"root_moment1_dot": 1.0, "root_moment2_dot": 1.0},
 }
 SIZES = {**INPUT_SIZES, "root_moment1_dot": 5.0, "root_moment2_dot": 5.0}
-NETWORKS_OFF = {"a1": 0.0, "a31": 0.0, "a32": 0.0}
+NETWORKS_OFF = {**PAPER, "a1": 0.0, "a31": 0.0, "a32": 0.0}
 NETWORKS_ON = {
+    **PAPER,
     **{"a1": 5.0, "a2": 0.1, "a31": 0.5, "a41": 0.1, "a32": 0.5, "a42": 0.1},
     **{"m_hat_0": 0.05, "J1_hat_0": 0.002, "J2_hat_0": 0.003},
 }
@@ -57,16 +58,16 @@ CASES = [
     Case("PdController", {"EI2": 0.3}),
     Case("PdsController", {"EI2": 0.3}),
     Case("PdController", {"ki": 300.0, "ki1": 20.0, "rate_source": "estimated"}),
-    Case("NabfcController", {"law": "root_strain", "EI2": 0.3}),
-    Case("NabfcController", {"law": "root_strain", "r_strain_rate_bandwidth": 0.0}, size=0.1),
-    Case("NabfcController", {"law": "root_strain", "rate_source": "estimated"}),
-    Case("NabfcController", {"rate_source": "estimated", "shear_rate_bandwidth": 0.0}),
-    Case("NabfcController", {}),  # sat and tanh saturated
-    Case("NabfcController", {}, size=1e-3),  # both near zero
+    Case("NabfcController", {"EI2": 0.3}),
+    Case("NabfcController", {"r_strain_rate_bandwidth": 0.0}, size=0.1),
+    Case("NabfcController", {"rate_source": "estimated"}),
+    Case("NabfcController", {**PAPER, "rate_source": "estimated", "shear_rate_bandwidth": 0.0}),
+    Case("NabfcController", PAPER),  # sat and tanh saturated
+    Case("NabfcController", PAPER, size=1e-3),  # both near zero
     Case("NabfcController", {**NETWORKS_OFF, "shear_rate_bandwidth": 0.0}, size=0.1),
     Case("NabfcController", {**NETWORKS_ON, "EI2": 0.3, "shear_rate_bandwidth": 0.0}),
     Case("NabfcController", {**NETWORKS_ON, "shear_rate_bandwidth": 300.0}, size=0.1),
-    Case("NabfcController", {"preset": "fast"}, size=0.1),
+    Case("NabfcController", {**PAPER, "preset": "fast"}, size=0.1),
     # Without samples: at those, outputs jump.
     Case(INSTRUMENTS, {"theta1_bandwidth": 300.0, "tip_shear1_bias": 0.1}),
     Case(ACTUATORS, {"dead_zone_inverse": True, "k_r1": 1.3, "tau2_cmd_bandwidth": 300.0}),
@@ -88,7 +89,7 @@ class Point:
 
 def operating_points(case: Case, fmu: Fmu) -> Iterator[Point]:
     """The instance in several states, by random inputs over steps of several sizes."""
-    random = np.random.default_rng(2025)
+    random = np.random.default_rng(2024)
     names = fmu.names("input", "Real")
     sizes = case.size * np.array([SIZES[name] for name in names])
 
@@ -109,6 +110,12 @@ def operating_points(case: Case, fmu: Fmu) -> Iterator[Point]:
             yield Point(slave, time, inputs, {name: 10.0 * value for name, value in draw().items()})
 
 
+def input_terms(point: Point, outputs: list[str]) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Derivatives of the outputs by each input, and the sizes of the terms that the inputs have in them, added up."""
+    derivatives = {n: np.array(directional_derivative(point.slave, outputs, {n: 1.0})) for n in point.inputs}
+    return derivatives, sum(np.abs(derivatives[name] * value) for name, value in point.inputs.items())
+
+
 # --- Directional derivatives -----------------------------------------------------------------------------------------
 
 
@@ -118,12 +125,16 @@ def test_directional_derivatives(case: Case, fmus: dict[str, Fmu]) -> None:
 
     Widths are a ten-thousandth of the inputs' sizes and half of it: a kink (of sat, saturation or a dead zone) lies
     between them with a chance of 1e-4; none does for these random numbers.
+
+    Rounding: an output is a sum of terms that may cancel, so it is rounded like the largest of them and not like itself. The terms
+    of the inputs are derivative times input; what the state adds is what is left of the output, no more than both together.
     """
     fmu = fmus[case.name]
     outputs, declared = fmu.names("output", "Real"), direct_dependencies(fmus[case.name])
     reachable = 0
     for point in operating_points(case, fmu):
         read = point.slave.reader(outputs).read
+        derivatives, terms = input_terms(point, outputs)
         for name, value in point.inputs.items():
             width = 1e-4 * case.size * SIZES[name]
             values = {}
@@ -133,9 +144,9 @@ def test_directional_derivatives(case: Case, fmus: dict[str, Fmu]) -> None:
             point.slave.set(**{name: value})
             wide, narrow = (values[1.0] - values[-1.0]) / (2 * width), (values[0.5] - values[-0.5]) / width
             expected = (4 * narrow - wide) / 3
-            noise = 8 * EPS * (np.abs(values[1.0]) + abs(value * wide)) / width
+            noise = 8 * EPS * (np.abs(values[1.0]) + terms) / width
             bound = np.abs(narrow - wide) + noise
-            found = np.array(directional_derivative(point.slave, outputs, {name: 1.0}))
+            found = derivatives[name]
             for i, output in enumerate(outputs):
                 if name in declared[output]:
                     assert abs(found[i] - expected[i]) <= bound[i], (output, name)
@@ -193,8 +204,9 @@ def test_output_derivatives(case: Case, ramped: bool, fmus: dict[str, Fmu]) -> N
         coarse, middle, fine = quotients.values()
         first, second = 2 * middle - coarse, 2 * fine - middle
         expected = (4 * second - first) / 3
-        # An output may be a sum of terms larger than itself: a tenth of the unit at the size of these signals.
-        noise = 16 * EPS * (np.abs(start) + 0.1 * case.size) / 2e-8
+        # An output may be a sum of terms larger than itself: those of the inputs, and a tenth of the unit at the size of these
+        # signals for what the state adds.
+        noise = 16 * EPS * (np.abs(start) + input_terms(point, outputs)[1] + 0.1 * case.size) / 2e-8
         bound = np.abs(second - first) + noise
         for i, output in enumerate(outputs):
             assert abs(found[i] - expected[i]) <= bound[i], output

@@ -73,12 +73,13 @@ def test_fmus_that_are_named_are_in_the_loop() -> None:
     files = [DIST / f"{name}.fmu" for name in names]
     listed = run(*files, "--stop", "0.1", "--step", "1e-4", "--set", "sensor_profile=noise")
     assert differing(listed, run("noise", "--stop", "0.1")) == []
-    assert differing(listed, run("--instruments", "noise", "--stop", "0.1")) == []
+    assert differing(listed, run("nabfc-r", "--instruments", "noise", "--stop", "0.1")) == []
 
 
-def test_a_system_has_a_variant_with_both() -> None:
+@pytest.mark.parametrize(("system", "controller"), [("NABFC", "nabfc-r"), ("PDS", "pds-tuned"), ("PD", "pd-tuned")])
+def test_a_system_has_a_variant_with_both(system: str, controller: str) -> None:
     """All of it through sensors and actuators, and the same run as the scenario's."""
-    root = structures("NABFC")["Instruments.ssd"]
+    root = structures(system)["Instruments.ssd"]
     ends = [
         (f"{c.get('startElement')}.{c.get('startConnector')}", f"{c.get('endElement')}.{c.get('endConnector')}")
         for c in root.findall("ssd:System/ssd:Connections/ssd:Connection", NAMESPACES)
@@ -89,10 +90,10 @@ def test_a_system_has_a_variant_with_both() -> None:
         assert (f"actuators.{name}_sent", f"plant.{name}") in ends
     assert not [end for end in ends if {end[0].split(".")[0], end[1].split(".")[0]} == {"plant", "controller"}]
     arguments = ("--stop", "0.2", "--step", "1e-4")
-    packaged = run(f"{DIST}/DualArmGrasp-NABFC.ssp#Instruments.ssd", *arguments)
+    packaged = run(f"{DIST}/DualArmGrasp-{system}.ssp#Instruments.ssd", *arguments)
     # Signals that this controller does not take are not connected in a package.
     unused = {f"{name}_measured" for name in SHOWN if (f"plant.{name}", f"instruments.{name}") not in ends}
-    assert set(differing(packaged, run("noise", *arguments))) <= unused
+    assert set(differing(packaged, run("noise", "--controller", controller, *arguments))) <= unused
     assert len(unused) <= 2
 
 

@@ -13,11 +13,15 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import pytest
 
+from .support.contract import PAPER
 from .support.harness import CoSimulation, Fmu, Result
 from .support.measures import FORCE
 
 STOP, STEP = 6.0, 2e-4
 OFF = {"a1": 0.0, "a31": 0.0, "a32": 0.0}
+# Small leakages: where nothing is noisy, estimates come to rest within seconds, and hardly any error is left. The start values
+# bear noise, and let weights creep for half a minute.
+SMALL = {"a2": 1e-3, "a41": 1e-4, "a42": 1e-4, "zeta21": 2e-3, "zeta22": 2e-3}
 NORMS = ("W_norm", "U1_norm", "U2_norm", "m_hat", "J1_hat", "J2_hat", "epsilon_hat", "pi1_hat", "pi2_hat")
 STATE = ("theta1_dot", "theta2_dot", "y_object", "theta1", "theta2")
 
@@ -63,7 +67,7 @@ def run(fmus: Mapping[str, Fmu]) -> Run:
         key = (disturbance.__name__, networks)
         if key not in done:
             with CoSimulation([fmus["DualArmPlant"], fmus["NabfcController"]]) as grasp:
-                grasp.set(**({} if networks else OFF))
+                grasp.set(**PAPER, **SMALL, **({} if networks else OFF))
                 state = grasp.slaves[0].reader(STATE)
                 names = ("contact_force1", "contact_force2", *NORMS)
                 done[key] = grasp.run(

@@ -199,14 +199,14 @@ def test_native_run_is_that_of_the_fmus(title: str, coupling: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("variant", "scenario"), [("Preload", "preload"), ("Fast", "nabfc-fast"), ("Driven", "nabfc")]
+    ("variant", "scenario"), [("Preload", "preload"), ("Fast", "nabfc-r-fast"), ("Paper", "nabfc"), ("Driven", "nabfc-r")]
 )
 def test_variants_are_the_scenarios(variant: str, scenario: str) -> None:
     packaged = run(f"{ssp('NABFC')}#{variant}.ssd", "--stop", "0.05")
     plain = run(scenario, "--stop", "0.05")
     assert different(packaged, plain) == []
     if variant != "Driven":
-        assert different(packaged, run("nabfc", "--stop", "0.05")) != []
+        assert different(packaged, run("nabfc-r", "--stop", "0.05")) != []
 
 
 def test_driven_variant_takes_references_and_disturbances() -> None:

@@ -61,11 +61,18 @@ def test_every_scenario_has_a_test_here() -> None:
 
 
 def test_root_strain_and_gains_from_a_search(run: Any) -> None:
-    """0.15 and 0.11 s, as their files say; PD and PDS as fast, PID slower by its overshoot."""
+    """0.14 and 0.10 s, as their files say of the forces; PDS in between, PD and PID a little later."""
     strain, fast = run("nabfc-r"), run("nabfc-r-fast")
-    assert fast.settling() < 1 / 8 and fast.settling() < strain.settling() < 1 / 6
+    assert fast.settling() < 1 / 9 and fast.settling() < strain.settling() < 1 / 6
     pds, pd, pid = run("pds-tuned"), run("pd-tuned"), run("pid")
-    assert max(pds.settling(), pd.settling()) < 1.1 * strain.settling() < pid.settling() < 0.3
+    assert fast.settling() < min(pds.settling(), pd.settling(), pid.settling())
+    assert max(pds.settling(), pd.settling(), pid.settling()) < 0.2
+
+
+def test_certified_gains_grasp(run: Any) -> None:
+    """Slower than the default, as its file says, and within a second."""
+    certified = run("nabfc-r-certified")
+    assert run("nabfc-r").settling() < certified.settling() < 1.0
 
 
 def test_the_papers_three(run: Any) -> None:
@@ -85,17 +92,21 @@ def test_fast_preset_needs_half_the_time(run: Any) -> None:
 def test_preload_keeps_contact(run: Any) -> None:
     preloaded = run("preload")
     # What the arms press with is static; the tips' masses follow the object's actuator from the first instant.
-    assert np.array([-preloaded["tip_shear1"][0], preloaded["tip_shear2"][0]]) == pytest.approx(0.05, rel=1e-9)
-    assert preloaded.forces[:, 0].mean() == pytest.approx(0.05, rel=1e-9)
+    assert np.array([-preloaded["tip_shear1"][0], preloaded["tip_shear2"][0]]) == pytest.approx(0.1, rel=1e-9)
+    assert preloaded.forces[:, 0].mean() == pytest.approx(0.1, rel=1e-9)
     assert preloaded["in_contact"].all()
     assert not run("nabfc")["in_contact"].all()
 
 
-def test_unknown_mass_is_not_identified_and_does_not_matter(run: Any) -> None:
+def test_unknown_mass_is_found_and_does_not_matter(run: Any) -> None:
+    """1.5 kg and the tips' 0.2; the paper's law gets there without finding it."""
     heavy = run("unknown-mass")
-    assert heavy.settling() < 0.45
-    assert heavy.document["metrics"]["contact_force1"]["overshoot"] < 2
-    assert np.abs(heavy["m_hat"] - 0.015).max() < 1e-3
+    assert heavy.settling() < 0.2
+    assert max(heavy.document["metrics"][f"contact_force{arm}"]["overshoot"] for arm in (1, 2)) < 2.5
+    assert heavy["m_hat"][-1] == pytest.approx(1.7, rel=0.2)
+    paper = run("unknown-mass", "--controller", "nabfc")
+    assert 2 * heavy.settling() < paper.settling() < 0.45
+    assert np.abs(paper["m_hat"] - 0.015).max() < 1e-3
 
 
 def test_friction_costs_pd_its_accuracy(run: Any) -> None:
@@ -121,25 +132,26 @@ def test_viscous_damping_ends_the_ringing(run: Any) -> None:
 
 
 def test_saturation_limits_and_does_not_slow(run: Any) -> None:
-    weak, strong = run("saturation"), run("nabfc")
+    weak, strong = run("saturation"), run("nabfc-r")
     metrics = weak.document["metrics"]
     for name, limit in (("tau1", 0.15), ("tau2", 0.15), ("u", 0.03)):
         assert np.abs(weak[name]).max() == pytest.approx(limit, rel=1e-12)
         assert 0.05 < metrics[name]["saturated"] < 0.15
-    assert weak.settling() < 1.1 * strong.settling()
+    assert weak.settling() < 1.25 * strong.settling()
 
 
 def test_raw_dead_zone_is_found_by_adaptation_only(run: Any) -> None:
-    assert np.abs(run("raw-dead-zone").forces[:, -1] - 0.5).max() < 1e-4
+    # 0.5 mN is what lasting disturbances may leave at most; here it is the size of a limit cycle in the dead zone.
+    assert np.abs(run("raw-dead-zone").forces[:, -1] - 0.5).max() < 5e-4
     short = 0.5 - run("raw-dead-zone", "--controller", "pd", "--stop", "12").forces[:, -1]
     assert np.all((short > 0.012) & (short < 0.017))
 
 
 def test_noise_makes_the_force_rough_and_not_wrong(run: Any) -> None:
-    """Some 12 mN rms, which double with the noise; the mean force is right, but for the mean of correlated noise."""
+    """Some 6 mN rms, which double with the noise; the mean force is right, but for the mean of correlated noise."""
     noisy, noisier = run("noise"), run("noise", "--set", "noise_scale=2")
     rough, rougher = (grasp.between(1.0, 2.0).std(axis=1) for grasp in (noisy, noisier))
-    assert np.all((rough > 5e-3) & (rough < 20e-3))
+    assert np.all((rough > 2e-3) & (rough < 10e-3))
     assert np.all((rougher > 1.5 * rough) & (rougher < 2.5 * rough))
     assert np.abs(noisy.between(1.0, 2.0).mean(axis=1) - 0.5).max() < 5e-3
 
@@ -147,7 +159,14 @@ def test_noise_makes_the_force_rough_and_not_wrong(run: Any) -> None:
 def test_delay_of_two_milliseconds_costs_nothing(run: Any) -> None:
     late = run("delay")
     assert np.array_equal(late["tau1_cmd_sent"][20::10], late["tau1_cmd"][:-20:10])
-    assert late.settling() < 1.05 * run("nabfc").settling()
+    assert late.settling() < 1.05 * run("nabfc-r").settling()
+
+
+def test_encoders_are_enough(run: Any) -> None:
+    """No rate is measured: within a few percent of the target, as its file says; the requirement is 10 mN rms."""
+    coarse = run("encoders")
+    assert np.sqrt(np.mean((coarse.between(1.0, 4.0) - 0.5) ** 2)) < 0.01
+    assert np.abs(coarse.between(0.6, 4.0) - 0.5).max() < 0.05
 
 
 def test_disturbance_pulse_is_survived(run: Any) -> None:
@@ -159,7 +178,7 @@ def test_disturbance_pulse_is_survived(run: Any) -> None:
     jump = pushed.forces[:, at] - pushed.forces[:, at - 1]
     assert np.abs(jump) == pytest.approx(0.5 * 0.1 / 0.5, rel=0.01)
     assert jump[0] * jump[1] < 0
-    assert np.abs(pushed.between(1.21, 2.0) - 0.5).max() < 0.02 * 0.5
+    assert np.abs(pushed.between(1.14, 2.0) - 0.5).max() < 0.02 * 0.5
 
 
 def test_loss_of_contact_is_seen(run: Any) -> None:
@@ -187,15 +206,17 @@ def test_change_of_reference_is_followed(run: Any) -> None:
 
 
 def test_stiff_arms_bend_a_quarter(run: Any) -> None:
-    stiff, soft = run("stiff-arms"), run("nabfc")
+    stiff, soft = run("stiff-arms"), run("nabfc-r")
     assert np.abs(stiff.forces[:, -1] - 0.5).max() < 1e-3
     assert stiff["tip_deflection1"][-1] == pytest.approx(soft["tip_deflection1"][-1] / 4, rel=2e-3)
     assert 5 < stiff.document["metrics"]["contact_force1"]["overshoot"] < 20
 
 
 def test_wrong_stiffness_gives_a_wrong_force(run: Any) -> None:
-    """Pose reached, so force and stiffness are proportional: 0.138 / 0.115 of the target."""
-    wrong = run("wrong-stiffness")
+    """The paper's law: pose reached, so force and stiffness are proportional, 0.138 / 0.115 of the target. The default law
+    weighs the root moment, which shows the force, against the pose."""
+    assert run("wrong-stiffness").forces[:, -1] == pytest.approx(0.51, abs=5e-3)
+    wrong = run("wrong-stiffness", "--controller", "nabfc")
     assert np.abs(wrong["e1"][-1]) < 1e-5
     assert wrong.forces[:, -1] == pytest.approx(0.5 * 0.138 / 0.115, rel=1e-3)
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from .oracle import laws, monolith
-from .support.contract import CONTROLLERS, MEASURED
+from .support.contract import CONTROLLERS, MEASURED, PAPER
 from .support.harness import CoSimulation, Fmu
 from .support.paths import DIST, ROOT
 from .support.tool import dualarm
@@ -49,7 +49,7 @@ def test_recorded_trajectories_obey_the_laws(controller: str, preset: str, fmus:
     settings = {} if preset == "default" else {"EI2": 0.2, "J2": 0.004, "theta1_ref": 0.08, "lambda1_ref": -0.3}
     extra = ESTIMATES if changed else ()
     with CoSimulation([fmus["DualArmPlant"], fmus[controller]]) as grasp:
-        grasp.set(**changed, **settings)
+        grasp.set(**changed, **settings, **(PAPER if changed else {}))
         result = grasp.run(0.15, STEP, (*MEASURED, *COMMANDS, *extra))
     own = {k: v for k, v in settings.items() if k in fmus[controller].variables}
     law = law_of(fmus[controller], start_values(fmus[controller], **changed, **own))
@@ -74,6 +74,7 @@ def test_update_step_with_the_low_pass_solves_the_laws(fmus: dict[str, Fmu]) -> 
     """
     fmu = fmus["NabfcController"]
     with CoSimulation([fmus["DualArmPlant"], fmu]) as grasp:
+        grasp.set(**PAPER)
         result = grasp.run(0.05, STEP, (*MEASURED, *COMMANDS, *ESTIMATES))
     law = law_of(fmu, start_values(fmu))
     measured = np.array([result[name] for name in laws.MEASURED]).T
@@ -111,7 +112,9 @@ def test_monolithic_plant_has_the_exact_eigenvalues(oracle: dict[str, Any]) -> N
 def test_solutions_belong_to_the_present_fmus(fmus: dict[str, Fmu], solutions: dict[str, Any]) -> None:
     """When defaults change, `python -m tests.oracle.monolith` must be run again."""
     for name, gains in solutions["gains"].items():
-        assert gains == start_values(fmus[name]), f"{name}: run `python -m tests.oracle.monolith`"
+        # The root-strain law is not solved there; its gains may change.
+        present = {key: value for key, value in start_values(fmus[name]).items() if not key.startswith("r_")}
+        assert gains == present, f"{name}: run `python -m tests.oracle.monolith`"
     assert set(solutions["cases"]) == set(monolith.CASES)
     for name, case in monolith.CASES.items():
         kept = solutions["cases"][name]

@@ -15,6 +15,7 @@
 mod common;
 
 use std::hint::black_box;
+use std::iter::empty;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -85,7 +86,7 @@ fn time(folder: &std::path::Path) -> Result<()> {
     };
     println!("{:<44}{plant_floor:>10.0}", "floor plant: dense product 36 x 36");
     println!("{:<44}{controller_floor:>10.0}", "floor nabfc: 38 exp, 3 tanh");
-    for name in Case::NAMES {
+    for name in Case::NAMES.into_iter().chain([Case::DEFAULT]) {
         let mut case = Case::new(name, folder)?;
         let cost = nanoseconds(u32::try_from(RUN)?, || case.step());
         match floor(name) {
@@ -120,7 +121,8 @@ fn time(folder: &std::path::Path) -> Result<()> {
         ("nabfc", NABFC.fmu, &common::MEASURED[..], &common::COMMANDS[..]),
     ] {
         let fmu = open(folder, file)?;
-        let start = nanoseconds(5, || _ = black_box(Slave::new(&fmu, inputs, outputs, None).expect("defaults")));
+        let start =
+            nanoseconds(5, || _ = black_box(Slave::new(&fmu, inputs, outputs, None, empty()).expect("defaults")));
         println!("{:<44}{start:>10.0}", format!("instantiate, initialise, free, {name}"));
     }
     Ok(())
@@ -185,7 +187,7 @@ fn cost(folder: &std::path::Path, order: i32, count: usize) -> Result<Cost> {
     let begin = Instant::now();
     let mut plants = Vec::new();
     for _ in 0..count {
-        plants.push(Slave::new(&fmu, &common::COMMANDS, &common::MEASURED, Some(order))?);
+        plants.push(Slave::new(&fmu, &common::COMMANDS, &common::MEASURED, Some(order), empty())?);
     }
     let start = begin.elapsed().as_secs_f64() * 1e6 / count as f64;
     // The first step makes the propagator.

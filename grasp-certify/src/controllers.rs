@@ -72,9 +72,13 @@ impl Controller {
                     "paper" => {
                         Self::Paper(Box::new(Encoders::new(Nabfc::new(arms, settings.paper)?, source, actuation)?))
                     }
-                    "root_strain" => {
-                        Self::RootStrain(Box::new(RootStrain::new(arms, settings.root_strain, actuation, source)?))
-                    }
+                    "root_strain" => Self::RootStrain(Box::new(RootStrain::new(
+                        arms,
+                        settings.root_strain,
+                        actuation,
+                        source,
+                        &settings.paper.rbf,
+                    )?)),
                     other => return Err(unknown(other, "law")),
                 }
             }
@@ -157,7 +161,7 @@ fn scale<'a>(factor: f64, gains: impl IntoIterator<Item = &'a mut f64>) {
 }
 
 /// What `law` of `NabfcController` is at first (`tests/test_linearise.py` compares).
-const DEFAULT_LAW: &str = "paper";
+const DEFAULT_LAW: &str = "root_strain";
 
 #[cfg(test)]
 mod tests {

@@ -99,7 +99,6 @@ impl Settings {
         (self.paper, self.root_strain) = match name {
             "parameters" => (Gains::default(), RootStrainGains::default()),
             "fast" => (Gains::fast(), RootStrainGains::fast()),
-            "noise_proof" => (Gains::noise_proof(), RootStrainGains::default()),
             "certified" => (Gains::default(), RootStrainGains::certified()),
             _ => return Err(SettingError::Unknown(name.to_owned())),
         };

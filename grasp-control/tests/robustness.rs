@@ -161,6 +161,8 @@ fn weights_stay_in_their_ball() {
     let mut gains = Gains::default();
     gains.object.w_max = 0.2;
     gains.posture[0].u_max = 0.3;
+    // Hardly any leakage, so that what holds the weights is the projection.
+    (gains.object.a2, gains.posture[0].a4, gains.posture[1].a4) = (1e-3, 1e-4, 1e-4);
     let mut law = Nabfc::new(Arms::default(), gains).unwrap();
     let mut values = [0.01; INPUTS];
     let push = Inputs::from_array(values);

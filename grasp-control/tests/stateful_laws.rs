@@ -7,9 +7,11 @@ mod common;
 use common::{grasp_inputs, lively, unequal_arms};
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::laws::encoders::{Actuation, Encoders};
-use grasp_control::laws::nabfc::Nabfc;
+use grasp_control::laws::nabfc::{Nabfc, RbfLayout};
 use grasp_control::laws::pds::{Limits, Pds, PdsGains};
-use grasp_control::laws::root_strain::{HubGains, MassGains, ObjectGains, RootStrain, RootStrainGains};
+use grasp_control::laws::root_strain::{
+    HubGains, Learner, MassGains, NetworkGains, ObjectGains, RootStrain, RootStrainGains,
+};
 use grasp_control::{INPUT_NAMES, INPUTS, Inputs, Law};
 use proptest::prelude::*;
 use serde::{Serialize, de::DeserializeOwned};
@@ -24,6 +26,8 @@ fn uneven(bandwidth: f64) -> RootStrainGains {
     // Random inputs are far more excitation than a grasp: with the default's weights the mass would change within
     // microseconds, and differences would show nothing.
     (gains.mass.prior, gains.mass.memory) = (0.1, 10.0);
+    // A heavy object's surface bends so sharply that differences would have to be finer.
+    gains.mass.largest = 2.0;
     gains
 }
 
@@ -32,7 +36,12 @@ fn actuation() -> Actuation {
 }
 
 fn root_strain(source: RateSource, bandwidth: f64) -> RootStrain {
-    RootStrain::new(unequal_arms(), uneven(bandwidth), actuation(), source).unwrap()
+    RootStrain::new(unequal_arms(), uneven(bandwidth), actuation(), source, &RbfLayout::default()).unwrap()
+}
+
+fn networks() -> RootStrain {
+    let gains = RootStrainGains { learner: Learner::Networks, ..uneven(160.0) };
+    RootStrain::new(unequal_arms(), gains, actuation(), RateSource::Measured, &RbfLayout::default()).unwrap()
 }
 
 fn pid() -> Pds {
@@ -117,6 +126,8 @@ proptest! {
     fn derivatives_are_right(
         history in prop::collection::vec(grasp_inputs(), 1..6), inputs in grasp_inputs(), rates in grasp_inputs(),
     ) {
+        // The slope of the root-strain law's surface has a kink at p = 0, which differences would smooth.
+        prop_assume!(unequal_arms().errors(&inputs).p.abs() > 1e-4);
         for bandwidth in [0.0, 160.0] {
             assert_derivatives(root_strain(RateSource::Measured, bandwidth), &history, &inputs, &rates);
         }
@@ -129,6 +140,7 @@ proptest! {
     fn states_are_whole(history in prop::collection::vec(grasp_inputs(), 2..6)) {
         assert_state_is_whole(root_strain(RateSource::Measured, 160.0), &history);
         assert_state_is_whole(root_strain(RateSource::Estimated, 160.0), &history);
+        assert_state_is_whole(networks(), &history);
         assert_state_is_whole(encoders(pid()), &history);
         assert_state_is_whole(encoders(Nabfc::new(unequal_arms(), lively()).unwrap()), &history);
     }
@@ -146,6 +158,7 @@ proptest! {
         let h = 10.0_f64.powf(exponent);
         assert_finite(root_strain(RateSource::Measured, 160.0), &inputs, h);
         assert_finite(root_strain(RateSource::Estimated, 160.0), &inputs, h);
+        assert_finite(networks(), &inputs, h);
         assert_finite(pid(), &inputs, h);
         assert_finite(encoders(pid()), &inputs, h);
     }
@@ -196,6 +209,11 @@ fn bad_parameters_are_named() {
     }
     for row in MassGains::PARAMETERS.into_iter().chain(MassGains::FIXED) {
         *(row.field)(&mut gains.mass) = -1.0;
+        assert_eq!(gains.validate().unwrap_err().name, row.name);
+        gains = RootStrainGains::default();
+    }
+    for row in NetworkGains::PARAMETERS {
+        *(row.field)(&mut gains.networks) = -1.0;
         assert_eq!(gains.validate().unwrap_err().name, row.name);
         gains = RootStrainGains::default();
     }

@@ -44,7 +44,7 @@ _SMALL = {"lambda1_ref": -0.005, "theta1_ref": math.radians(0.03)}
 LOOPS = {
     "PD": Loop("PdController", _SMALL, "PD (97)(98)"),
     "PDS": Loop("PdsController", _SMALL, "PDS (95)(96)"),
-    "NABFC": Loop("NabfcController", {}, "NABFC, default gains"),
+    "NABFC": Loop("NabfcController", {"law": "paper"}, "NABFC, the paper's law"),
 }
 
 

@@ -24,6 +24,7 @@ SETTINGS: dict[str, dict[str, float | str]] = {
     "NabfcController": {
         **{"EI2": 0.2, "a1": 5.0, "a2": 0.1, "a31": 0.5, "a41": 0.1, "a32": 0.4, "a42": 0.2},
         **{"rbf_nodes_posture": 3, "m_hat_0": 0.05, "J1_hat_0": 0.002, "shear_rate_bandwidth": 300.0},
+        "r_learner": "networks",
     },
     "GraspInstruments": {
         **{"sample_time": 3e-4, "theta1_noise": 0.01, "theta2_lsb": 1e-3, "y_object_bandwidth": 300.0, "seed": 5},

@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass
 
 CONTROLLERS = ("NabfcController", "PdsController", "PdController")
+# NabfcController with the paper's law, which is not its default.
+PAPER: dict[str, float | str] = {"law": "paper"}
 PLANT = "DualArmPlant"
 INSTRUMENTS = "GraspInstruments"
 ACTUATORS = "GraspActuators"
@@ -155,6 +157,7 @@ _NABFC = [
     *_rows("parameter", "N.m", "U1_max U2_max", 0.0),
     Variable("law", "parameter", type="Enumeration", items=("paper", "root_strain")),
     *_rows("parameter", None, "r_slope r_reach r_strain r_slope1 r_reach1 r_strain1 r_slope2 r_reach2 r_strain2"),
+    Variable("r_learner", "parameter", type="Enumeration", items=("observer", "networks")),
     *_rows("parameter", "kg", "r_mass_0 r_mass_min r_mass_max"),
     *_ACTUATION,
 ]

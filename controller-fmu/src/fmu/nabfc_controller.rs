@@ -3,7 +3,7 @@
 use fmi2_export::{Evaluation, Variables};
 use grasp_control::laws::encoders::{Actuation, Encoders};
 use grasp_control::laws::nabfc::{Estimates, Gains, Nabfc, ObjectGains, PostureGains, RbfLayout, Surfaces};
-use grasp_control::laws::root_strain::{self, RootStrain, RootStrainGains};
+use grasp_control::laws::root_strain::{self, Learner, NetworkGains, RootStrain, RootStrainGains};
 use grasp_control::{Arms, CommandJacobian, Commands, Inputs, InvalidParameter, Law, StepError, inner};
 use serde::{Deserialize, Serialize};
 
@@ -15,8 +15,8 @@ pub type NabfcController = Controller<NabfcLaw>;
 fmi2_export::enumeration! {
     /// Which law commands the grasp
     pub enum Choice {
-        #[default]
         Paper = "paper": "Equations (31)-(39) and (49)-(57) of the paper",
+        #[default]
         RootStrain = "root_strain": "Root strain in the posture surface, disturbances learnt from prediction errors, estimated mass; its parameters begin with r_",
     }
 }
@@ -27,8 +27,25 @@ fmi2_export::enumeration! {
         #[default]
         Parameters = "parameters": "As the gain parameters say; their start values are tuned for robustness",
         Fast = "fast": "A built-in set with the shortest settling time; the gain parameters are not used",
-        NoiseProof = "noise_proof": "A built-in set that bears sensor noise; for the law root_strain its start values",
         Certified = "certified": "A built-in set of the law root_strain with a proof of its decay; for the paper's law, which has none, its start values",
+    }
+}
+
+fmi2_export::enumeration! {
+    /// What learns the disturbances in the root-strain law
+    pub enum LearnerChoice {
+        #[default]
+        Observer = "observer": "The weight of one constant basis function per coordinate",
+        Networks = "networks": "Networks and robust terms as in the paper, laid out as rbf_... say",
+    }
+}
+
+impl From<LearnerChoice> for Learner {
+    fn from(learner: LearnerChoice) -> Self {
+        match learner {
+            LearnerChoice::Observer => Self::Observer,
+            LearnerChoice::Networks => Self::Networks,
+        }
     }
 }
 
@@ -40,6 +57,7 @@ pub struct Settings {
     rates: Rates,
     gains: Gains,
     root_strain: RootStrainGains,
+    learner: LearnerChoice,
     actuation: Actuation,
 }
 
@@ -48,18 +66,17 @@ impl Settings {
         match self.preset {
             Preset::Parameters => self.gains,
             Preset::Fast => Gains::fast(),
-            Preset::NoiseProof => Gains::noise_proof(),
             Preset::Certified => Gains::default(),
         }
     }
 
     fn root_strain(&self) -> RootStrainGains {
-        match self.preset {
+        let gains = match self.preset {
             Preset::Parameters => self.root_strain,
             Preset::Fast => RootStrainGains::fast(),
-            Preset::NoiseProof => RootStrainGains::default(),
             Preset::Certified => RootStrainGains::certified(),
-        }
+        };
+        RootStrainGains { learner: self.learner.into(), ..gains }
     }
 }
 
@@ -144,7 +161,7 @@ impl FmuLaw for NabfcLaw {
         // Both are checked, so that a parameter's range does not depend on another parameter.
         let paper = Nabfc::new(arms, settings.gains())?;
         let (rates, actuation) = (settings.rates.into(), settings.actuation);
-        let root_strain = RootStrain::new(arms, settings.root_strain(), actuation, rates)?;
+        let root_strain = RootStrain::new(arms, settings.root_strain(), actuation, rates, &settings.gains.rbf)?;
         Ok(match settings.choice {
             Choice::Paper => Self::Paper(Box::new(Encoders::new(paper, rates, actuation)?)),
             Choice::RootStrain => Self::RootStrain(Box::new(root_strain)),
@@ -196,6 +213,10 @@ impl FmuLaw for NabfcLaw {
         variables.parameter_family(root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
         variables.parameters(root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
         variables.parameters(RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
+        variables
+            .parameter("r_learner", |m| &mut m.settings.learner)
+            .description("Root-strain law: what learns the disturbances");
+        variables.parameters(NetworkGains::PARAMETERS, |m| &mut m.settings.root_strain.networks).tunable();
         variables.parameters(root_strain::MassGains::FIXED, |m| &mut m.settings.root_strain.mass);
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)

@@ -8,9 +8,10 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use dualarm::grasp::{Controller, NABFC, PD, PDS, PLANT};
+use dualarm::grasp::{Controller, NABFC, NABFC_R, PD, PDS, PLANT};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::{Coupling, Master};
+use fmi2_cosim::settings::Setting;
 use fmi2_import::{Fmu, Instance, ValueReference};
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -58,7 +59,13 @@ pub struct Slave {
 
 impl Slave {
     /// An initialised instance; `order` is the plant's.
-    pub fn new(fmu: &Fmu, inputs: &[&str], outputs: &[&str], order: Option<i32>) -> Result<Self> {
+    pub fn new(
+        fmu: &Fmu,
+        inputs: &[&str],
+        outputs: &[&str],
+        order: Option<i32>,
+        settings: impl Iterator<Item = Setting>,
+    ) -> Result<Self> {
         let references = |names: &[&str]| -> Result<Vec<ValueReference>> {
             names
                 .iter()
@@ -73,6 +80,11 @@ impl Slave {
         if let Some(order) = order {
             instance.set_integer(&references(&["order"])?, &[order])?;
         }
+        for setting in settings {
+            let name = setting.target.as_str();
+            let variable = fmu.description().variable(name).ok_or_else(|| format!("no variable {name}"))?;
+            instance.set(variable, &setting.value)?;
+        }
         instance.setup_experiment(fmi2_import::Experiment { start: 0.0, stop: None, tolerance: None })?;
         instance.enter_initialization_mode()?;
         instance.exit_initialization_mode()?;
@@ -80,11 +92,11 @@ impl Slave {
     }
 
     pub fn plant(folder: &Path, order: Option<i32>) -> Result<Self> {
-        Self::new(&open(folder, PLANT)?, &COMMANDS, &MEASURED, order)
+        Self::new(&open(folder, PLANT)?, &COMMANDS, &MEASURED, order, std::iter::empty())
     }
 
     pub fn controller(folder: &Path, scenario: &Controller) -> Result<Self> {
-        Self::new(&open(folder, scenario.fmu)?, &MEASURED, &COMMANDS, None)
+        Self::new(&open(folder, scenario.fmu)?, &MEASURED, &COMMANDS, None, scenario.settings())
     }
 
     /// `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal`.
@@ -142,13 +154,16 @@ pub enum Case {
 pub const RUN: usize = 4000;
 
 impl Case {
-    /// The names, in the order of a table.
+    /// The names, in the order of a table; `nabfc` and what it is part of have the paper's law.
     pub const NAMES: [&str; 6] = ["plant", "nabfc", "pds", "pd", "coupled", "master"];
+    /// The law by default.
+    pub const DEFAULT: &str = "nabfc-r";
 
     pub fn new(name: &str, folder: &Path) -> Result<Self> {
         let scenario = match name {
             "pds" => PDS,
             "pd" => PD,
+            Self::DEFAULT => NABFC_R,
             _ => NABFC,
         };
         let mut pair = Pair::new(folder, &scenario)?;
@@ -161,7 +176,7 @@ impl Case {
                 }
                 Self::Alone { slave: Slave::plant(folder, None)?, inputs, outputs: vec![0.0; 12], next: 0 }
             }
-            "nabfc" | "pds" | "pd" => {
+            "nabfc" | Self::DEFAULT | "pds" | "pd" => {
                 for _ in 0..RUN {
                     pair.step();
                     inputs.extend_from_slice(&pair.measured);
@@ -173,6 +188,9 @@ impl Case {
             "master" => {
                 let fmus = [open(folder, PLANT)?, open(folder, scenario.fmu)?];
                 let mut master = Master::new(&fmus, Coupling::GaussSeidel)?;
+                for setting in scenario.settings() {
+                    master.apply(&setting)?;
+                }
                 master.initialize(&TimeGrid::new(0.0, 1e6, STEP)?)?;
                 Self::Master(Box::new(master), 0)
             }

@@ -42,9 +42,7 @@ impl MatrixChoice {
 pub fn cases(names: &[String]) -> Result<Vec<Case>, Failure> {
     let found: Result<Vec<Case>, _> =
         if names.is_empty() { Case::all() } else { names.iter().map(|name| Case::find(name)).collect() };
-    let found: Vec<Case> = found.map_err(Failure::from)?;
-    unique("cases", found.iter().map(|case| case.key.as_str()))?;
-    Ok(found)
+    found.map_err(Failure::from)
 }
 
 /// Names of rows and columns tell them apart.
@@ -64,6 +62,7 @@ pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Mat
         return Ok(None);
     }
     let cases = cases(&choice.cases)?;
+    unique("cases", cases.iter().map(|case| case.key.as_str()))?;
     let contenders = if choice.controllers.is_empty() {
         Contender::all()?
     } else {

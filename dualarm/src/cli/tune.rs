@@ -60,10 +60,10 @@ pub struct Arguments {
     /// Vary this parameter; repeatable [default: all tunable gains whose start is positive, arms alike]
     #[arg(long = "parameter", short, value_name = "NAME[+NAME…][=LOW..HIGH[:linear]]")]
     parameters: Vec<String>,
-    /// Give a parameter of the controller another value, which stays; repeatable
+    /// Give a parameter of the controller another value, which stays, or from which the search begins if it varies; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<Setting>,
-    /// Judge it in these cases: names of the files in scenarios/matrix, or scenario files (.toml) [default: one of each kind]
+    /// Judge it in these cases: names of the files in scenarios/matrix, or scenario files (.toml); one that is named twice counts twice [default: one of each kind]
     #[arg(long, value_name = "CASE", value_delimiter = ',')]
     cases: Vec<String>,
     /// How often to evaluate the objective
@@ -191,15 +191,22 @@ fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
     contender.settings.extend(arguments.settings.iter().cloned());
     let fmu = lab.fmu(&contender.fmu).map_err(CellError::from)?;
     let description = fmu.description();
-    let dimensions = if arguments.parameters.is_empty() {
+    let mut dimensions = if arguments.parameters.is_empty() {
         // The two laws of NABFC have gains of their own in one FMU.
         let law = contender.settings.iter().rev().find(|setting| setting.target == "law");
-        let has_root_strain = law.is_some_and(|law| ["root_strain", "2"].contains(&law.value.to_string().as_str()));
+        let has_root_strain = law.is_none_or(|law| ["root_strain", "2"].contains(&law.value.to_string().as_str()));
         Dimension::gains(description, |name| name.starts_with("r_") == has_root_strain)?
     } else {
         let parse = |text: &String| Dimension::parse(text, description);
         arguments.parameters.iter().map(parse).collect::<Result<_, _>>()?
     };
+    // What is set and varied begins where it is set.
+    for Setting { target, value } in &contender.settings {
+        let value = value.to_string().parse().ok();
+        for dimension in dimensions.iter_mut().filter(|dimension| dimension.names.contains(target)) {
+            dimension.begin(value);
+        }
+    }
     let named = DEFAULT_CASES.map(str::to_owned);
     let cases = matrix::cases(if arguments.cases.is_empty() { &named } else { &arguments.cases })?;
     let limits = Limits {

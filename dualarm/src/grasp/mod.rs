@@ -41,13 +41,23 @@ pub struct Controller {
     pub paper: &'static str,
 }
 
-/// Neuro-adaptive boundary force control.
-pub const NABFC: Controller =
-    Controller { key: "nabfc", title: "NABFC", fmu: "NabfcController.fmu", settings: &[], paper: "less than 0.5 s" };
+/// Neuro-adaptive boundary force control: the paper's law.
+pub const NABFC: Controller = Controller {
+    key: "nabfc",
+    title: "NABFC",
+    fmu: "NabfcController.fmu",
+    settings: &[("law", "paper")],
+    paper: "less than 0.5 s",
+};
 /// The same with the faster gains.
-pub const NABFC_FAST: Controller =
-    Controller { key: "nabfc-fast", title: "NABFC, fast preset", settings: &[("preset", "fast")], paper: "", ..NABFC };
-/// NABFC with root strain in the posture surfaces.
+pub const NABFC_FAST: Controller = Controller {
+    key: "nabfc-fast",
+    title: "NABFC, fast preset",
+    settings: &[("law", "paper"), ("preset", "fast")],
+    paper: "",
+    ..NABFC
+};
+/// NABFC with root strain in the posture surfaces: what `NabfcController.fmu` does by itself.
 pub const NABFC_R: Controller =
     Controller { key: "nabfc-r", title: "NABFC-R", settings: &[("law", "root_strain")], paper: "", ..NABFC };
 /// The same with the faster gains.

@@ -76,6 +76,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "stiff-arms",
     "wrong-stiffness",
     "noise",
+    "encoders",
     "delay",
 ];
 
@@ -169,8 +170,8 @@ mod tests {
         let scenario = BuiltIn::find("preload").unwrap().scenario().unwrap();
         let fast = with_controller(scenario.clone(), &NABFC_FAST).unwrap();
         assert_eq!(fast.fmus[1], Path::new("NabfcController.fmu"));
-        assert_eq!(fast.settings[0].item, Setting::new("preset", "fast"));
-        assert_eq!(fast.settings[1..], scenario.settings[..]);
+        assert_eq!(fast.settings[1].item, Setting::new("preset", "fast"));
+        assert_eq!(fast.settings[2..], scenario.settings[..]);
         let mut alone = scenario;
         alone.fmus.truncate(1);
         let message = with_controller(alone, &PD).unwrap_err().to_string();

@@ -100,6 +100,11 @@ impl Dimension {
         Ok(Self { names, low, high, logarithmic, start })
     }
 
+    /// Begins the search at a value, if it is one in the range.
+    pub fn begin(&mut self, value: Option<f64>) {
+        self.start = value.filter(|value| (self.low..=self.high).contains(value)).unwrap_or(self.start);
+    }
+
     fn around(names: Vec<String>, start: f64) -> Option<Self> {
         (start > 0.0).then(|| Self { names, low: start / DECADE, high: start * DECADE, logarithmic: true, start })
     }
@@ -190,6 +195,15 @@ mod tests {
 
     fn dimension(logarithmic: bool) -> Dimension {
         Dimension { names: vec!["k".into()], low: 1.0, high: 100.0, logarithmic, start: 10.0 }
+    }
+
+    #[test]
+    fn a_search_begins_where_it_is_told_within_the_range() {
+        let mut dimension = dimension(true);
+        dimension.begin(Some(50.0));
+        dimension.begin(Some(500.0));
+        dimension.begin(None);
+        assert_eq!(dimension.start, 50.0);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::oracle::{self, MONOLITH, Pole, elements, entries, number};
 use super::plant::pole_checks;
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
+use crate::grasp::{self, Controller};
 use fmi2_cosim::settings::Setting;
 use nalgebra::ComplexField;
 
@@ -92,6 +93,9 @@ pub fn against_monolith(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
         let mut values: Settings = settings(entries(&case["settings"]).map(|(name, value)| (name, number(value))));
         values.extend(settings(["lambda1_ref", "theta1_ref"].map(|name| (name, number(&case[name])))));
         values.push(Setting::new("order", number(&case["order"])));
+        let is_this =
+            |paper: &&Controller| Some(controller.description().model_name.as_str()) == paper.fmu.strip_suffix(".fmu");
+        values.extend(grasp::PAPER.iter().find(is_this).into_iter().flat_map(Controller::settings));
         let names = OUTPUTS.map(|(name, _)| name);
         let exact: Vec<Vec<f64>> =
             elements(&case["at"]).map(|row| names.iter().map(|name| number(&row[*name])).collect()).collect();

@@ -5,6 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::oracle;
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
+use crate::grasp;
 use fmi2_cosim::settings::Setting;
 
 fn check(what: &str, exact: &str, found: String, error: f64, bound: f64, unit: &'static str) -> Check {
@@ -29,9 +30,11 @@ pub fn checks(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
 fn constraint(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
     fmus.controllers
         .iter()
-        .map(|controller| {
-            let start =
+        .zip(grasp::PAPER)
+        .map(|(controller, paper)| {
+            let mut start =
                 settings([("theta1_0", 0.02), ("theta2_0", -0.01), ("theta1_dot_0", 0.1), ("y_object_dot_0", -0.02)]);
+            start.extend(paper.settings());
             let rows =
                 Rig::record(&[&fmus.plant, controller], &start, (2.0, 1e-4, 1e-3), &["constraint1", "constraint2"])?;
             let worst = rows.iter().flat_map(|row| &row[1..]).fold(0.0_f64, |worst, value| worst.max(value.abs()));

@@ -163,12 +163,14 @@ impl<L: Law> Encoders<L> {
 
     fn with_rates(&self, inputs: &Inputs, [hub1, hub2, object]: [f64; 3]) -> Inputs {
         let arms = self.law.arms();
-        let shear = quasi_static_shear_rates(arms, [hub1, hub2], object);
+        // Rates of stiff arms are larger than those that they come from; the law refuses what is no usable input.
+        let usable = |rate: f64| rate.clamp(-Inputs::LARGEST, Inputs::LARGEST);
+        let shear = quasi_static_shear_rates(arms, [hub1, hub2], object).map(usable);
         let mut seen = *inputs;
-        seen.measured.theta_dot = [hub1, hub2];
-        seen.measured.y_object_dot = object;
+        seen.measured.theta_dot = [hub1, hub2].map(usable);
+        seen.measured.y_object_dot = usable(object);
         seen.measured.tip_shear_dot = shear;
-        seen.measured.root_moment_dot = shear.map(|rate| -arms.length * rate);
+        seen.measured.root_moment_dot = shear.map(|rate| usable(-arms.length * rate));
         seen
     }
 

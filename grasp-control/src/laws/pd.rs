@@ -56,16 +56,16 @@ impl PdGains {
         check(&Self::PARAMETERS, self)
     }
 
-    /// The preset *tuned*: found by the search and the objective that found the gains of NABFC.
+    /// The preset *tuned*: what `dualarm tune` found, with the objective and the budget of NABFC's gains (`scenarios/tuned/pd.toml`).
     #[must_use]
     pub fn tuned() -> Self {
-        Self { kp: 1005.0, kv: 35.1, ki: 0.0, kp_arm: [95.9; 2], kv_arm: [2.67; 2], ki_arm: [0.0; 2] }
+        Self { kp: 1420.0, kv: 47.9, ki: 0.0, kp_arm: [96.06; 2], kv_arm: [2.898; 2], ki_arm: [0.0; 2] }
     }
 
-    /// The preset *pid*: found like *tuned*, with integrals.
+    /// The preset *pid*: found like *tuned*, with integrals (`scenarios/tuned/pid.toml`).
     #[must_use]
     pub fn pid() -> Self {
-        Self { kp: 1480.0, kv: 46.0, ki: 1750.0, kp_arm: [46.3; 2], kv_arm: [1.09; 2], ki_arm: [35.4; 2] }
+        Self { kp: 2411.0, kv: 42.64, ki: 26_310.0, kp_arm: [76.67; 2], kv_arm: [2.86; 2], ki_arm: [23.96; 2] }
     }
 
     fn with_strain(self) -> PdsGains {

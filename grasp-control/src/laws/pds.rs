@@ -58,10 +58,19 @@ impl PdsGains {
         check(&Self::PARAMETERS, self)
     }
 
-    /// The preset *tuned*: found by the search and the objective that found the gains of NABFC.
+    /// The preset *tuned*: what `dualarm tune` found, with the objective and the budget of NABFC's gains
+    /// (`scenarios/tuned/pds.toml`).
     #[must_use]
     pub fn tuned() -> Self {
-        Self { kp: 738.0, kv: 31.2, ki: 0.0, kp_arm: [53.4; 2], kv_arm: [1.76; 2], ks_arm: [3.61; 2], ki_arm: [0.0; 2] }
+        Self {
+            kp: 1050.0,
+            kv: 41.7,
+            ki: 0.0,
+            kp_arm: [42.04; 2],
+            kv_arm: [2.877; 2],
+            ks_arm: [42.04; 2],
+            ki_arm: [0.0; 2],
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::laws::encoders::Actuation;
+use grasp_control::laws::nabfc::RbfLayout;
 use grasp_control::laws::root_strain::{RootStrain, RootStrainGains};
 use grasp_control::{Arms, Inputs, Law, Measurements, References};
 use grasp_plant::{ActuatorModel, Parameters, Plant};
@@ -160,7 +161,8 @@ fn sensed(case: &Case, mut m: Measurements, noise: &mut Noise) -> Measurements {
 /// Runs a case with the root-strain law.
 pub fn run(case: &Case, gains: &RootStrainGains) -> Outcome {
     let source = if case.encoders { RateSource::Estimated } else { RateSource::Measured };
-    let mut law = RootStrain::new(case.arms(), *gains, Actuation::default(), source).unwrap();
+    let layout = RbfLayout::default();
+    let mut law = RootStrain::new(case.arms(), *gains, Actuation::default(), source, &layout).unwrap();
     let outcome = run_law(case, &mut law);
     let estimates = law.estimates();
     Outcome {
@@ -221,8 +223,11 @@ pub fn run_law(case: &Case, law: &mut dyn Law) -> Outcome {
         if step == 0.0 {
             law.initialize(&inputs);
         }
+        // As under the tool's master: the law takes in the newest sample before it commands.
+        if step > 0.0 {
+            law.step(case.step, &inputs, &Inputs::HELD).unwrap();
+        }
         late.push_back(law.commands(&inputs).to_array());
-        law.step(case.step, &inputs, &Inputs::HELD).unwrap();
         let command = late.pop_front().unwrap();
         if command[0].abs() >= 2.0 || command[1].abs() >= 2.0 || command[2].abs() >= 0.3 {
             outcome.saturated += 1.0 / steps;

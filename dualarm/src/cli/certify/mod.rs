@@ -42,7 +42,7 @@ pub struct Arguments {
     mode: Mode,
     /// Take the gains of this preset of the neuro-adaptive controller
     #[arg(long, value_name = "NAME", default_value = "parameters",
-          value_parser = ["parameters", "fast", "noise_proof", "certified"])]
+          value_parser = ["parameters", "fast", "certified"])]
     preset: String,
     /// Gives a parameter, gain or disturbance its value
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = assignment)]

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use crate::grasp::scenarios::UnknownScenario;
+use crate::grasp::scenarios::{NoController, UnknownScenario};
 use fmi2_cosim::files::WriteError;
 use fmi2_cosim::scenario::ScenarioError;
 use fmi2_cosim::settings::Setting;
@@ -21,6 +21,9 @@ pub enum ComposeError {
     /// A built-in scenario is not there.
     #[error(transparent)]
     Unknown(#[from] UnknownScenario),
+    /// A built-in scenario has no controller to replace.
+    #[error(transparent)]
+    NoController(#[from] NoController),
     /// A built-in scenario cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),

@@ -21,7 +21,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::grasp::instruments::{ACTUATORS, INSTRUMENTS};
-use crate::grasp::scenarios::BuiltIn;
+use crate::grasp::scenarios::{BuiltIn, with_controller};
 use crate::grasp::{self, Controller};
 use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::ssp::package::{self, DEFAULT_STRUCTURE};
@@ -43,9 +43,9 @@ pub struct Grasp {
     step: f64,
     /// Variants with other parameters: name of the variant and of the [built-in scenario](BuiltIn) they come from.
     presets: &'static [(&'static str, &'static str)],
-    /// Whether there is a variant with sensors and actuators. They sample at 1 kHz, at which PD and PDS with the paper's gains
-    /// are unstable.
-    instrumented: bool,
+    /// The controller of the variant with sensors and actuators. They sample at 1 kHz, at which PD and PDS with the paper's
+    /// gains are unstable, so those have other gains there.
+    instrumented: Controller,
 }
 
 /// All grasps.
@@ -53,12 +53,12 @@ pub const GRASPS: [Grasp; 3] = [
     Grasp {
         controller: grasp::NABFC,
         step: 1e-4,
-        presets: &[(PRELOAD, "preload"), ("Fast", "nabfc-fast")],
-        instrumented: true,
+        presets: &[(PRELOAD, "preload"), ("Fast", "nabfc-r-fast"), ("Paper", "nabfc")],
+        instrumented: grasp::NABFC_R,
     },
-    Grasp { controller: grasp::PDS, step: 1e-4, presets: &[(PRELOAD, "preload")], instrumented: false },
+    Grasp { controller: grasp::PDS, step: 1e-4, presets: &[(PRELOAD, "preload")], instrumented: grasp::PDS_TUNED },
     // With 0.1 ms and a delay, the hub gain excites the arms' higher bending modes.
-    Grasp { controller: grasp::PD, step: 5e-5, presets: &[(PRELOAD, "preload")], instrumented: false },
+    Grasp { controller: grasp::PD, step: 5e-5, presets: &[(PRELOAD, "preload")], instrumented: grasp::PD_TUNED },
 ];
 
 /// The variant with references and disturbances as inputs of the system and contact forces as outputs.
@@ -155,8 +155,7 @@ impl Grasp {
 
     /// Files of the FMUs that it needs: plant and controller, sensors and actuators.
     fn fmus(&self) -> Vec<&'static str> {
-        let between = [INSTRUMENTS.fmu, ACTUATORS.fmu].into_iter().filter(|_| self.instrumented);
-        [grasp::PLANT, self.controller.fmu].into_iter().chain(between).collect()
+        vec![grasp::PLANT, self.controller.fmu, INSTRUMENTS.fmu, ACTUATORS.fmu]
     }
 
     /// The structures and parameter sets, from the descriptions of those FMUs.
@@ -185,14 +184,12 @@ impl Grasp {
             add_structure(variant, structure, Some(settings_set(variant, &scenario, &COMPONENTS, descriptions)?));
         }
         let mut components = closed.system.components.clone();
-        if self.instrumented {
-            let scenario = BuiltIn::find(instrumented::SCENARIO)?.scenario()?;
-            let structure = instrumented::structure(closed, &scenario, all);
-            let is_between = |component: &&Component| !COMPONENTS.contains(&component.name.as_str());
-            components.extend(structure.system.components.iter().filter(is_between).cloned());
-            let set = settings_set(INSTRUMENTED, &scenario, &instrumented::COMPONENTS, all)?;
-            add_structure(INSTRUMENTED, structure, Some(set));
-        }
+        let scenario = with_controller(BuiltIn::find(instrumented::SCENARIO)?.scenario()?, &self.instrumented)?;
+        let structure = instrumented::structure(closed, &scenario, all);
+        let is_between = |component: &&Component| !COMPONENTS.contains(&component.name.as_str());
+        components.extend(structure.system.components.iter().filter(is_between).cloned());
+        let set = settings_set(INSTRUMENTED, &scenario, &instrumented::COMPONENTS, all)?;
+        add_structure(INSTRUMENTED, structure, Some(set));
         for (component, description) in components.iter().zip(all) {
             let set = paper_set(description, &component.connectors);
             files.push((paper_set_path(description), write::parameter_set(&set)));

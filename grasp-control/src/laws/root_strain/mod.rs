@@ -24,7 +24,7 @@
 //! **Learning.** The paper's networks learn from s, which is also what a new reference and noise make; under noise they
 //! learn without end. Here Δ̂ is the weight of a constant basis function that learns from the error of a prediction
 //! ([`Observer`]): of that only disturbances make any, and noise has no mean. Known limits enter the prediction, so
-//! nothing winds up.
+//! nothing winds up. [`Learner::Networks`] puts networks and robust terms in its place, fed by the same error.
 //!
 //! **Mass.** m̂ comes from the prediction error too ([`MassGains`]).
 //!
@@ -35,25 +35,30 @@
 #![allow(clippy::doc_markdown)]
 
 mod gains;
+mod loops;
 mod mass;
+mod networks;
 mod table;
 
 pub use gains::{HubGains, ObjectGains, RootStrainGains};
 pub use mass::MassGains;
+pub use networks::{Learner, NetworkGains};
 
 use crate::blocks::lowpass::LowPass;
 use crate::blocks::observer::{Known, Motion, Observer, RateSource};
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::encoders::Actuation;
-use crate::laws::nabfc::{Estimates, Surfaces};
-use crate::signals::{Commands, INPUTS, Inputs, column};
+use crate::laws::nabfc::{Estimates, RbfLayout, Surfaces};
+use crate::signals::{Commands, INPUTS, Inputs};
 use crate::target::Arms;
+use loops::{Compliance, Loops, Outcome, Point};
 use mass::MassEstimator;
+use networks::{Networks, Seen};
 use parameter_table::InvalidParameter;
 use serde::{Deserialize, Serialize};
 
 /// The law of the module's text.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RootStrain {
     arms: Arms,
     gains: RootStrainGains,
@@ -64,46 +69,24 @@ pub struct RootStrain {
     mass: MassEstimator,
     root_moment_rate: LowPass,
     tip_shear_rate: LowPass,
+    /// None where the observers learn.
+    networks: Option<Box<Networks>>,
 }
 
-/// Signals of the law at one instant.
-#[derive(Debug, Clone, Copy)]
-struct Point {
-    e: [f64; 2],
-    p: f64,
-    /// M̃ᵢ \[N·m\].
-    moment: [f64; 2],
-    /// Q \[N\].
-    shear: f64,
-    /// Rates of M̃ᵢ and Q.
-    moment_rate: [f64; 2],
-    shear_rate: f64,
-    mass: f64,
-    /// Measured root moments \[N·m\].
-    load: [f64; 2],
+impl From<Outcome> for Surfaces {
+    fn from(outcome: Outcome) -> Self {
+        Self { object: outcome.object, posture: outcome.posture }
+    }
 }
 
-/// Properties of the arms that turn strain into motion.
-#[derive(Debug, Clone, Copy)]
-struct Compliance {
-    /// aᵢ = l/3EIᵢ \[rad/(N·m)\].
-    root: [f64; 2],
-    /// 3EIᵢ/l³ \[N/m\].
-    tip_stiffness: [f64; 2],
-    /// b \[m/N\].
-    tip: f64,
-}
-
-impl Compliance {
-    fn of(arms: &Arms) -> Self {
-        let l = arms.length;
-        let tip_stiffness = arms.ei.map(|ei| 3.0 * ei / (l * l * l));
-        Self { root: arms.ei.map(|ei| l / (3.0 * ei)), tip_stiffness, tip: 1.0 / (tip_stiffness[0] + tip_stiffness[1]) }
+impl From<Outcome> for Commands {
+    fn from(outcome: Outcome) -> Self {
+        Self { tau: outcome.tau, u: outcome.u }
     }
 }
 
 impl RootStrain {
-    /// A controller for these arms, in its initial state.
+    /// A controller for these arms, in its initial state. `layout` is that of the networks, where they learn.
     ///
     /// # Errors
     /// The first parameter that is not in its range.
@@ -112,10 +95,12 @@ impl RootStrain {
         gains: RootStrainGains,
         actuation: Actuation,
         source: RateSource,
+        layout: &RbfLayout,
     ) -> Result<Self, InvalidParameter> {
         arms.validate()?;
         gains.validate()?;
         actuation.validate()?;
+        let networks = (gains.learner == Learner::Networks).then(|| Box::new(Networks::new(layout, &arms)));
         Ok(Self {
             arms,
             gains,
@@ -125,6 +110,7 @@ impl RootStrain {
             mass: MassEstimator::default(),
             root_moment_rate: LowPass::new(gains.strain_rate_bandwidth),
             tip_shear_rate: LowPass::new(gains.strain_rate_bandwidth),
+            networks,
         })
     }
 
@@ -134,208 +120,238 @@ impl RootStrain {
         &self.gains
     }
 
-    /// Changes the gains while the law runs; what has been learnt stays. The initial mass stays what it was.
+    /// Changes the gains while the law runs; what has been learnt stays. The initial mass and the learner stay what they
+    /// were.
     ///
     /// # Errors
     /// The first parameter that is not in its range; the law is then as before.
     pub fn set_gains(&mut self, gains: RootStrainGains, actuation: Actuation) -> Result<(), InvalidParameter> {
         let mass = MassGains { initial: self.gains.mass.initial, ..gains.mass };
-        let gains = RootStrainGains { mass, ..gains };
+        let gains = RootStrainGains { mass, learner: self.gains.learner, ..gains };
         gains.validate()?;
         actuation.validate()?;
-        self.gains = gains;
-        self.actuation = actuation;
         self.root_moment_rate.set_bandwidth(gains.strain_rate_bandwidth);
         self.tip_shear_rate.set_bandwidth(gains.strain_rate_bandwidth);
+        (self.gains, self.actuation) = (gains, actuation);
         Ok(())
     }
 
     /// Whether this law has the arms and settings of another one, whatever its state.
     #[must_use]
     pub fn has_settings_of(&self, other: &Self) -> bool {
+        let same_networks = match (&self.networks, &other.networks) {
+            (None, None) => true,
+            (Some(one), Some(other)) => one.has_settings_of(other),
+            _ => false,
+        };
         self.arms == other.arms
             && self.gains == other.gains
             && self.actuation == other.actuation
             && self.source == other.source
+            && same_networks
     }
 
-    /// Estimated hub rates, then the object's.
-    fn rates_now(&self) -> ([f64; 2], f64) {
-        let [hub1, hub2, object] = &self.observers;
-        ([hub1.rate, hub2.rate], object.rate)
-    }
-
-    /// Rates of root moments and of the sum of the tip shears. Estimated ones are those of arms that bend as at rest:
-    /// right below the first beam mode.
-    fn strain_rates(&self, inputs: &Inputs, omega: [f64; 2], v: f64) -> ([f64; 2], f64) {
-        match self.source {
-            RateSource::Measured => {
-                let measured = &inputs.measured;
-                let shear = self.tip_shear_rate.output(measured.tip_shear_dot);
-                (self.root_moment_rate.output(measured.root_moment_dot), shear[0] + shear[1])
-            }
-            RateSource::Estimated => self.quasi_static(omega, v),
-        }
+    fn loops(&self) -> Loops<'_> {
+        Loops::new(&self.arms, &self.gains, &self.actuation)
     }
 
     /// Q̇ᵢ = −(3EIᵢ/l³)(l θ̇ᵢ − ẏ), Ṁᵢ = −l Q̇ᵢ; also maps accelerations to the rates of these.
-    fn quasi_static(&self, omega: [f64; 2], v: f64) -> ([f64; 2], f64) {
+    fn quasi_static(&self, omega: [f64; 2], v: f64) -> ([f64; 2], [f64; 2]) {
         let shear = quasi_static_shear_rates(&self.arms, omega, v);
-        (shear.map(|rate| -self.arms.length * rate), shear[0] + shear[1])
+        (shear.map(|rate| -self.arms.length * rate), shear)
     }
 
+    /// Rates of root moments and of the tip shears. Estimated ones are those of arms that bend as at rest: right below
+    /// the first beam mode.
+    fn strain_rates(&self, inputs: &Inputs) -> ([f64; 2], [f64; 2]) {
+        let [hub1, hub2, object] = &self.observers;
+        match self.source {
+            RateSource::Measured => {
+                let measured = &inputs.measured;
+                let moment = self.root_moment_rate.output(measured.root_moment_dot);
+                (moment, self.tip_shear_rate.output(measured.tip_shear_dot))
+            }
+            RateSource::Estimated => self.quasi_static([hub1.rate, hub2.rate], object.rate),
+        }
+    }
+
+    /// The signals for these inputs.
     fn point(&self, inputs: &Inputs) -> Point {
         let targets = self.arms.targets(&inputs.reference);
         let errors = targets.errors(inputs);
         let measured = &inputs.measured;
-        let (omega, v) = self.rates_now();
-        let (moment_rate, shear_rate) = self.strain_rates(inputs, omega, v);
+        let [hub1, hub2, object] = &self.observers;
+        let (moment_rate, shear_rate) = self.strain_rates(inputs);
         Point {
             e: errors.e,
-            p: errors.p,
+            omega: [hub1.rate, hub2.rate],
             moment: std::array::from_fn(|i| measured.root_moment[i] + targets.lambda[i] * self.arms.length),
-            shear: measured.tip_shear[0] + measured.tip_shear[1],
             moment_rate,
-            shear_rate,
-            mass: self.mass.mass(&self.gains.mass),
             load: measured.root_moment,
+            p: errors.p,
+            v: object.rate,
+            shear: measured.tip_shear[0] + measured.tip_shear[1],
+            shear_rate: shear_rate[0] + shear_rate[1],
+            mass: self.mass.mass(&self.gains.mass),
+            unknown: self.observers.map(|observer| observer.disturbance),
         }
     }
 
-    /// (1 + r)^(−½) and r = |p| m̂ G²/(2 q `u_max`), which bends the surface.
-    fn bend(&self, at: &Point) -> (f64, f64) {
-        let g = &self.gains.object;
-        let r = at.p.abs() * at.mass * g.slope * g.slope / (2.0 * g.brake * self.actuation.force_limit);
-        ((1.0 + r).sqrt().recip(), r)
+    /// Change of the signals along a direction of the inputs, with the law's state as it is.
+    fn direction(&self, direction: &Inputs) -> Point {
+        let jacobian = self.arms.error_jacobian();
+        let values = direction.to_array();
+        let inner = |row: &[f64; INPUTS]| crate::law::inner(row, &values);
+        let lambda = [direction.reference.lambda1_ref, -direction.reference.lambda1_ref];
+        let measured = &direction.measured;
+        let mut change = Point {
+            e: jacobian.e.each_ref().map(inner),
+            moment: std::array::from_fn(|i| measured.root_moment[i] + lambda[i] * self.arms.length),
+            load: measured.root_moment,
+            p: inner(&jacobian.p),
+            shear: measured.tip_shear[0] + measured.tip_shear[1],
+            ..Point::default()
+        };
+        if self.source == RateSource::Measured && !self.root_moment_rate.is_on() {
+            change.moment_rate = measured.root_moment_dot;
+            change.shear_rate = measured.tip_shear_dot[0] + measured.tip_shear_dot[1];
+        }
+        change
     }
 
-    fn object_surface(&self, at: &Point) -> f64 {
-        let g = &self.gains.object;
-        g.slope * self.bend(at).0 * at.p + self.observers[2].rate + g.strain * Compliance::of(&self.arms).tip * at.shear
-    }
-
-    fn hub_surface(&self, arm: usize, at: &Point) -> f64 {
-        let g = &self.gains.hub[arm];
-        let root = Compliance::of(&self.arms).root[arm];
-        g.slope * at.e[arm] + self.observers[arm].rate + g.strain * root * at.moment[arm]
+    /// Change of the signals in time, for inputs that change at `rates`.
+    fn velocity(&mut self, inputs: &Inputs, rates: &Inputs) -> Point {
+        let state = self.state_rates(inputs);
+        let mut change = self.direction(rates);
+        let [hub1, hub2, object] = &state.observers;
+        change.omega = [hub1.rate, hub2.rate];
+        change.v = object.rate;
+        change.unknown = state.observers.map(|observer| observer.disturbance);
+        change.mass = state.mass;
+        match self.source {
+            RateSource::Estimated => {
+                let shear;
+                (change.moment_rate, shear) = self.quasi_static(change.omega, change.v);
+                change.shear_rate = shear[0] + shear[1];
+            }
+            RateSource::Measured if self.root_moment_rate.is_on() => {
+                let (m, r) = (&inputs.measured, &rates.measured);
+                let shear = self.tip_shear_rate.output_rate(m.tip_shear_dot, r.tip_shear_dot);
+                change.moment_rate = self.root_moment_rate.output_rate(m.root_moment_dot, r.root_moment_dot);
+                change.shear_rate = shear[0] + shear[1];
+            }
+            RateSource::Measured => {}
+        }
+        change
     }
 
     /// The sliding variables for these inputs.
     #[must_use]
     pub fn surfaces(&self, inputs: &Inputs) -> Surfaces {
-        let at = self.point(inputs);
-        Surfaces { object: self.object_surface(&at), posture: [0, 1].map(|arm| self.hub_surface(arm, &at)) }
+        self.loops().at(&self.point(inputs)).into()
     }
 
     /// Change of the sliding variables along a direction of the inputs.
     #[must_use]
     pub fn surface_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Surfaces {
-        let at = self.point(inputs);
-        let (errors, moment, shear) = self.directions(direction);
-        let compliance = Compliance::of(&self.arms);
-        let object = &self.gains.object;
-        Surfaces {
-            object: self.slope_by_p(&at) * errors.p + object.strain * compliance.tip * shear,
-            posture: std::array::from_fn(|i| {
-                let g = &self.gains.hub[i];
-                g.slope * errors.e[i] + g.strain * compliance.root[i] * moment[i]
-            }),
-        }
+        self.loops().change(&self.point(inputs), &self.direction(direction)).into()
     }
 
     /// Time derivatives of the sliding variables, for inputs that change at `rates`.
     pub fn surface_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Surfaces {
-        let mut surfaces = self.surface_derivative(inputs, rates);
-        let state = self.state_rates(inputs);
-        surfaces.object += state.observers[2].rate + self.slope_by_mass(&self.point(inputs)) * state.mass;
-        for (surface, observer) in surfaces.posture.iter_mut().zip(&state.observers) {
-            *surface += observer.rate;
-        }
-        surfaces
+        let change = self.velocity(inputs, rates);
+        self.loops().change(&self.point(inputs), &change).into()
     }
 
-    /// What the law has learnt: m̂, and Δ̂ as the weights of its constant basis functions.
+    /// What the law has learnt: m̂, and Δ̂ as the weights of its constant basis functions, or those of the networks.
     #[must_use]
     pub fn estimates(&self) -> Estimates {
         let [hub1, hub2, object] = self.observers.map(|observer| observer.disturbance.abs());
+        let constants = ([hub1, hub2], [0.0; 2], object, 0.0);
+        let (u_norm, pi_hat, w_norm, epsilon_hat) =
+            self.networks.as_ref().map_or(constants, |networks| networks.norms());
         Estimates {
             m_hat: self.mass.mass(&self.gains.mass),
             j_hat: self.actuation.hub_inertia,
-            epsilon_hat: 0.0,
-            pi_hat: [0.0; 2],
-            w_norm: object,
-            u_norm: [hub1, hub2],
+            epsilon_hat,
+            pi_hat,
+            w_norm,
+            u_norm,
         }
     }
 
     /// Time derivatives of the estimates.
     pub fn estimate_rates(&mut self, inputs: &Inputs) -> Estimates {
         let state = self.state_rates(inputs);
-        let rate = |i: usize| state.observers[i].disturbance * self.observers[i].disturbance.signum();
-        Estimates {
-            m_hat: state.mass,
-            j_hat: [0.0; 2],
-            epsilon_hat: 0.0,
-            pi_hat: [0.0; 2],
-            w_norm: rate(2),
-            u_norm: [rate(0), rate(1)],
-        }
-    }
-
-    /// ∂(G(p) p)/∂p.
-    fn slope_by_p(&self, at: &Point) -> f64 {
-        let (bend, r) = self.bend(at);
-        self.gains.object.slope * (bend - 0.5 * r * bend * bend * bend)
-    }
-
-    /// ∂(G(p) p)/∂m̂.
-    fn slope_by_mass(&self, at: &Point) -> f64 {
-        let (bend, r) = self.bend(at);
-        -0.5 * self.gains.object.slope * at.p * r * bend * bend * bend / at.mass
-    }
-
-    /// Change of errors, M̃ᵢ and Q along a direction of the inputs.
-    fn directions(&self, direction: &Inputs) -> (crate::signals::Errors, [f64; 2], f64) {
-        let jacobian = self.arms.error_jacobian();
-        let values = direction.to_array();
-        let inner = |row: &[f64; INPUTS]| crate::law::inner(row, &values);
-        let errors = crate::signals::Errors { e: jacobian.e.each_ref().map(inner), p: inner(&jacobian.p) };
-        let lambda = [direction.reference.lambda1_ref, -direction.reference.lambda1_ref];
-        let measured = &direction.measured;
-        let moment = std::array::from_fn(|i| measured.root_moment[i] + lambda[i] * self.arms.length);
-        (errors, moment, measured.tip_shear[0] + measured.tip_shear[1])
-    }
-
-    fn known(&self, index: usize) -> Known {
-        let (bandwidth, inertia, limit) = if index < 2 {
-            (self.gains.hub[index].observer, self.actuation.hub_inertia[index], self.actuation.torque_limit)
+        let (u_norm, pi_hat, w_norm, epsilon_hat) = if let Some(networks) = &self.networks {
+            let known = self.known();
+            let motions = motions(inputs);
+            networks.norm_rates(&self.gains.networks, &known, &self.observers, &state.observers, &motions)
         } else {
-            (self.gains.object.observer, self.mass.mass(&self.gains.mass), self.actuation.force_limit)
+            let rate = |i: usize| state.observers[i].disturbance * self.observers[i].disturbance.signum();
+            ([rate(0), rate(1)], [0.0; 2], rate(2), 0.0)
         };
-        Known { source: self.source, bandwidth, inertia, limit }
+        Estimates { m_hat: state.mass, j_hat: [0.0; 2], epsilon_hat, pi_hat, w_norm, u_norm }
+    }
+
+    /// What is known of hub 1, hub 2 and the object.
+    fn known(&self) -> [Known; 3] {
+        let (gains, actuation, source) = (&self.gains, &self.actuation, self.source);
+        let hub = |i: usize| Known {
+            source,
+            bandwidth: gains.hub[i].observer,
+            inertia: actuation.hub_inertia[i],
+            limit: actuation.torque_limit,
+        };
+        let mass = self.mass.mass(&gains.mass);
+        let object = Known { source, bandwidth: gains.object.observer, inertia: mass, limit: actuation.force_limit };
+        [hub(0), hub(1), object]
     }
 
     /// The known force on each coordinate: what the limited command does, less the measured load.
-    fn forces(&mut self, inputs: &Inputs) -> [f64; 3] {
-        let commands = self.commands(inputs);
+    fn forces(&self, inputs: &Inputs) -> [f64; 3] {
+        let commands = self.loops().at(&self.point(inputs)).into();
         self.actuation.forces(&commands, inputs)
     }
 
     /// The velocity that the mass estimate uses.
-    fn velocity(&self, inputs: &Inputs) -> f64 {
+    fn object_rate(&self, inputs: &Inputs) -> f64 {
         match self.source {
             RateSource::Measured => inputs.measured.y_object_dot,
             RateSource::Estimated => self.observers[2].rate,
         }
     }
 
-    fn state_rates(&mut self, inputs: &Inputs) -> StateRates {
-        let forces = self.forces(inputs);
-        let motions = motions(inputs);
+    fn state_rates(&self, inputs: &Inputs) -> StateRates {
+        let (forces, motions, known) = (self.forces(inputs), motions(inputs), self.known());
         StateRates {
-            observers: std::array::from_fn(|i| self.observers[i].derivative(&self.known(i), motions[i], forces[i])),
-            mass: self.mass.mass_rate(&self.gains.mass, self.velocity(inputs)),
+            observers: std::array::from_fn(|i| self.observers[i].derivative(&known[i], motions[i], forces[i])),
+            mass: self.mass.mass_rate(&self.gains.mass, self.object_rate(inputs)),
         }
+    }
+
+    /// A step of the networks with the inputs held at `mean`.
+    fn step_networks(&mut self, h: f64, mean: &Inputs, known: &[Known; 3], forces: &[f64; 3]) {
+        let at = self.point(mean);
+        let outcome = self.loops().at(&at);
+        let compliance = Compliance::of(&self.arms);
+        let (_, shear_rate) = self.strain_rates(mean);
+        let RootStrainGains { object, hub, networks: gains, .. } = self.gains;
+        let Some(networks) = &mut self.networks else { return };
+        let seen = Seen {
+            at: &at,
+            surface: outcome.object,
+            posture: outcome.posture,
+            alpha_rate: -object.slope * at.v - object.strain * compliance.tip * at.shear_rate,
+            posture_alpha_rate: std::array::from_fn(|i| {
+                -hub[i].slope * at.omega[i] - hub[i].strain * compliance.root[i] * at.moment_rate[i]
+            }),
+            shear: mean.measured.tip_shear,
+            shear_rate,
+        };
+        let motions = motions(mean);
+        let measured = std::array::from_fn(|i| (motions[i], forces[i]));
+        networks.step(h, &gains, known, &seen, &mut self.observers, &measured);
     }
 }
 
@@ -371,43 +387,29 @@ impl Law for RootStrain {
         self.mass = MassEstimator::settled(self.observers[2].rate);
         self.root_moment_rate.settle(inputs.measured.root_moment_dot);
         self.tip_shear_rate.settle(inputs.measured.tip_shear_dot);
+        if let Some(networks) = &mut self.networks {
+            networks.reset();
+        }
     }
 
     fn commands(&mut self, inputs: &Inputs) -> Commands {
-        let at = self.point(inputs);
-        let compliance = Compliance::of(&self.arms);
-        let (omega, v) = self.rates_now();
-        let tau = std::array::from_fn(|i| {
-            let g = &self.gains.hub[i];
-            let strain = g.strain * compliance.root[i];
-            let s = self.hub_surface(i, &at);
-            let forward = g.feedforward * (g.slope * omega[i] + strain * at.moment_rate[i]);
-            at.load[i]
-                - self.actuation.hub_inertia[i] * (g.reach * s + forward)
-                - omega[i] / strain
-                - self.observers[i].disturbance
-        });
-        let g = &self.gains.object;
-        let strain = g.strain * compliance.tip;
-        let forward = g.feedforward * (g.slope * v + strain * at.shear_rate);
-        let u = at.shear
-            - at.mass * (g.reach * self.object_surface(&at) + forward)
-            - v / strain
-            - self.observers[2].disturbance;
-        Commands { tau, u }
+        self.loops().at(&self.point(inputs)).into()
     }
 
     /// Observers and filters are exact for held inputs; inputs that ramp enter with their mean, an error of second order.
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         StepError::check(h, inputs, rates)?;
         let mean = inputs.after(0.5 * h, rates);
-        let forces = self.forces(&mean);
-        let motions = motions(&mean);
-        let velocity = self.velocity(&mean);
-        let known: [Known; 3] = std::array::from_fn(|i| self.known(i));
+        let (forces, known) = (self.forces(&mean), self.known());
+        let velocity = self.object_rate(&mean);
         self.mass.step(h, &self.gains.mass, velocity, forces[2]);
-        for (i, observer) in self.observers.iter_mut().enumerate() {
-            observer.step(h, &known[i], motions[i], forces[i]);
+        if self.networks.is_some() {
+            self.step_networks(h, &mean, &known, &forces);
+        } else {
+            let motions = motions(&mean);
+            for (i, observer) in self.observers.iter_mut().enumerate() {
+                observer.step(h, &known[i], motions[i], forces[i]);
+            }
         }
         let (measured, rate) = (&inputs.measured, &rates.measured);
         self.root_moment_rate.step(h, measured.root_moment_dot, rate.root_moment_dot);
@@ -416,69 +418,20 @@ impl Law for RootStrain {
     }
 
     fn jacobian(&mut self, inputs: &Inputs) -> CommandJacobian {
-        let at = self.point(inputs);
-        let errors = self.arms.error_jacobian();
-        let compliance = Compliance::of(&self.arms);
-        let direct_rates = self.source == RateSource::Measured && !self.root_moment_rate.is_on();
-        let tau = std::array::from_fn(|i| {
-            let g = &self.gains.hub[i];
-            let inertia = self.actuation.hub_inertia[i];
-            let strain = g.strain * compliance.root[i];
-            let mut row = errors.e[i].map(|by_input| -inertia * g.reach * g.slope * by_input);
-            row[column::ROOT_MOMENT + i] += 1.0 - inertia * g.reach * strain;
-            let sign = if i == 0 { 1.0 } else { -1.0 };
-            row[column::LAMBDA1_REF] -= inertia * g.reach * strain * self.arms.length * sign;
-            if direct_rates {
-                row[column::ROOT_MOMENT_DOT + i] -= inertia * g.feedforward * strain;
-            }
-            row
-        });
-        let g = &self.gains.object;
-        let strain = g.strain * compliance.tip;
-        let by_p = -at.mass * g.reach * self.slope_by_p(&at);
-        let mut u = errors.p.map(|by_input| by_p * by_input);
-        for i in 0..2 {
-            u[column::TIP_SHEAR + i] += 1.0 - at.mass * g.reach * strain;
-            if direct_rates {
-                u[column::TIP_SHEAR_DOT + i] -= at.mass * g.feedforward * strain;
-            }
+        let (at, loops) = (self.point(inputs), self.loops());
+        let mut jacobian = CommandJacobian { tau: [[0.0; INPUTS]; 2], u: [0.0; INPUTS] };
+        for column in 0..INPUTS {
+            let mut unit = [0.0; INPUTS];
+            unit[column] = 1.0;
+            let Outcome { tau, u, .. } = loops.change(&at, &self.direction(&Inputs::from_array(unit)));
+            (jacobian.tau[0][column], jacobian.tau[1][column], jacobian.u[column]) = (tau[0], tau[1], u);
         }
-        CommandJacobian { tau, u }
+        jacobian
     }
 
+    /// Networks are evaluated once per step; in between they are as the observers are.
     fn command_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Commands {
-        let mut commands = self.jacobian(inputs).apply(rates);
-        let state = self.state_rates(inputs);
-        let at = self.point(inputs);
-        let compliance = Compliance::of(&self.arms);
-        let omega_dot: [f64; 2] = std::array::from_fn(|i| state.observers[i].rate);
-        let v_dot = state.observers[2].rate;
-        let (moment_jerk, shear_jerk) = match self.source {
-            RateSource::Estimated => self.quasi_static(omega_dot, v_dot),
-            RateSource::Measured if self.root_moment_rate.is_on() => {
-                let (m, r) = (&inputs.measured, &rates.measured);
-                let shear = self.tip_shear_rate.output_rate(m.tip_shear_dot, r.tip_shear_dot);
-                (self.root_moment_rate.output_rate(m.root_moment_dot, r.root_moment_dot), shear[0] + shear[1])
-            }
-            RateSource::Measured => ([0.0; 2], 0.0),
-        };
-        for i in 0..2 {
-            let g = &self.gains.hub[i];
-            let strain = g.strain * compliance.root[i];
-            let inertia = self.actuation.hub_inertia[i];
-            commands.tau[i] -= (inertia * (g.reach + g.feedforward * g.slope) + strain.recip()) * omega_dot[i]
-                + inertia * g.feedforward * strain * moment_jerk[i]
-                + state.observers[i].disturbance;
-        }
-        let g = &self.gains.object;
-        let strain = g.strain * compliance.tip;
-        let v = self.observers[2].rate;
-        let by_mass = g.reach * (self.object_surface(&at) + at.mass * self.slope_by_mass(&at))
-            + g.feedforward * (g.slope * v + strain * at.shear_rate);
-        commands.u -= (at.mass * (g.reach + g.feedforward * g.slope) + strain.recip()) * v_dot
-            + at.mass * g.feedforward * strain * shear_jerk
-            + state.observers[2].disturbance
-            + by_mass * state.mass;
-        commands
+        let change = self.velocity(inputs, rates);
+        self.loops().change(&self.point(inputs), &change).into()
     }
 }

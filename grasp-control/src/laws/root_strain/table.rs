@@ -1,6 +1,6 @@
 //! The parameters by name, with unit and range: what is declared and what is checked.
 
-use super::{HubGains, MassGains, ObjectGains, RootStrainGains};
+use super::{HubGains, MassGains, NetworkGains, ObjectGains, RootStrainGains};
 use crate::laws::GAIN;
 use crate::laws::encoders::POLES;
 use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
@@ -100,6 +100,26 @@ impl MassGains {
         [parameter!("r_mass_0", "kg", MASS, "Root-strain law: m_hat at the start", initial)];
 }
 
+impl NetworkGains {
+    /// The gains of networks and robust terms.
+    pub const PARAMETERS: [Parameter<Self>; 2] = [
+        parameter!(
+            "r_leakage",
+            "1/s",
+            GAIN,
+            "Root-strain law with networks: rate at which they and the robust terms forget",
+            leakage
+        ),
+        parameter!(
+            "r_robust",
+            "1",
+            GAIN,
+            "Root-strain law with networks: learning rate of the robust terms relative to theirs",
+            robust
+        ),
+    ];
+}
+
 impl RootStrainGains {
     /// The gains of the law as a whole.
     pub const PARAMETERS: [Parameter<Self>; 1] = [parameter!(
@@ -119,6 +139,7 @@ impl RootStrainGains {
         check_family(&HubGains::PARAMETERS, &self.hub)?;
         check(&MassGains::PARAMETERS, &self.mass)?;
         check(&MassGains::FIXED, &self.mass)?;
+        check(&NetworkGains::PARAMETERS, &self.networks)?;
         check(&Self::PARAMETERS, self)?;
         let least = Range::new(self.mass.smallest, MASS.max);
         Admissible::Within(least).check("r_mass_max", self.mass.largest)
