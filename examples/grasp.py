@@ -2,6 +2,7 @@
 
     python examples/grasp.py
     python examples/grasp.py --controller PdsController --stop 2 --set M=1.0
+    python grasp.py --dist ~/Downloads/fmus          # a copy of this file, anywhere
 
 The other examples import `Grasp` from here; a copy of this file is all that is needed to use it elsewhere.
 """
@@ -17,8 +18,21 @@ import numpy as np
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave
 
-DIST = Path(__file__).parents[1] / "dist"
+PLANT = "DualArmPlant.fmu"
 CONTROLLERS = ("NabfcController", "PdsController", "PdController")
+
+
+def find_dist(wanted: str | None = None) -> Path:
+    """The folder of the FMUs: the one that is named, or `dist` here, or `dist` beside or above this file."""
+    if wanted is not None:
+        folders = [Path(wanted).expanduser()]
+    else:
+        folders = [Path("dist"), *(folder / "dist" for folder in Path(__file__).resolve().parents)]
+    for folder in folders:
+        if (folder / PLANT).is_file():
+            return folder
+    searched = folders[0] if wanted is not None else "./dist and the folders above this file"
+    raise SystemExit(f"{PLANT} is not in {searched}: name the folder of the FMUs with --dist")
 
 
 class Component:
@@ -63,10 +77,11 @@ class Component:
 class Grasp:
     """The plant with one of the three controllers; ready to step."""
 
-    def __init__(self, controller: str = "NabfcController", **settings: float) -> None:
+    def __init__(self, controller: str = "NabfcController", dist: Path | None = None, **settings: float) -> None:
+        dist = dist or find_dist()
         self.time = 0.0
-        self.plant = Component(DIST / "DualArmPlant.fmu")
-        self.controller = Component(DIST / f"{controller}.fmu")
+        self.plant = Component(dist / PLANT)
+        self.controller = Component(dist / f"{controller}.fmu")
         components = (self.plant, self.controller)
         # Parameters and references must be set before initialisation. Both sides have EI1, EI2, l and L; the controller
         # could be told something else than the plant, but here both get the value.
@@ -149,10 +164,11 @@ def main() -> None:
     parser.add_argument(
         "--set", type=setting, action="append", default=[], metavar="NAME=NUMBER", help="a parameter or an input"
     )
+    parser.add_argument("--dist", metavar="FOLDER", help="where the FMUs are")
     parser.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
     arguments = parser.parse_args()
 
-    grasp = Grasp(arguments.controller, **dict(arguments.set))
+    grasp = Grasp(arguments.controller, find_dist(arguments.dist), **dict(arguments.set))
     forces, torques = ("contact_force1", "contact_force2"), ("tau1", "tau2")
     result = grasp.run(arguments.stop, *forces, *torques, "u")
     goal = grasp.controller.get("lambda2_d")[0]

@@ -12,7 +12,7 @@ import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
-from grasp import DIST, Component, settling_time
+from grasp import PLANT, Component, find_dist, settling_time
 
 EI, LENGTH, SIDE = 0.115, 0.2, 0.1  # bending stiffness [N.m2], length of an arm [m], width of the object [m]
 HUB_INERTIA, MASS = 0.0073, 0.5  # [kg.m2], [kg]: object and both tips
@@ -46,9 +46,11 @@ def main() -> None:
     """Runs the law against the plant, prints when the forces have settled and plots it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
-    save = parser.parse_args().save
+    parser.add_argument("--dist", metavar="FOLDER", help="where the FMUs are")
+    arguments = parser.parse_args()
+    save = arguments.save
 
-    plant = Component(DIST / "DualArmPlant.fmu")
+    plant = Component(find_dist(arguments.dist) / PLANT)
     plant.fmu.setupExperiment(startTime=0.0)
     plant.fmu.enterInitializationMode()
     plant.fmu.exitInitializationMode()

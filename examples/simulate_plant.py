@@ -1,6 +1,7 @@
 """One FMU in FMPy: a torque moves the grasped object aside and brings it to rest again.
 
     python examples/simulate_plant.py
+    python simulate_plant.py --plant ~/Downloads/DualArmPlant.fmu      # a copy of this file, anywhere
 
 Hub 1 gets +0.05 N.m for 0.1 s and -0.05 N.m for another 0.1 s; hub 2 and the object are not driven. All that moves the
 object is the bending of the two arms, which goes on a little after the torque has ended.
@@ -13,11 +14,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 from fmpy import simulate_fmu
 
-PLANT = Path(__file__).parents[1] / "dist" / "DualArmPlant.fmu"
+PLANT = Path(__file__).resolve().parent.parent / "dist" / "DualArmPlant.fmu"
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-arguments.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
-save = arguments.parse_args().save
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("--plant", metavar="FILE", default=PLANT, help="the FMU [default: that in the repository's dist]")
+parser.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
+arguments = parser.parse_args()
+save = arguments.save
 
 # The input over time; two rows of one time are a jump. Inputs that are not listed stay at their start value, zero, and
 # FMPy prints a warning for each.
@@ -26,7 +29,7 @@ torque = np.array(
     dtype=[("time", float), ("tau1_cmd", float)],
 )
 result = simulate_fmu(
-    str(PLANT),
+    str(Path(arguments.plant).expanduser()),
     stop_time=1.0,
     # The plant solves every step exactly, whatever its size: this is the resolution of the plot, not an accuracy.
     output_interval=1e-3,

@@ -10,14 +10,16 @@ import argparse
 
 import matplotlib.pyplot as plt
 import numpy as np
-from grasp import Grasp
+from grasp import Grasp, find_dist
 
 GOAL, PUSH = 0.5, 0.1  # wanted contact force [N]; force that pushes the object [N]
 GAINS = (40.0, 200.0, 1000.0, 5000.0, 25000.0)  # kp [N/m] that are tried
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-arguments.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
-save = arguments.parse_args().save
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
+parser.add_argument("--dist", metavar="FOLDER", help="where the FMUs are")
+arguments = parser.parse_args()
+save, dist = arguments.save, find_dist(arguments.dist)
 
 
 def pushed(grasp: Grasp, gain: float) -> dict[str, np.ndarray]:
@@ -27,7 +29,7 @@ def pushed(grasp: Grasp, gain: float) -> dict[str, np.ndarray]:
     return grasp.run(1.0, "contact_force1")
 
 
-grasp = Grasp("PdsController")
+grasp = Grasp("PdsController", dist)
 before = grasp.run(3.0, "contact_force1")
 components = (grasp.plant, grasp.controller)
 saved_time = grasp.time
@@ -49,7 +51,7 @@ print(f"best: kp = {best:.0f} N/m")
 copies = [component.fmu.serializeFMUstate(state) for component, state in zip(components, saved)]
 for component, state in zip(components, saved):
     component.fmu.freeFMUstate(state)
-twin = Grasp("PdsController")
+twin = Grasp("PdsController", dist)
 for component, data in zip((twin.plant, twin.controller), copies):
     component.fmu.setFMUstate(component.fmu.deSerializeFMUstate(data))
 twin.time = saved_time

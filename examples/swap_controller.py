@@ -6,17 +6,19 @@ python examples/swap_controller.py
 import argparse
 
 import matplotlib.pyplot as plt
-from grasp import Grasp, settling_time
+from grasp import Grasp, find_dist, settling_time
 
 FORCES = ("contact_force1", "contact_force2")
 
-arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-arguments.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
-save = arguments.parse_args().save
+parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+parser.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
+parser.add_argument("--dist", metavar="FOLDER", help="where the FMUs are")
+arguments = parser.parse_args()
+save, dist = arguments.save, find_dist(arguments.dist)
 
 figure, panels = plt.subplots(2, sharex=True, sharey=True, figsize=(7, 6), layout="constrained")
 for name in ("NabfcController", "PdsController", "PdController"):
-    grasp = Grasp(name)
+    grasp = Grasp(name, dist)
     # At 0.1 ms; the hub gain of PdController is stable up to 0.26 ms only, NabfcController would do with 1 ms.
     result = grasp.run(5.0, *FORCES)
     grasp.close()

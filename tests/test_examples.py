@@ -53,6 +53,21 @@ def test_simulate_plant(tmp_path: Path) -> None:
     assert angles == pytest.approx([rigid, rigid], abs=np.exp(-9.4) * rigid * 4)
 
 
+@pytest.mark.parametrize("name", ["grasp.py", "own_controller.py", "simulate_plant.py"])
+def test_copied_elsewhere_they_run(name: str, tmp_path: Path) -> None:
+    """A copy has no repository around it: the folder of the FMUs is named, or the script says how to name it."""
+    for file in {name, "grasp.py"}:
+        (tmp_path / file).write_bytes((EXAMPLES / file).read_bytes())
+    option = ["--plant", str(DIST / "DualArmPlant.fmu")] if name == "simulate_plant.py" else ["--dist", str(DIST)]
+    command = [sys.executable, str(tmp_path / name), "--save", str(tmp_path / "plot.png")]
+    run = subprocess.run([*command, *option], cwd=tmp_path, env=WITHOUT_DISPLAY, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    if name != "simulate_plant.py":
+        run = subprocess.run(command, cwd=tmp_path, env=WITHOUT_DISPLAY, capture_output=True, text=True)
+        assert run.returncode == 1
+        assert "name the folder of the FMUs with --dist" in run.stderr
+
+
 def test_grasp(tmp_path: Path) -> None:
     """The wanted force follows the reference; settling is that of the paper's claim."""
     final, settled = r"force \d: (\S+) N", r"within 2 % from (\S+) s"

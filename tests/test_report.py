@@ -11,6 +11,7 @@ import tarfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -269,7 +270,8 @@ def test_controllers_can_be_hidden(report: Report, browser: Browser) -> None:
         button = page.get_by_role("button", name="PDS", exact=True)
         button.click()
         assert button.get_attribute("aria-pressed") == "false"
-        hidden = page.eval_on_selector_all(".chart figcaption > span", "all => all.map(one => one.hidden)")
+        labels = ".chart figcaption > span:not(.take)"
+        hidden = page.eval_on_selector_all(labels, "all => all.map(one => one.hidden)")
         assert hidden == [False, True, False] * 9
         button.click()
         settle(page)
@@ -320,7 +322,7 @@ def test_the_keyboard_is_enough(report: Report, browser: Browser) -> None:
         assert page.get_by_role("button", name="Play").count() == 1
         # Tab reaches every control, each has a name and shows the focus.
         reached = []
-        for _ in range(60):
+        for _ in range(150):
             page.keyboard.press("Tab")
             one = page.evaluate(
                 """() => {
@@ -337,6 +339,168 @@ def test_the_keyboard_is_enough(report: Report, browser: Browser) -> None:
         wanted = {"theme", "play", "scrub", "speed", "exaggeration", "NABFC", "PDS", "PD"}
         wanted |= {"50 ms", "0.5 s", "2 s", "All", "+", MINUS}
         assert wanted <= {key for key, *_ in reached}
+
+
+@pytest.mark.parametrize("focus", ["body", "#play", "#zoom button", ".take button", "summary", ".wide", "#scrub"])
+def test_keys_work_wherever_the_focus_is(report: Report, browser: Browser, focus: str) -> None:
+    with browser.open(report.html) as opened:
+        page = opened.page
+        page.locator(focus).first.focus()
+        page.keyboard.press("End")
+        assert shown_time(page) == 8.0
+        page.keyboard.press("ArrowLeft")
+        assert shown_time(page) == pytest.approx(8.0 - 8.0 / 200, abs=1e-3)
+        page.keyboard.press("Home")
+        assert shown_time(page) == 0.0
+
+
+def test_the_clock_is_never_outside_of_what_is_shown(report: Report, browser: Browser) -> None:
+    with browser.open(report.html) as opened:
+        page = opened.page
+        page.get_by_role("button", name="50 ms").click()
+        assert shown_time(page) == pytest.approx(0.05), "0.305 s is out of view"
+        page.keyboard.press("ArrowRight")
+        assert shown_time(page) == pytest.approx(0.05)
+        page.keyboard.press("Home")
+        page.keyboard.press("Shift+ArrowLeft")
+        assert shown_time(page) == 0.0
+
+
+def test_the_result_is_on_the_first_screen(report: Report, browser: Browser) -> None:
+    with (report.html.parent / "metrics.csv").open(newline="", encoding="utf-8") as file:
+        metrics = list(csv.DictReader(file))
+    for viewport in ({"width": 1280, "height": 720}, {"width": 390, "height": 844}):
+        with browser.open(report.html, viewport=viewport) as opened:
+            cards = opened.page.locator(".result li")
+            assert cards.count() == 3
+            for index, run in enumerate(metrics):
+                longest = max(float(run[f"force{arm}_settling_2_s"]) for arm in (1, 2))
+                shown = float(cards.nth(index).locator("b").inner_text().split()[0])
+                assert shown == pytest.approx(longest, abs=5e-3)
+                box = cards.nth(index).bounding_box()
+                assert box["y"] + box["height"] <= viewport["height"]
+
+
+def test_data_charts_and_figures_can_be_taken_away(report: Report, browser: Browser, tmp_path: Path) -> None:
+    """CSV as exact as the page is; SVG and PNG of a chart and of each of the paper's figures."""
+
+    def take(button: Any) -> Path:
+        with page.expect_download() as caught:
+            button.click()
+        path = tmp_path / caught.value.suggested_filename
+        caught.value.save_as(path)
+        return path
+
+    with browser.open(report.html, accept_downloads=True) as opened:
+        page = opened.page
+        file = take(page.get_by_role("button", name="Data of PDS as CSV"))
+        assert file.name == "pds.csv"
+        with file.open(newline="", encoding="utf-8") as text:
+            header, *rows = csv.reader(text)
+        data = dict(zip(header, np.array(rows, dtype=float).T))
+        on_grid = np.isclose(data["time"] * 1e3, np.round(data["time"] * 1e3), atol=1e-6)
+        for signal in ("contact_force1", "tau2", "deflection1[6]", "theta1_dot"):
+            truth = np.interp(data["time"], report.runs["pds"]["time"], report.runs["pds"][signal])
+            span = np.ptp(report.runs["pds"][signal])
+            # Half a quantum of a millionth of the span, and seven digits.
+            assert np.abs(data[signal] - truth)[on_grid].max() < 2e-6 * span
+        for name in ("Contact force f₁", "Torque τ₁"):
+            svg = take(page.get_by_role("button", name=f"{name} as SVG", exact=True))
+            root = ElementTree.parse(svg).getroot()
+            assert root.tag.endswith("svg")
+            assert "PDS" in "".join(root.itertext())
+            drawn = take(page.get_by_role("button", name=f"{name} as PNG", exact=True))
+            assert drawn.read_bytes().startswith(b"\x89PNG")
+            assert drawn.stat().st_size > 10_000
+        page.locator(".figures summary").click()
+        figures = page.locator(".drawn figure")
+        names = figures.evaluate_all("all => all.map(one => one.dataset.name)")
+        assert {f"fig{number:02}" for number in range(2, 19)} <= set(names)
+        first = take(figures.nth(names.index("fig17")).get_by_role("button", name="SVG"))
+        assert first.name == "fig17.svg"
+        assert "Fig. 17" in "".join(ElementTree.parse(first).getroot().itertext())
+
+
+def test_print_has_its_charts_as_drawings(report: Report, browser: Browser) -> None:
+    with browser.open(report.html, color_scheme="dark") as opened:
+        page = opened.page
+        assert len(page.pdf(format="A4")) > 50_000
+        page.emulate_media(media="print")
+        page.evaluate("dispatchEvent(new Event('beforeprint'))")
+        drawn = page.locator(".printed svg")
+        assert drawn.count() == 9
+        page.set_viewport_size({"width": 700, "height": 1000})
+        assert page.evaluate("document.documentElement.scrollWidth") <= 700, "nothing is cut off at the paper's edge"
+        assert all(drawn.nth(index).bounding_box()["width"] > 200 for index in range(9))
+        assert not page.locator("canvas").first.is_visible()
+        background = page.evaluate("getComputedStyle(document.querySelector('.result li')).backgroundColor")
+        assert background == "rgb(255, 255, 255)", "paper is light"
+
+
+def test_a_page_of_any_run(browser: Browser, tmp_path: Path) -> None:
+    """`simulate --report`: a grasp moves; what differs from the defaults is said; the estimates have charts."""
+    path = tmp_path / "heavy.html"
+    done = dualarm("simulate", "unknown-mass", "--set", "delta_F=0.01", "--stop", "1", "--report", str(path))
+    assert done.returncode == 0, done.stderr
+    assert str(path) in done.stdout
+    with browser.open(path) as opened:
+        page = opened.page
+        assert page.locator("circle.tip").count() == 2
+        assert "An object five times as heavy" in page.inner_text("h1")
+        changed = page.locator(".changed tr", has_text="DualArmPlant")
+        assert changed.first.locator("th, td").all_inner_texts()[:4] == ["M DualArmPlant", "0.3", "1.5", "kg"]
+        assert "DualArmPlant.delta_F = 0.01 N" in page.inner_text("[aria-labelledby=parameters-title]")
+        page.get_by_text("What the controller estimates").click()
+        page.wait_for_selector("[data-signal=m_hat] canvas")
+        # Any other signal has a chart when asked for.
+        page.select_option("#signal", "root_moment1")
+        assert "root_moment1 (N·m)" in page.inner_text("[data-signal=root_moment1]")
+
+
+def test_a_page_of_saved_results(browser: Browser, tmp_path: Path) -> None:
+    """`dualarm report`: files of this tool and of another one overlaid, with another length and another end."""
+    for name, stop in (("a.parquet", "1"), ("b.csv", "2")):
+        done = dualarm("simulate", "pds", "--stop", stop, "-o", str(tmp_path / name))
+        assert done.returncode == 0, done.stderr
+    with (tmp_path / "b.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    # As OMSimulator names them; a controller of one's own has no target, so nothing is judged.
+    kept = [index for index, name in enumerate(header) if name != "lambda2_d"]
+    with (tmp_path / "c.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([header[index] if index == 0 else f"model.root.plant.{header[index]}" for index in kept])
+        writer.writerows([row[index] for index in kept] for row in rows)
+    page_file = tmp_path / "page.html"
+    files = [str(tmp_path / name) for name in ("a.parquet", "c.csv")]
+    done = dualarm("report", *files, "--names", "ours,mine", "-o", str(page_file))
+    assert done.returncode == 0, done.stderr
+    with browser.open(page_file) as opened:
+        page = opened.page
+        assert page.locator(".run").count() == 2, "both move: lengths follow from the constraint (12)"
+        assert page.locator(".result li").count() == 1
+        assert spans(page)[0][0] == (0.0, 2.0)
+        show(page, 1.5)
+        values = page.locator("[data-signal=theta1] figcaption > span:not(.take)").all_inner_texts()
+        theta = float(rows[1500][header.index("theta1")])
+        assert float(values[1]) == pytest.approx(np.degrees(theta), abs=1e-3)
+        assert page.get_by_role("button", name="mine", exact=True).count() == 1
+
+
+def test_a_page_of_another_system(browser: Browser, tmp_path: Path) -> None:
+    """Without a grasp there are curves, under their names and with their units, and no word of arms."""
+    file = tmp_path / "tank.csv"
+    rows = "".join(f"{k / 10},{20 + k % 7},{k * 1e-9},{'on' if k % 2 else 'off'}\n" for k in range(200))
+    file.write_text(f"Time,T [K],leak [m3/s],pump\n{rows}", encoding="utf-8")
+    done = dualarm("report", str(file))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == str(tmp_path / "tank.html")
+    with browser.open(tmp_path / "tank.html") as opened:
+        page = opened.page
+        assert page.locator(".chart strong").all_inner_texts() == ["T (K)", "leak (m3/s)"]
+        assert page.locator("#scenes, #exaggeration, .result, .metrics").count() == 0
+        assert not re.search(r"\barms?\b", page.inner_text("main"))
+        page.keyboard.press("End")
+        assert shown_time(page) == pytest.approx(19.9)
 
 
 def test_nothing_moves_for_those_who_want_no_motion(report: Report, browser: Browser) -> None:

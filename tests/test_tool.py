@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -295,15 +296,95 @@ def test_a_plant_without_target_says_why_it_has_no_metrics() -> None:
 
 
 def test_actuators_that_stay_at_their_limits_are_warned_about() -> None:
-    """PD is unstable beyond steps of 0.26 ms: then both motors go from limit to limit."""
+    """PD is unstable beyond steps of 0.26 ms: then both motors go from limit to limit, which the plant says once."""
 
     def saturated(*options: str) -> list[str]:
         done = dualarm("simulate", "pd", "--json", *options)
         warnings = json.loads(done.stdout)["warnings"]
-        return [line.split()[0] for line in warnings if "the loop may be unstable" in line]
+        return [line for line in warnings if "The loop may be unstable" in line]
 
-    assert saturated("--step", "1e-3") == ["tau1", "tau2"]
+    (said,) = saturated("--step", "1e-3")
+    assert said.startswith("DualArmPlant: at t = ")
+    assert "tau1" in said
     assert saturated("--step", "1e-4") == []
+
+
+def test_a_scenario_is_printed_and_runs_as_it_was_printed(tmp_path: Path) -> None:
+    """`dualarm scenario`: the file, and on standard error where it is; a copy of it is a scenario of one's own."""
+    done = dualarm("scenario", "preload")
+    file = ROOT / "scenarios" / "preload.toml"
+    assert done.stdout == file.read_text(encoding="utf-8")
+    assert str(file) in done.stderr
+    elsewhere = dualarm("scenario", "preload", cwd=tmp_path)
+    assert "scenarios/preload.toml of the repository" in elsewhere.stderr
+    mine = tmp_path / "mine.toml"
+    mine.write_text(done.stdout, encoding="utf-8")
+    runs = [json.loads(dualarm("simulate", what, "--json").stdout)["metrics"] for what in ("preload", str(mine))]
+    assert runs[0] == runs[1]
+    names = dualarm("scenario").stdout.split()
+    assert {"nabfc", "matrix/delay-5"} <= set(names)
+    wrong = dualarm("scenario", "matrix/dealy-5")
+    assert wrong.returncode == 2
+    assert "did you mean matrix/delay-5" in wrong.stderr
+
+
+def test_several_scenarios_at_once_are_explained() -> None:
+    done = dualarm("simulate", "nabfc", "pds")
+    assert done.returncode == 2
+    assert "nabfc is a scenario; one runs at a time" in done.stderr
+    assert "dualarm report" in done.stderr
+
+
+def test_a_word_that_is_no_name_leads_to_the_variable_it_describes() -> None:
+    done = dualarm("simulate", "--set", "mass=1")
+    assert done.returncode == 2
+    assert re.search(r"did you mean .*\bM\b", done.stderr), done.stderr
+
+
+def test_info_tells_what_is_in_an_ssp() -> None:
+    file = str(ROOT / "dist" / "DualArmGrasp-PD.ssp")
+    document = json.loads(dualarm("info", file, "--json").stdout)
+    assert {component["model"] for component in document["components"]} == {"DualArmPlant", "PdController"}
+    links = {(link["from"].split(".")[1], link["to"].split(".")[1]) for link in document["connections"]}
+    assert ("tau1_cmd", "tau1_cmd") in links
+    assert any(name.endswith(".delta_F") for name in document["open_inputs"])
+    assert document["default_experiment"]["step"] == 5e-5
+    text = dualarm("info", file).stdout
+    assert all(heading in text for heading in ("Components", "Connections", "Inputs that nothing leads to"))
+
+
+def test_without_a_repository_nothing_is_built_and_the_remedy_is_said(tmp_path: Path) -> None:
+    """Never from where the tool was once compiled: that may be another version, or gone."""
+    done = dualarm("package", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "not around this folder" in done.stderr
+    assert "--no-package" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", [("simulate", "pds"), ("compare", "--no-package", "--no-matrix"), ("verify", "--help")])
+def test_tables_fit_a_terminal_of_80_columns(command: tuple[str, ...], tmp_path: Path) -> None:
+    option = ["--out", str(tmp_path)] if command[0] == "compare" else []
+    lines = dualarm(*command, *option).stdout.splitlines()
+    tables = [line for line in lines if not line.endswith("s") or "─" in line]
+    assert max(map(len, tables)) <= 80, max(lines, key=len)
+
+
+@pytest.mark.parametrize("shell", ["bash", "fish"])
+def test_completions_know_the_scenarios(shell: str) -> None:
+    script = dualarm("completions", shell).stdout
+    assert "change-of-reference" in script
+    assert "raw-dead-zone" in script
+
+
+def test_a_page_of_a_search(tmp_path: Path) -> None:
+    page, preset = tmp_path / "page.html", tmp_path / "preset.toml"
+    options = ["--evaluations", "8", "--cases", "undisturbed,light", "-p", "kp=50..2000", "-p", "kv=2..200"]
+    done = dualarm("tune", "-c", "pd-tuned", *options, "--out", str(preset), "--report", str(page), "--workers", "1")
+    assert done.returncode == 0, done.stderr
+    text = page.read_text(encoding="utf-8")
+    for part in ("Gains", "Cases, after the search", "The way of the search", "after the search", "--evaluations 8"):
+        assert part in text
 
 
 TANK = '''

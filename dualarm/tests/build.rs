@@ -92,5 +92,5 @@ fn in_a_child_process() {
     fs::write(root.join("plant-fmu/src/lib.rs"), "does not compile").unwrap();
     assert!(run().unwrap_err().to_string().contains("building the FMUs failed"));
     assert_eq!(names(&out), made);
-    assert_eq!(said[0], "building the FMU libraries");
+    assert_eq!(said[0], format!("building the FMU libraries of {}", root.display()));
 }

@@ -53,7 +53,7 @@ fn a_run_writes_its_rows_and_says_what_it_did() {
     let Some(folder) = fixtures() else { return };
     let run = simulate(folder.path(), &["--set", "K=3", "--step", "0.1", "--stop", "1", "-o", "out/a.csv"]);
     assert!(run.status.success(), "{}", text(&run.stderr));
-    assert!(text(&run.stdout).starts_with("Lag + Gain: 4 signals connected, 10 steps of 0.1 s up to t = 1 s"));
+    assert!(text(&run.stdout).starts_with("Lag + Gain: 4 signals connected,\n  10 steps of 0.1 s up to t = 1 s"));
     let csv = fs::read_to_string(folder.path().join("out/a.csv")).unwrap();
     let lines: Vec<_> = csv.lines().collect();
     assert_eq!(lines[0], "time,y,Lag.steps,y_on,u,Gain.steps,u_on");
@@ -143,7 +143,7 @@ fn scenario_files_describe_runs() {
     write("loop.toml", scenario);
     let run = dualarm(&folder.path().join("below"), &["simulate", "../loop.toml", "-o", "out.csv"]);
     assert!(run.status.success(), "{}", text(&run.stderr));
-    assert!(text(&run.stdout).starts_with("A loop\nLag + Gain: 4 signals connected, 10 steps of 0.1 s"));
+    assert!(text(&run.stdout).starts_with("A loop\nLag + Gain: 4 signals connected,\n  10 steps of 0.1 s"));
     let csv = fs::read_to_string(folder.path().join("below/out.csv")).unwrap();
     let times: Vec<_> = csv.lines().skip(1).map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times, ["0", "0.5", "1"]);

@@ -52,6 +52,7 @@ fn plant() -> ModelParameters {
     let parameter = |(name, value): (&str, f64)| Parameter {
         name: name.into(),
         value: Value::Real(value),
+        default: None,
         unit: None,
         description: String::new(),
     };

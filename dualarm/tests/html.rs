@@ -1,38 +1,48 @@
 //! The page as a text: hostile names stay names, every part is there. Browsers look at it in `tests/test_report.py`.
 
 use dualarm::grasp::metrics::Metrics;
-use dualarm::grasp::{self, Controller};
-use dualarm::report::figures::Outcome;
-use dualarm::report::html::{self, Page};
+use dualarm::report::figures::NamedFigure;
+use dualarm::report::figures::chart::Figure;
+use dualarm::report::html::{Page, Run};
 use dualarm::report::parameters::{ModelParameters, Parameter};
-use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
 
 const HOSTILE: &str = "</script><script>alert(1)</script>{{data}}<!--<img src=x onerror='alert(\"2\")'>";
 
-fn html(title: &'static str, text: &str) -> String {
-    let names = ["contact_force1", "contact_force2", "lambda2_d", "tau1", "tau2", "u", "deflection1[1]"];
-    assert!(names.iter().all(|name| html::wants(name)));
-    let columns = names.iter().map(|name| Column { name: (*name).into(), ..Column::default() }).collect();
-    let mut table = Table::new(columns);
-    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
-    for step in 0..=grid.steps() {
-        table.row(grid.time(step), &[0.5; 7]).unwrap();
+fn html(title: &str, text: &str) -> String {
+    let names = ["contact_force1", "contact_force2", "lambda2_d", "tau1", "tau2", "u", "deflection1[1]", text];
+    let columns =
+        names.iter().map(|name| Column { name: (*name).into(), unit: Some(text.into()), ..Column::default() });
+    let mut rows = Table::new(columns.collect());
+    for step in 0..=10_u32 {
+        rows.row(f64::from(step) * 0.1, &[0.5; 8]).unwrap();
     }
-    let parameter =
-        |name: &str, value| Parameter { name: name.into(), value, unit: Some(text.into()), description: text.into() };
+    let parameter = |name: &str, value| Parameter {
+        name: name.into(),
+        value,
+        default: Some(Value::Text(text.into())),
+        unit: Some(text.into()),
+        description: text.into(),
+    };
     let parameters = vec![parameter("l", Value::Real(0.2)), parameter(text, Value::Text(text.into()))];
     let model = ModelParameters { model: text.into(), description: text.into(), parameters };
-    let mut scenario: Controller = grasp::PD;
-    (scenario.title, scenario.paper) = (title, title);
-    let outcome = Outcome {
-        scenario,
-        metrics: Metrics::of(&table, [None; 3]).unwrap(),
-        table: table.clone(),
+    let run = Run {
+        key: text.into(),
+        title: title.into(),
+        paper: title.into(),
+        metrics: Some(Metrics::of(&rows, [None; 3]).unwrap()),
+        rows,
+        notes: vec![text.into()],
         models: vec![model],
     };
-    Page { outcomes: &[outcome], rows: &[table], grid: &grid, setup: text, matrix: None }.to_html()
+    let runs = [run];
+    let figure = Figure { title: text.into(), size: (300, 200), rows: Vec::new() };
+    let figures = [NamedFigure { name: "fig02".into(), caption: text.into(), note: text.into(), figure }];
+    let files = vec![(text.into(), text.into())];
+    let texts = [(); 4].map(|()| text.to_owned());
+    let [title, lead, setup, rows] = texts;
+    Page { title, lead, runs: &runs, setup, rows, figures: &figures, files, ..Page::default() }.to_html()
 }
 
 #[test]

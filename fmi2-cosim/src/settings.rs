@@ -310,15 +310,29 @@ fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
     }
 }
 
-/// The settable variables whose names come closest, with `prefix.` in front.
+/// The settable variables whose names come closest, and those that say this word of themselves, with `prefix.` in front.
 fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -> Vec<String> {
-    let settable = targets.iter().flat_map(|target| {
-        let variables = target.description().variables.iter().enumerate();
-        let free = variables.filter(|(index, variable)| variable.is_settable() && target.driven_by(*index).is_none());
-        free.map(|(_, variable)| variable.name.as_str())
-    });
+    const SHOWN: usize = 5;
+    let settable = || {
+        targets.iter().flat_map(|target| {
+            let variables = target.description().variables.iter().enumerate();
+            let free = variables.filter(|(index, it)| it.is_settable() && target.driven_by(*index).is_none());
+            free.map(|(_, variable)| variable)
+        })
+    };
     let prefix = prefix.map(|component| format!("{component}.")).unwrap_or_default();
-    closest(wanted, settable).into_iter().map(|name| format!("{prefix}{name}")).collect()
+    let mut names = closest(wanted, settable().map(|variable| variable.name.as_str()));
+    let word = wanted.to_lowercase();
+    let says = |variable: &&Variable| {
+        let text = variable.description.as_deref().unwrap_or_default().to_lowercase();
+        text.split(|letter: char| !letter.is_alphanumeric()).any(|said| said == word)
+    };
+    for variable in settable().filter(says) {
+        if names.len() < SHOWN && !names.contains(&variable.name.as_str()) {
+            names.push(&variable.name);
+        }
+    }
+    names.into_iter().map(|name| format!("{prefix}{name}")).collect()
 }
 
 #[cfg(test)]

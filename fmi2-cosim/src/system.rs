@@ -17,6 +17,8 @@ use fmi2_import::{Fmu, Value, Variable};
 pub struct System {
     /// What it is, in a few words.
     pub title: Option<String>,
+    /// What it shows, in sentences, or an empty text.
+    pub description: String,
     /// The FMUs under unique names, in the order in which they run.
     pub components: Vec<(String, Fmu)>,
     /// How they are connected.
@@ -114,6 +116,7 @@ impl System {
     pub fn of_fmus(fmus: &[Fmu]) -> Self {
         Self {
             title: None,
+            description: String::new(),
             components: master::named(fmus),
             connections: Connections::ByName,
             values: Vec::new(),

@@ -68,6 +68,14 @@ impl Actuator {
         }
     }
 
+    /// Whether the output is at one of its limits, where it does not answer the command.
+    #[must_use]
+    pub fn is_limited(&self, command: f64) -> bool {
+        // The outermost kinks are where the limits begin, in every model.
+        let kinks = self.kinks();
+        kinks.first().is_some_and(|low| command <= *low) || kinks.last().is_some_and(|high| command >= *high)
+    }
+
     /// Derivative of the output by the command. At a kink: that of the flat side, as the "≥" and "≤" of (18) say.
     #[must_use]
     pub fn slope(&self, command: f64) -> f64 {
@@ -134,12 +142,18 @@ mod tests {
     }
 
     #[test]
+    fn an_ideal_actuator_has_no_limits() {
+        assert!(!Actuator::new(ActuatorModel::Ideal, &Channel::TORQUE).is_limited(1e9));
+    }
+
+    #[test]
     fn the_papers_channels_give_2_newton_metres_and_0_3_newtons() {
         for (channel, limit) in [(Channel::TORQUE, 2.0), (Channel::FORCE, 0.3)] {
             for model in [ActuatorModel::Compensated, ActuatorModel::Raw] {
                 let actuator = Actuator::new(model, &channel);
                 assert!((actuator.output(99.0) - limit).abs() < 1e-15);
                 assert!((actuator.output(-99.0) + limit).abs() < 1e-15);
+                assert!(actuator.is_limited(99.0) && actuator.is_limited(-99.0) && !actuator.is_limited(0.2));
             }
         }
     }

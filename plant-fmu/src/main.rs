@@ -1,6 +1,9 @@
 //! Packages the FMU of this crate: `cargo run --release -p plant-fmu --features package`.
 
-use fmi2_package::{Document, Panel, Response};
+use fmi2_package::{Document, File, Panel, Response};
+
+/// The sketch that docs/model.md shows, too.
+const GEOMETRY: &[u8] = include_bytes!("../../docs/figures/geometry.svg");
 
 /// Torque that each hub holds against the grasp: at rest the contact force is this over the arms' length, 0.5 N.
 const SQUEEZE: f64 = 0.1;
@@ -28,6 +31,7 @@ fn main() -> std::process::ExitCode {
         license: include_str!("../../LICENSE"),
         command: "cargo run --release -- package",
         response: Some(squeeze),
+        files: &[File { path: "documentation/geometry.svg", content: GEOMETRY }],
         ..Document::new()
     };
     fmi2_package::main(&plant_fmu::FMUS, &[plant])

@@ -2,6 +2,8 @@
 
 /** Shortest span in s: a few communication steps. */
 const SHORTEST_SPAN = 5e-4;
+/** Of the whole run, if that is shorter still. */
+const SHORTEST_SHARE = 1e-3;
 
 function createClock(start, stop) {
   const listeners = { time: [], view: [], playing: [] };
@@ -50,21 +52,24 @@ function createClock(start, stop) {
     on(what, listener) {
       listeners[what].push(listener);
     },
+    /** Shows a time, or the end of the view that is nearest: what is shown is always in view. */
     set(wanted) {
-      time = clamp(wanted, start, stop);
+      time = clamp(wanted, view.from, view.to);
       hovered = null;
       tell("time");
     },
     /** Shows a time for as long as the pointer is there; null ends it. */
     hover(wanted) {
-      hovered = wanted === null ? null : clamp(wanted, start, stop);
+      hovered = wanted === null ? null : clamp(wanted, view.from, view.to);
       if (!playing) tell("time");
     },
     /** Shows the span from `from` to `to`, as far as it is within the run. */
     look(from, to) {
-      const span = clamp(to - from, SHORTEST_SPAN, stop - start);
+      const shortest = Math.min(SHORTEST_SPAN, SHORTEST_SHARE * (stop - start));
+      const span = clamp(to - from, shortest, stop - start);
       const left = clamp((from + to - span) / 2, start, stop - span);
       view = { from: left, to: left + span };
+      time = clamp(time, view.from, view.to);
       tell("view");
       tell("time");
     },
@@ -79,7 +84,7 @@ function createClock(start, stop) {
     },
     play() {
       if (playing) return;
-      if (time < view.from || time >= view.to) time = view.from;
+      if (time >= view.to) time = view.from;
       playing = true;
       before = performance.now();
       frame = requestAnimationFrame(advance);

@@ -34,42 +34,59 @@ function timeText(time, span) {
 }
 
 function bindLegend(legend, data, charts) {
-  data.runs.forEach((run, index) => {
+  for (const run of data.runs) {
     const button = document.createElement("button");
     button.type = "button";
     button.setAttribute("aria-pressed", "true");
     const swatch = document.createElement("i");
-    swatch.className = `swatch run-${index}`;
+    swatch.className = `swatch run-${run.index}`;
     button.append(swatch, run.title);
-    button.addEventListener("click", () => button.setAttribute("aria-pressed", String(charts.toggle(index))));
+    button.addEventListener("click", () => button.setAttribute("aria-pressed", String(charts.toggle(run))));
     legend.append(button);
-  });
+  }
 }
 
+/** Spans to choose from: round ones of about these shares of the whole. */
+const SHARES = [1 / 160, 1 / 16, 1 / 4];
+
 function bindZoom(group, clock) {
-  const spanOf = (button) => (button.dataset.span === "all" ? clock.stop - clock.start : Number(button.dataset.span));
-  const presets = [...group.querySelectorAll("[data-span]")];
-  for (const button of presets) {
-    button.addEventListener("click", () => clock.look(clock.start, clock.start + spanOf(button)));
-  }
+  const whole = clock.stop - clock.start;
+  const round = (wanted) => {
+    const power = 10 ** Math.floor(Math.log10(wanted));
+    const near = (factor) => Math.abs(Math.log((factor * power) / wanted));
+    return [1, 2, 5, 10].reduce((best, factor) => (near(factor) < near(best) ? factor : best)) * power;
+  };
+  const spans = [...SHARES.map((share) => round(share * whole)), whole];
+  const presets = spans.map((span, at) => {
+    const preset = document.createElement("button");
+    preset.type = "button";
+    preset.textContent = at === SHARES.length ? "All" : spanText(span);
+    preset.addEventListener("click", () => clock.look(clock.start, clock.start + span));
+    return preset;
+  });
+  group.prepend(...presets);
   for (const button of group.querySelectorAll("[data-zoom]")) {
     button.addEventListener("click", () => clock.zoom(Number(button.dataset.zoom), clock.time));
   }
   clock.on("view", () => {
     const { from, to } = clock.view;
-    const isShown = (button) => from === clock.start && Math.abs(to - from - spanOf(button)) < 1e-9;
-    presets.forEach((button) => button.setAttribute("aria-current", String(isShown(button))));
+    const isShown = (span) => from === clock.start && Math.abs(to - from - span) < 1e-9 * whole;
+    presets.forEach((preset, at) => preset.setAttribute("aria-current", String(isShown(spans[at]))));
   });
+}
+
+function spanText(span) {
+  return span < 0.2 ? `${short(1000 * span)} ms` : `${short(span)} s`;
 }
 
 function pressed(event, clock) {
   if (event.ctrlKey || event.metaKey || event.altKey) return;
   const target = event.target instanceof Element ? event.target : document.body;
   // What has the focus keeps the keys it understands itself.
-  const isSlider = target.matches("input[type=range]");
   if (target.closest("select, textarea, [contenteditable]")) return;
   if (event.key === " " && target.closest("button, summary, a")) return;
-  if (event.key.startsWith("Arrow") && target.closest(".wide")) return;
+  const wide = target.closest(".wide");
+  if (event.key.startsWith("Arrow") && wide && wide.scrollWidth > wide.clientWidth) return;
   const { from, to } = clock.view;
   const step = ((to - from) / 200) * (event.shiftKey ? 10 : 1);
   const actions = {
@@ -82,8 +99,6 @@ function pressed(event, clock) {
     "-": () => clock.zoom(2, clock.time),
     0: () => clock.look(clock.start, clock.stop),
   };
-  // Home and End scroll the page unless the slider has the focus.
-  if (["Home", "End"].includes(event.key) && !isSlider && !target.closest("#transport")) return;
   const action = actions[event.key];
   if (!action) return;
   event.preventDefault();

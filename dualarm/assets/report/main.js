@@ -11,9 +11,9 @@ const VALUES = [
 ];
 
 /** The panel of one run: title, state of the grasp, picture, values. */
-function createPanel(parent, run, index, data) {
+function createPanel(parent, run) {
   const panel = document.createElement("article");
-  panel.className = `run run-${index}`;
+  panel.className = `run run-${run.index}`;
   panel.dataset.key = run.key;
   const header = document.createElement("header");
   const title = document.createElement("h3");
@@ -22,7 +22,7 @@ function createPanel(parent, run, index, data) {
   header.append(title, status);
   panel.append(header);
   parent.append(panel);
-  const draw = createScene(panel, run, data);
+  const draw = createScene(panel, run);
   const list = document.createElement("dl");
   list.className = "values";
   const cells = VALUES.map(({ name }) => {
@@ -34,49 +34,55 @@ function createPanel(parent, run, index, data) {
   });
   panel.append(list);
 
-  return (place, time, exaggeration) => {
-    draw(place, exaggeration);
+  return (time, exaggeration) => {
+    draw(time, exaggeration);
     VALUES.forEach(({ signal, unit, decimals, scale = 1 }, at) => {
-      cells[at].textContent = `${format(sample(run, signal, place) * scale, decimals)} ${unit}`;
+      cells[at].textContent = `${format(sample(run, signal, time) * scale, decimals)} ${unit}`;
     });
-    const { text, kind } = stateOfGrasp(run, place, time - data.times[0]);
+    const { text, kind } = stateOfGrasp(run, time);
     status.textContent = text;
     status.className = `status ${kind}`;
   };
 }
 
 /** What one would say about the grasp at this time. */
-function stateOfGrasp(run, place, passed) {
-  const pulling = [1, 2].filter((arm) => sample(run, `contact_force${arm}`, place) < -5e-4);
+function stateOfGrasp(run, time) {
+  const pulling = [1, 2].filter((arm) => sample(run, `contact_force${arm}`, time) < -5e-4);
   if (pulling.length === 1) return { text: `arm ${pulling[0]} pulls: no real contact`, kind: "pulls" };
   if (pulling.length === 2) return { text: "both arms pull: no real contact", kind: "pulls" };
+  if (!run.judged) return { text: "", kind: "" };
   if (run.settling === null) return { text: "does not settle", kind: "" };
   const settling = `${format(run.settling, 3)} s`;
-  if (passed >= run.settling) return { text: `within ±2 % since ${settling}`, kind: "settled" };
-  return { text: `within ±2 % at ${settling}`, kind: "" };
+  const since = run.since > run.times[0] ? `${settling} after the change at ${format(run.since, 3)} s` : settling;
+  if (time >= run.since + run.settling) return { text: `within ±2 % since ${since}`, kind: "settled" };
+  return { text: `within ±2 % at ${since}`, kind: "" };
 }
 
 async function main() {
   const data = await readData(document.getElementById("data"));
   const { times, runs } = data;
-  const clock = createClock(times[0], times.at(-1));
+  createFigures();
+  if (times.length === 0) {
+    createTheme(document.getElementById("theme"), () => {});
+    document.documentElement.dataset.ready = "true";
+    return;
+  }
+  const clock = createClock(times[0], Math.max(times.at(-1), times[0] + SHORTEST_SPAN));
   const exaggeration = document.getElementById("exaggeration");
   const scenes = document.getElementById("scenes");
-  const panels = runs.map((run, index) => createPanel(scenes, run, index, data));
-  const drawPanels = () => {
-    const place = locate(times, clock.shown);
-    panels.forEach((draw) => draw(place, clock.shown, Number(exaggeration.value)));
-  };
+  const panels = runs.filter((run) => run.geometry).map((run) => createPanel(scenes, run));
+  const drawPanels = () => panels.forEach((draw) => draw(clock.shown, Number(exaggeration.value)));
   clock.on("time", drawPanels);
-  exaggeration.addEventListener("change", drawPanels);
+  exaggeration?.addEventListener("change", drawPanels);
   const charts = createCharts(document.getElementById("charts"), data, clock);
   createTheme(document.getElementById("theme"), charts.redraw);
   createControls(clock, data, charts);
+  createDownloads(data);
 
   // Begin where there is something to see: when the first controller holds the object and the others are on their way.
-  const settled = runs.map((run) => run.settling).filter((time) => time !== null);
+  const settled = runs.filter((run) => run.settling !== null).map((run) => run.since + run.settling);
   clock.look(times[0], times.at(-1));
-  clock.set(times[0] + (settled.length > 0 ? Math.min(...settled) : 0));
+  clock.set(settled.length > 0 ? Math.min(...settled) : times[0]);
   document.documentElement.dataset.ready = "true";
 }
 

@@ -4,8 +4,10 @@ const HEIGHT = 210;
 /** How long the kick lasts that PD and PDS begin with, in s; a longer span leaves it out of the vertical axis. */
 const KICK = 0.02;
 const LONG_SPAN = 0.2;
+const DASHES = [6, 4];
 
-function options(chart, target, columns, data, clock, frame) {
+/** `chart` says what is drawn, `curves` and `targets` are its columns. */
+function options(chart, curves, targets, data, clock, frame) {
   const axis = {
     stroke: () => colour("--soft"),
     grid: { stroke: () => colour("--grid"), width: 1 },
@@ -25,7 +27,7 @@ function options(chart, target, columns, data, clock, frame) {
     },
     scales: {
       x: { time: false, range: () => [clock.view.from, clock.view.to] },
-      y: { range: (plot) => verticalRange(plot, chart, target, columns, data.times, clock.view) },
+      y: { range: () => verticalRange(chart, curves, targets, data.times, clock.view) },
     },
     axes: [
       {
@@ -38,14 +40,14 @@ function options(chart, target, columns, data, clock, frame) {
       {
         ...axis,
         space: 32,
-        size: 54,
+        size: (plot, values) => Math.max(54, 14 + 7 * Math.max(0, ...(values ?? []).map((text) => text.length))),
         gap: 4,
-        values: (plot, splits, index, space, step) => splits.map((value) => format(value, decimals(step))),
+        values: (plot, splits, index, space, step) => splits.map((value) => tick(value, step)),
       },
     ],
-    series: [{}, ...data.runs.map((run, index) => curveStyle(run, index)).toReversed()],
+    series: [{}, ...curves.map(curveStyle)],
     hooks: {
-      drawAxes: [(plot) => drawTarget(plot, target, chart.band)],
+      drawAxes: [(plot) => targets.forEach((values) => drawTarget(plot, values, chart.band))],
       setSelect: [
         (plot) => {
           const { left, width } = plot.select;
@@ -65,23 +67,39 @@ function describe(plot, chart, runs) {
   const { x, y } = plot.scales;
   const digits = Math.min(Math.max(2 - Math.floor(Math.log10(y.max - y.min)), 0), 9);
   const time = `from ${format(x.min, 4)} to ${format(x.max, 4)} s`;
-  const values = `between ${format(y.min, digits)} and ${format(y.max, digits)} ${chart.unit}`;
+  const values = `between ${format(y.min, digits)} and ${format(y.max, digits)} ${chart.unit ?? ""}`;
   return `${chart.title} ${time}, ${values}: ${runs.map((run) => run.title).join(", ")}`;
 }
 
-/** Which of uPlot's series belongs to a run: the first run is drawn last, on top of those that vibrate. */
-function series(runs, index) {
-  return runs.length - index;
+function curveStyle({ run, dashed }) {
+  return {
+    label: run.title,
+    stroke: () => colour(`--run-${run.index}`),
+    fill: () => see(colour(`--run-${run.index}`)),
+    width: dashed ? 1.2 : 1.6,
+    dash: dashed ? DASHES : undefined,
+    pxAlign: 0,
+    points: { show: false },
+    paths: tracePaths,
+  };
 }
 
-function curveStyle(run, index) {
-  return { label: run.title, stroke: () => colour(`--run-${index}`), width: 1.6, pxAlign: 0, points: { show: false } };
+/** A colour that lets others through. */
+function see(opaque) {
+  return opaque.replace("rgb(", "rgba(").replace(")", ", 0.28)");
 }
 
 /** The times of ticks with their unit. */
 function timeTicks(splits, step, { from, to }) {
   const [factor, unit] = to - from < 0.2 ? [1000, "ms"] : [1, "s"];
   return splits.map((time) => `${format(factor * time, decimals(factor * step))} ${unit}`);
+}
+
+/** A value beside its axis: with a power of ten where it has too many zeros. */
+function tick(value, step) {
+  const size = Math.max(Math.abs(value), step);
+  if (size < 1e6 && step >= 0.9e-5) return format(value, decimals(step));
+  return value === 0 ? "0" : value.toExponential(Math.max(0, Math.floor(Math.log10(Math.abs(value) / step) + 1e-6))).replaceAll("-", "−");
 }
 
 /** Digits after the point that ticks with this distance need: none is cut off, as 0.25 would be with one. */
@@ -93,50 +111,64 @@ function decimals(step) {
   return 9;
 }
 
-/** What the curves in view reach, the target and zero if they are near, and a little air. */
-function verticalRange(plot, chart, target, columns, times, { from, to }) {
+/** What the curves in view reach, the target if it is near, and a little air. */
+function verticalRange(chart, curves, targets, times, { from, to }) {
   const isLong = chart.kick && to - from > LONG_SPAN && from < times[0] + KICK;
   const first = locate(times, isLong ? times[0] + KICK : from).row;
   const last = locate(times, to).row + 1;
   let low = Infinity;
   let high = -Infinity;
-  columns.forEach((values, index) => {
-    if (!plot.series[series(columns, index)].show) return;
+  for (const { values, run } of curves) {
+    if (run.hidden) continue;
     for (let row = first; row <= last && row < values.length; row++) {
       if (values[row] < low) low = values[row];
       if (values[row] > high) high = values[row];
     }
-  });
+  }
   if (!(low <= high)) return [-1, 1];
-  // The target belongs into the picture until one looks closer than the curves are to it.
-  if (target !== undefined && Math.max(Math.abs(target - low), Math.abs(target - high)) < 3 * (high - low)) {
-    low = Math.min(low, target);
-    high = Math.max(high, target);
+  for (const values of targets) {
+    // The target belongs into the picture until one looks closer than the curves are to it.
+    const target = values[Math.min(last, values.length - 1)];
+    if (Math.max(Math.abs(target - low), Math.abs(target - high)) < 3 * (high - low)) {
+      low = Math.min(low, target);
+      high = Math.max(high, target);
+    }
   }
   const air = high > low ? 0.07 * (high - low) : Math.max(0.1 * Math.abs(high), 1e-6);
   return [low - air, high + air];
 }
 
-function drawTarget(plot, target, band) {
-  if (target === undefined) return;
+/** Where a target is, as few points as its shape needs. */
+function corners(times, values) {
+  const kept = [];
+  values.forEach((value, row) => {
+    if (Number.isFinite(value) && (value !== values[row - 1] || value !== values[row + 1])) kept.push([times[row], value]);
+  });
+  return kept;
+}
+
+function drawTarget(plot, values, band) {
   const { ctx } = plot;
   const { left, top, width, height } = plot.bbox;
+  const points = corners(plot.data[0], values);
+  const along = (factor) => points.map(([time, value]) => [plot.valToPos(time, "x", true), plot.valToPos(value * factor, "y", true)]);
+  const draw = (path) => path.forEach(([x, y]) => ctx.lineTo(x, y));
   ctx.save();
   ctx.beginPath();
   ctx.rect(left, top, width, height);
   ctx.clip();
-  const at = (value) => plot.valToPos(value, "y", true);
   if (band) {
-    const [upper, lower] = [at(target + band * Math.abs(target)), at(target - band * Math.abs(target))];
     ctx.fillStyle = colour("--band");
-    ctx.fillRect(left, upper, width, lower - upper);
+    ctx.beginPath();
+    draw(along(1 + band));
+    draw(along(1 - band).toReversed());
+    ctx.fill();
   }
   ctx.strokeStyle = colour("--soft");
   ctx.lineWidth = devicePixelRatio;
   ctx.setLineDash([5 * devicePixelRatio, 4 * devicePixelRatio]);
   ctx.beginPath();
-  ctx.moveTo(left, at(target));
-  ctx.lineTo(left + width, at(target));
+  draw(along(1));
   ctx.stroke();
   ctx.restore();
 }

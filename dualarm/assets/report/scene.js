@@ -8,8 +8,9 @@ const FORCE = 50;
 const TORQUE = 400;
 const LARGEST_SWEEP = 300;
 
-/** The picture of one run in `parent`; `draw(place, exaggeration)` shows it as it is at a place in the rows. */
-function createScene(parent, run, { arm: length, object: width }) {
+/** The picture of one run in `parent`; `draw(time, exaggeration)` shows it as it is at a time. */
+function createScene(parent, run) {
+  const { arm: length, object: width } = run.geometry;
   const signals = [...run.signals.keys()];
   const shapes = [1, 2].map((arm) => signals.filter((name) => name.startsWith(`deflection${arm}[`)));
   const margin = 0.27 * length;
@@ -26,8 +27,8 @@ function createScene(parent, run, { arm: length, object: width }) {
   const drive = element(svg, "path", { class: "drive" });
   arms.forEach((arm) => svg.append(arm.line, arm.tip, arm.force));
 
-  return function draw(place, exaggeration) {
-    const value = (name) => sample(run, name, place);
+  return function draw(time, exaggeration) {
+    const value = (name) => sample(run, name, time);
     // How far the object is from its place at rest; both tips move with it.
     const shift = value("y_object") - width / 2;
     const targetShift = value("y_object_d") - width / 2;
@@ -36,19 +37,19 @@ function createScene(parent, run, { arm: length, object: width }) {
     drive.setAttribute("d", arrow(length, centre, centre + (value("u") * FORCE) / MM));
     arms.forEach((arm, index) => {
       const angle = value(`theta${index + 1}`);
-      const points = shapes[index].map((name, at) => {
-        const x = (length * at) / (shapes[index].length - 1);
-        return { x, y: arm.base + exaggeration * (x * angle - value(name)) };
-      });
+      const points =
+        shapes[index].length > 1
+          ? shapes[index].map((name, at) => {
+              const x = (length * at) / (shapes[index].length - 1);
+              return { x, y: arm.base + exaggeration * (x * angle - value(name)) };
+            })
+          : // Without the arm's shape: as it would be at rest between its hub and the object.
+            nodes(length).map((x) => ({ x, y: arm.base + exaggeration * targetShape(length, angle, shift)(x) }));
       const target = targetShape(length, value(`theta${index + 1}_d`), targetShift);
       arm.line.setAttribute("d", curve(points, exaggeration * angle));
-      arm.ghost.setAttribute(
-        "d",
-        curve(
-          points.map(({ x }) => ({ x, y: arm.base + exaggeration * target(x) })),
-          exaggeration * value(`theta${index + 1}_d`),
-        ),
-      );
+      const rest = nodes(length).map((x) => ({ x, y: arm.base + exaggeration * target(x) }));
+      const isKnown = Number.isFinite(rest.at(-1).y);
+      arm.ghost.setAttribute("d", isKnown ? curve(rest, exaggeration * value(`theta${index + 1}_d`)) : "");
       arm.spoke.setAttribute("transform", `rotate(${(-Math.atan(exaggeration * angle) * 180) / Math.PI})`);
       arm.torque.setAttribute("d", arc(width * 0.2, value(`tau${index + 1}`)));
       const tip = points.at(-1);
@@ -57,6 +58,11 @@ function createScene(parent, run, { arm: length, object: width }) {
       drawForce(arm.force, value(`contact_force${index + 1}`), tip, index === 0 ? 1 : -1, width * 0.05);
     });
   };
+}
+
+/** Places along an arm. */
+function nodes(length) {
+  return Array.from({ length: 11 }, (_, at) => (length * at) / 10);
 }
 
 function createArm(svg, index, base, width) {

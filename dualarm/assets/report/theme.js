@@ -19,14 +19,16 @@ function createTheme(button, changed) {
 
 const colours = new Map();
 
-/** The current value of a colour of the style sheet, such as `--ink`. */
-function colour(name) {
-  if (!colours.has(name)) colours.set(name, resolve(name));
-  return colours.get(name);
+/** The current value of a colour of the style sheet, such as `--ink`; of a scheme ("light"), whatever is shown. */
+function colour(name, scheme = "") {
+  const key = name + scheme;
+  if (!colours.has(key)) colours.set(key, resolve(name, scheme));
+  return colours.get(key);
 }
 
-function resolve(name) {
+function resolve(name, scheme) {
   const probe = document.createElement("i");
+  probe.style.colorScheme = scheme;
   probe.style.color = `var(${name})`;
   document.body.append(probe);
   const value = getComputedStyle(probe).color;

@@ -18,7 +18,7 @@ async function unpack({ rows, columns, packed }) {
     let number = 0;
     for (let row = 0; row < rows; row++) {
       number += next();
-      values[row] = low + number * quantum;
+      values[row] = number < 0 ? NaN : low + number * quantum;
     }
     unpacked.set(name, values);
   }

@@ -29,16 +29,13 @@ pub const MODELS: &[&str] = &["plant-fmu", "controller-fmu", "instruments-fmu"];
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PackageError {
-    /// The sources are not where they were at build time.
+    /// There are no sources to build.
     #[error(
-        "the sources of the FMUs are not at {} any more; run `cargo run --release -- package` in their repository, or \
-         name existing .fmu files (`dualarm simulate --help`)",
-        root.display()
+        "the FMUs are built from the folders {} of their repository, which is not around this folder; go there, or take FMUs \
+         that exist: --no-package uses those in the folder of --fmus, and `dualarm simulate` runs any",
+        MODELS.join(", ")
     )]
-    NoSources {
-        /// Where they should be.
-        root: PathBuf,
-    },
+    NoSources,
     /// A program cannot be started.
     #[error("cannot run {program}: {source}")]
     Start {
@@ -110,10 +107,14 @@ pub struct Packaged {
     pub left_out: Option<String>,
 }
 
-/// The repository this tool was built from.
+/// The repository around the current folder, or that of the manifest which `cargo run` was given. Never that where the tool was once
+/// compiled: it may be gone, or another version.
 #[must_use]
-pub fn repository() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))
+pub fn repository() -> Option<PathBuf> {
+    let here = std::env::current_dir().ok();
+    let manifest = std::env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    let is_repository = |folder: &&Path| MODELS.iter().all(|model| folder.join(model).join("Cargo.toml").is_file());
+    [here, manifest].into_iter().flatten().find_map(|start| start.ancestors().find(is_repository).map(Path::to_owned))
 }
 
 /// Builds the models in the repository at `root` and writes their `.fmu` files to `out`, one after the other: whoever has
@@ -129,10 +130,10 @@ pub fn package(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Packaged, PackageError> {
     if !MODELS.iter().all(|model| root.join(model).join("Cargo.toml").is_file()) {
-        return Err(PackageError::NoSources { root: root.to_owned() });
+        return Err(PackageError::NoSources);
     }
     let merged = Merged::read(&platforms.merged)?;
-    progress("building the FMU libraries");
+    progress(&format!("building the FMU libraries of {}", root.display()));
     let crates = programs(root, quiet)?;
     let guids: Vec<BTreeMap<String, String>> = crates.iter().map(|one| merge::read_guids(&one.guids)).collect();
     let archives = merge::assign(&merged, &guids)?;
@@ -234,6 +235,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("dist");
         let error = package(folder.path(), &out, &Platforms::default(), true, &mut |_| ()).unwrap_err().to_string();
-        assert!(error.contains("are not at") && !out.exists(), "{error}");
+        assert!(error.contains("not around this folder") && !out.exists(), "{error}");
     }
 }

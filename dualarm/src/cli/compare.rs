@@ -17,14 +17,14 @@ use super::json::{self, ExperimentDocument, MetricsDocument};
 use super::matrix::{self, MatrixChoice};
 use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
-use super::{Failure, print};
+use super::{Failure, print, width};
 use crate::grasp::matrix::Matrix;
 use crate::grasp::metrics::Metrics;
 use crate::grasp::scenarios::BuiltIn;
 use crate::grasp::{self, Controller};
 use crate::report;
-use crate::report::figures::{self, NamedFigure, Outcome, raster};
-use crate::report::html::{self, Page, rows::Rows};
+use crate::report::figures::{self, NamedFigure, Outcome, pdf, raster};
+use crate::report::html::{self, Page, rows, rows::Rows};
 use crate::report::matrix::CellDocument;
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::files::{FileSet, NewFile};
@@ -51,6 +51,12 @@ pub struct Arguments {
     stop: f64,
     #[command(flatten)]
     matrix: MatrixChoice,
+    /// Also write the figures without titles, as SVG and PDF, to figures/untitled: for papers, whose captions say what they show
+    #[arg(long)]
+    untitled: bool,
+    /// Write the page to this file [default: report.html in the folder for the results]
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -93,6 +99,8 @@ impl Default for Arguments {
             step: STEP,
             stop: STOP,
             matrix: MatrixChoice::default(),
+            untitled: false,
+            report: None,
             json: false,
         }
     }
@@ -117,9 +125,19 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let (outcomes, rows): (Vec<_>, Vec<_>) = runs.into_iter().unzip();
     let figures = figures::all(&outcomes);
     write_results(arguments, &grid, &outcomes, &figures, matrix.as_ref(), &results, quiet)?;
-    let setup = setup(arguments, &grid);
-    let page = Page { outcomes: &outcomes, rows: &rows, grid: &grid, setup: &setup, matrix: matrix.as_ref() };
-    let report = arguments.job.out.join("report.html");
+    let report = arguments.report.clone().unwrap_or_else(|| arguments.job.out.join("report.html"));
+    let runs: Vec<_> = outcomes.iter().zip(rows).map(|(outcome, rows)| shown(outcome, rows)).collect();
+    let page = Page {
+        title: "Grasping with two flexible arms".into(),
+        lead: LEAD.into(),
+        runs: &runs,
+        setup: setup(arguments, &grid),
+        rows: rows::sentence(&grid),
+        matrix: matrix.as_ref(),
+        figures: &figures,
+        files: if arguments.report.is_none() { files(matrix.is_some()) } else { Vec::new() },
+        ..Page::default()
+    };
     results.write(&report, page.to_html())?;
     results.appear()?;
     for master in masters {
@@ -147,16 +165,43 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         let (forces, efforts) = report::tables(&outcomes);
         let out = arguments.job.out.display();
         if let Some(matrix) = &matrix {
-            print(&format!("{}\n", report::matrix::table(matrix).to_terminal()));
+            print(&format!("{}\n", report::matrix::table(matrix).to_terminal(width())));
         }
         print(&format!(
             "{}\n{}\n{out}/report.html to play with, {out}/report.md with {} figures, in {seconds:.1} s\n",
-            forces.to_terminal(),
-            efforts.to_terminal(),
+            forces.to_terminal(width()),
+            efforts.to_terminal(width()),
             figures.len()
         ));
     }
     Ok(())
+}
+
+/// What the page is about.
+const LEAD: &str = "Two elastic arms squeeze an object between their tips, and no sensor measures the force. Three controllers try \
+                    to hold it at its target: watch them, scrub through time, zoom into the first milliseconds.";
+
+/// A result as the page shows it.
+fn shown(outcome: &Outcome, rows: Table) -> html::Run {
+    html::Run {
+        key: outcome.scenario.key.into(),
+        title: outcome.scenario.title.into(),
+        paper: outcome.scenario.paper.into(),
+        rows,
+        metrics: Some(outcome.metrics.clone()),
+        notes: Vec::new(),
+        models: outcome.models.clone(),
+    }
+}
+
+/// What lies beside the page.
+fn files(has_matrix: bool) -> Vec<(String, String)> {
+    let mut files = vec![("report.md", "the same as Markdown"), ("metrics.csv", "the metrics in all digits")];
+    if has_matrix {
+        files.extend([("matrix.md", "controllers and cases as a table"), ("matrix.csv", "every cell in all digits")]);
+    }
+    let data = grasp::PAPER.map(|controller| (format!("{}.csv", controller.key), "all outputs of that run".to_owned()));
+    files.into_iter().map(|(file, what)| (file.to_owned(), what.to_owned())).chain(data).collect()
 }
 
 /// The end of a comparison without the paper's runs.
@@ -168,9 +213,18 @@ fn finish_alone(
     begin: Instant,
     quiet: bool,
 ) -> Result<(), Failure> {
+    if let Some(path) = &arguments.report {
+        let page = Page {
+            title: "Controllers in many cases".into(),
+            lead: "Each controller FMU with the plant in each case: who settles, and when.".into(),
+            matrix,
+            ..Page::default()
+        };
+        results.write(path, page.to_html())?;
+    }
     results.appear()?;
     let seconds = begin.elapsed().as_secs_f64();
-    let report = arguments.job.out.join("matrix.md");
+    let report = arguments.report.clone().unwrap_or_else(|| arguments.job.out.join("matrix.md"));
     if arguments.json {
         return json::print(&Document {
             command: "compare",
@@ -183,7 +237,7 @@ fn finish_alone(
         });
     }
     if let Some(matrix) = matrix.filter(|_| !quiet) {
-        let table = report::matrix::table(matrix).to_terminal();
+        let table = report::matrix::table(matrix).to_terminal(width());
         let out = arguments.job.out.display();
         print(&format!("{table}\n{out}/matrix.md, .csv, .json, .svg and .png, in {seconds:.1} s\n"));
     }
@@ -227,7 +281,7 @@ fn simulate(
     let columns = master.record(|_| true);
     // Every step of the signals that are drawn and judged; everything else only as often as the CSV file wants it.
     let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
-    let mut shown = Rows::new(grid, Pick::new(&columns, html::wants));
+    let mut shown = Rows::new(grid, &columns);
     let mut all = Every::new(CSV_INTERVAL, grid.stop(), Table::new(columns));
     master.run(grid, 0.0, &mut ((&mut drawn, &mut shown), &mut all), &mut |done| bar.set_position(done))?;
     bar.finish();
@@ -252,7 +306,7 @@ fn write_results(
     let metrics = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics));
     results.write(out.join("metrics.csv"), report::metrics_csv(metrics))?;
     results.write(out.join("metrics.md"), report::metrics_markdown(outcomes))?;
-    draw_all(&out.join("figures"), figures, results, quiet)?;
+    draw_all(&out.join("figures"), figures, arguments.untitled, results, quiet)?;
     results.write(out.join("report.md"), report::report(outcomes, figures, &setup(arguments, grid), matrix))?;
     Ok(())
 }
@@ -272,7 +326,13 @@ fn setup(arguments: &Arguments, grid: &TimeGrid) -> String {
 }
 
 /// Draws all figures as SVG and PNG, on all processors.
-fn draw_all(folder: &Path, figures: &[NamedFigure], results: &FileSet, quiet: bool) -> Result<(), Failure> {
+fn draw_all(
+    folder: &Path,
+    figures: &[NamedFigure],
+    untitled: bool,
+    results: &FileSet,
+    quiet: bool,
+) -> Result<(), Failure> {
     let bar = Progress::new(quiet).bar("figures", figures.len() as u64);
     let next = AtomicUsize::new(0);
     let failure = Mutex::new(None);
@@ -280,7 +340,7 @@ fn draw_all(folder: &Path, figures: &[NamedFigure], results: &FileSet, quiet: bo
         for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
             scope.spawn(|| {
                 while let Some(figure) = figures.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if let Err(error) = draw(folder, figure, results) {
+                    if let Err(error) = draw(folder, figure, untitled, results) {
                         failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
                         return;
                     }
@@ -293,11 +353,18 @@ fn draw_all(folder: &Path, figures: &[NamedFigure], results: &FileSet, quiet: bo
     failure.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
 }
 
-fn draw(folder: &Path, figure: &NamedFigure, results: &FileSet) -> Result<(), Failure> {
+fn draw(folder: &Path, figure: &NamedFigure, untitled: bool, results: &FileSet) -> Result<(), Failure> {
+    let failure = |reason| Failure::failed(format!("cannot draw {}: {reason}", figure.name));
     let svg = figure.figure.to_svg();
-    let png = raster::to_png(&svg)
-        .map_err(|reason| Failure { code: 1, message: format!("cannot draw {}: {reason}", figure.name) })?;
+    let png = raster::to_png(&svg).map_err(failure)?;
     results.write(folder.join(format!("{}.svg", figure.name)), svg)?;
     results.write(folder.join(format!("{}.png", figure.name)), png)?;
+    if untitled {
+        let svg = figure.figure.to_untitled_svg();
+        let pdf = pdf::to_pdf(&svg).map_err(failure)?;
+        let folder = folder.join("untitled");
+        results.write(folder.join(format!("{}.svg", figure.name)), svg)?;
+        results.write(folder.join(format!("{}.pdf", figure.name)), pdf)?;
+    }
     Ok(())
 }

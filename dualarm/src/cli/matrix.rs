@@ -84,7 +84,7 @@ pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Mat
 
 /// Writes the files of the matrix.
 pub fn write(matrix: &Matrix, out: &Path, results: &FileSet) -> Result<(), Failure> {
-    let svg = report::figure::svg(matrix);
+    let svg = report::figure::svg(matrix, true);
     let png = raster::to_png(&svg).map_err(|reason| Failure::failed(format!("cannot draw matrix: {reason}")))?;
     let json = serde_json::to_string_pretty(&report::documents(matrix)).map_err(Failure::failed)?;
     results.write(out.join("matrix.csv"), report::csv(matrix))?;

@@ -13,8 +13,11 @@ mod package;
 mod printable;
 mod process;
 mod progress;
+mod report;
+mod scenario;
 mod simulate;
 mod tune;
+mod tuned;
 mod verify;
 
 use std::fmt;
@@ -43,7 +46,10 @@ const AFTER_HELP: &str = "\
 Examples:
   dualarm                                       everything; results/report.html
   dualarm simulate --controller pds -o pds.csv  the paper's PDS case
+  dualarm simulate friction --report page.html  a page with the arms in motion
+  dualarm report mine.csv pds.parquet           the same of saved results
   dualarm simulate --list                       what else there is to run
+  dualarm scenario friction > my-grasp.toml     a scenario to start from
   dualarm simulate my-grasp.toml --set M=0.4    a scenario of your own
   dualarm simulate plant.fmu my_controller.fmu  any FMUs, wired by equal names
   dualarm info plant.fmu                        what an FMU is
@@ -73,8 +79,12 @@ enum Command {
     Package(package::Arguments),
     /// Co-simulate FMUs, connected by equal names
     Simulate(simulate::Arguments),
+    /// Print a built-in scenario, to start one of your own from, and say where its file is
+    Scenario(scenario::Arguments),
     /// Package the FMUs, run every controller in every case and the paper's three scenarios, write tables, figures and a report
     Compare(compare::Arguments),
+    /// Make a page of saved results: animation, linked curves, metrics
+    Report(report::Arguments),
     /// Search for the best gains of a controller over a set of cases
     Tune(tune::Arguments),
     /// Check the FMUs against exact and independent solutions; fails if a bound is broken
@@ -144,6 +154,12 @@ fn print(text: &str) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => drop(LOST.set(error)),
         _ => {}
     }
+}
+
+/// How wide tables may be: as wide as the terminal, but 80 columns where it is narrower or nobody looks.
+fn width() -> usize {
+    const USUAL: usize = 80;
+    terminal_size::terminal_size_of(process::standard_output()).map_or(USUAL, |(width, _)| USUAL.max(width.0.into()))
 }
 
 /// Prints a result, which must arrive: a reader that has gone makes [`main`] fail too.
@@ -224,6 +240,8 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Command::Package(arguments) => package::run(&arguments, quiet),
         Command::Simulate(arguments) => simulate::run(&arguments, quiet),
         Command::Compare(arguments) => compare::run(&arguments, quiet),
+        Command::Scenario(arguments) => scenario::run(&arguments, quiet),
+        Command::Report(arguments) => report::run(&arguments, quiet),
         Command::Tune(arguments) => tune::run(&arguments, quiet),
         Command::Verify(arguments) => verify::run(&arguments, quiet),
         Command::Info(arguments) => info::run(&arguments),

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::{Failure, print, print_error};
 use crate::build::crosscheck::release;
-use crate::build::{Platforms, package, repository};
+use crate::build::{PackageError, Platforms, package, repository};
 use crate::grasp::systems;
 use fmi2_cosim::files::FileSet;
 use fmi2_package::platform::Platform;
@@ -92,7 +92,8 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 /// Builds the FMUs, composes the systems, and writes both to a folder. They belong together, so they appear there together.
 pub fn package_all(out: &Path, platforms: &Platforms, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
     let apart = tempfile::tempdir()?;
-    let packaged = package(repository(), apart.path(), platforms, quiet, &mut |doing| say(quiet, doing))?;
+    let root = repository().ok_or(PackageError::NoSources)?;
+    let packaged = package(&root, apart.path(), platforms, quiet, &mut |doing| say(quiet, doing))?;
     if let Some(line) = packaged.left_out.filter(|_| !quiet) {
         print_error(&format!("{line}\n"));
     }

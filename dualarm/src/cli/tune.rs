@@ -10,7 +10,8 @@ use serde::Serialize;
 
 use super::fmus::FmuFolder;
 use super::progress::Progress;
-use super::{Failure, json, matrix, print};
+use super::tuned::Tuned;
+use super::{Failure, json, matrix, print, report};
 use crate::grasp::matrix::{self as cells, Cell, CellError, Contender, Lab};
 use crate::tune::dimension::{Dimension, DimensionError};
 use crate::tune::{Best, Limits, Objective, Task, preset};
@@ -96,6 +97,9 @@ pub struct Arguments {
     /// Keep the state of the search in this file [default: beside the preset]
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
+    /// Write a page to this file (.html): the first case before and after, gains, cases, the way of the search
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     folder: FmuFolder,
     /// Print the result as JSON
@@ -150,6 +154,9 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let begin = Instant::now();
     let lab = Lab::new(&arguments.folder.fmus);
     let task = task(arguments, &lab)?;
+    if let Some(page) = &arguments.report {
+        report::check(page, &[])?;
+    }
     task.check(&lab)?;
     let key = &task.contender.key;
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("results/tuned-{key}.toml")));
@@ -158,7 +165,9 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let bar = Progress::new(quiet).bar(&task.contender.title, task.evaluations as u64);
     let style = ProgressStyle::with_template("{prefix:<22} {bar:36.cyan/dim} {percent:>3} %  {eta}  {msg}");
     bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("━━─"));
+    let mut history = Vec::new();
     let best = task.run(&lab, &state, workers, &mut |evaluation, best| {
+        history.push(best.cost);
         bar.set_position(evaluation as u64);
         bar.set_message(format!("best {:.4}", best.cost));
     })?;
@@ -170,13 +179,19 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     results.write(out.with_extension("ssv"), preset::ssv(&task, &best, fmu.description()))?;
     results.appear()?;
     let found = task.cells(&lab, &best.values, workers)?;
+    if let Some(path) = &arguments.report {
+        let (task, lab, best) = (&task, &lab, &best);
+        let command = command(arguments, task);
+        Tuned { task, lab, best, found: &found, history: &history, command }.write(path)?;
+    }
     let seconds = begin.elapsed().as_secs_f64();
     if arguments.json {
         return json::print(&document(&task, &best, &found, seconds, &out));
     }
     if !quiet {
         print(&summary(&task, &best, &found));
-        print(&format!("{} and .ssv, in {seconds:.1} s\n", out.display()));
+        let page = arguments.report.as_ref().map(|page| format!(", {}", page.display())).unwrap_or_default();
+        print(&format!("{} and .ssv{page}, in {seconds:.1} s\n", out.display()));
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::fmus::Job;
 use super::package::say;
-use super::{Failure, json, print};
+use super::{Failure, json, print, width};
 use crate::report::figures::raster;
 use crate::verify::{Check, Fmus, verify};
 use fmi2_cosim::files::FileSet;
@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         })?;
     } else if !quiet {
         for (title, table) in result.tables() {
-            print(&format!("{title}\n\n{}\n", table.to_terminal()));
+            print(&format!("{title}\n\n{}\n", table.to_terminal(width())));
         }
         let seconds = begin.elapsed().as_secs_f64();
         print(&format!("{} checks in {seconds:.1} s; {}\n", result.checks.len(), report.display()));

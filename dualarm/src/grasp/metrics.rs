@@ -120,26 +120,6 @@ impl Metrics {
     }
 }
 
-/// What to say about actuators that spend more than half of the run at their limits. An actuator there does not answer
-/// its controller: a loop that regulates needs its limits for a transient only, while one that diverges is thrown from
-/// limit to limit and stays there. Needs no target, so it also speaks of controllers that have none.
-#[must_use]
-pub fn saturations(table: &Table, limits: [Option<Limits>; 3]) -> Vec<String> {
-    let times = table.times();
-    let (Some(first), Some(last)) = (times.first(), times.last()) else { return Vec::new() };
-    let duration = last - first;
-    let remark = |(name, limits): (&str, Option<Limits>)| {
-        let saturated = EffortMetrics::of(times, &table.column(name)?, limits).saturated?;
-        (saturated > 0.5 * duration).then(|| {
-            format!(
-                "{name} is at its limits for {saturated:.3} of {duration:.3} s: the loop may be unstable at this step (a \
-                 shorter --step may help; docs/importing.md has the longest stable ones), or the actuator is too weak"
-            )
-        })
-    };
-    EFFORTS.into_iter().zip(limits).filter_map(remark).collect()
-}
-
 impl ForceMetrics {
     /// Metrics of one force over time.
     ///

@@ -27,29 +27,58 @@ impl TextTable {
         Self { header: header.iter().map(|&heading| heading.to_owned()).collect(), rows: Vec::new() }
     }
 
-    /// For a terminal: aligned columns, names to the left, numbers to the right.
+    /// For a terminal of `width` columns: aligned columns, names to the left, numbers to the right. Headings go over several lines
+    /// where that helps; columns that still do not fit follow below, with the first one repeated.
     #[must_use]
-    pub fn to_terminal(&self) -> String {
-        let widths: Vec<usize> = (0..self.header.len())
-            .map(|column| self.lines().map(|line| line[column].chars().count()).max().unwrap_or(0))
-            .collect();
-        let mut text = String::new();
-        for (index, line) in self.lines().enumerate() {
-            let cells: Vec<String> = line
-                .iter()
-                .zip(&widths)
-                .enumerate()
-                .map(
-                    |(column, (cell, &width))| {
-                        if column < 2 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
-                    },
-                )
-                .collect();
-            let _ = writeln!(text, "{}", cells.join("  ").trim_end());
-            if index == 0 {
-                let rules: Vec<String> = widths.iter().map(|&width| "─".repeat(width)).collect();
-                let _ = writeln!(text, "{}", rules.join("  "));
+    pub fn to_terminal(&self, width: usize) -> String {
+        const GAP: usize = 2;
+        let length = |text: &str| text.chars().count();
+        let cells = |column: usize| self.rows.iter().map(|row| length(&row[column])).max().unwrap_or(0);
+        let whole: Vec<usize> = (0..self.header.len()).map(|at| cells(at).max(length(&self.header[at]))).collect();
+        let words = |column: usize| self.header[column].split(' ').map(length).max().unwrap_or(0);
+        let narrow: Vec<usize> = (0..self.header.len()).map(|at| cells(at).max(words(at))).collect();
+        let total = |widths: &[usize]| widths.iter().map(|width| width + GAP).sum::<usize>().saturating_sub(GAP);
+        let widths = if total(&whole) <= width { whole } else { narrow };
+        let mut blocks: Vec<Vec<usize>> = Vec::new();
+        let mut block: Vec<usize> = Vec::new();
+        let mut used = 0;
+        for column in 0..widths.len() {
+            if used > 0 && used + GAP + widths[column] > width && block.len() > 1 {
+                blocks.push(std::mem::replace(&mut block, vec![0]));
+                used = widths[0];
             }
+            used += widths[column] + if used > 0 { GAP } else { 0 };
+            block.push(column);
+        }
+        blocks.push(block);
+        let blocks = blocks.iter().map(|block| self.block(block, &widths));
+        blocks.collect::<Vec<_>>().join("\n")
+    }
+
+    /// Some columns with these widths.
+    fn block(&self, columns: &[usize], widths: &[usize]) -> String {
+        let headings: Vec<Vec<String>> = columns.iter().map(|&at| wrapped(&self.header[at], widths[at])).collect();
+        let height = headings.iter().map(Vec::len).max().unwrap_or(0);
+        let heading = |line: usize| {
+            let cells =
+                headings.iter().map(|lines| (line + lines.len()).checked_sub(height).map(|at| lines[at].as_str()));
+            cells.map(Option::unwrap_or_default).collect::<Vec<&str>>()
+        };
+        let rules: Vec<String> = columns.iter().map(|&at| "─".repeat(widths[at])).collect();
+        let mut text = String::new();
+        let mut write = |cells: &[&str]| {
+            let cells = cells.iter().zip(columns).map(|(cell, &at)| {
+                let width = widths[at];
+                if at < 2 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            });
+            let _ = writeln!(text, "{}", cells.collect::<Vec<_>>().join("  ").trim_end());
+        };
+        for line in 0..height {
+            write(&heading(line));
+        }
+        write(&rules.iter().map(String::as_str).collect::<Vec<_>>());
+        for row in &self.rows {
+            write(&columns.iter().map(|&at| row[at].as_str()).collect::<Vec<_>>());
         }
         text
     }
@@ -71,6 +100,21 @@ impl TextTable {
     fn lines(&self) -> impl Iterator<Item = &Vec<String>> {
         std::iter::once(&self.header).chain(&self.rows)
     }
+}
+
+/// A text in lines that are no longer than `width`, if its words are not.
+fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// How the contact forces settle; `paper` adds what the paper states.
@@ -212,7 +256,7 @@ pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str, matrix
         metrics_markdown(outcomes).replace("\n## ", "\n### ").replacen("## ", "### ", 1)
     );
     text += "\n## Figures\n\n\
-             Numbers are those of the paper. Each figure is there as SVG and PNG. Where curves look thick, they vibrate: \
+             Numbers are those of the paper. Each figure is there as SVG and PNG. Where curves are bands, they vibrate: \
              PD and PDS hardly damp the antisymmetric bending of the two arms, at about 90 Hz.\n";
     for figure in figures {
         let NamedFigure { name, caption, note, .. } = figure;
@@ -238,10 +282,21 @@ mod tests {
         let effort = EffortMetrics { peak: 2.0, rms: 0.1, saturated: None };
         let metrics = Metrics { forces: [force; 2], efforts: [effort; 3] };
         let table = force_table([("NABFC", &metrics, "less than 0.5 s")]);
-        let terminal = table.to_terminal();
+        let terminal = table.to_terminal(120);
         let lines: Vec<_> = terminal.lines().collect();
         assert_eq!(lines[2].find("0.380 s"), lines[3].find("0.380 s"));
         assert!(lines[2].contains("\u{2212}0.02 mN") && lines[2].ends_with("less than 0.5 s"));
+        let narrow = table.to_terminal(80);
+        assert!(narrow.lines().all(|line| line.chars().count() <= 80), "{narrow}");
+        let lines: Vec<_> = narrow.lines().collect();
+        assert!(lines[0].contains("contact") && lines[1].contains("force"), "headings go over two lines:\n{narrow}");
+        let mut wide = TextTable::new(&["case", "one controller", "another one", "limit"]);
+        wide.rows.push(["undisturbed", "0.15 (7 %)", "never", "0.04"].map(str::to_owned).into());
+        assert_eq!(
+            wide.to_terminal(28),
+            "             one\ncase         controller\n───────────  ──────────\nundisturbed  0.15 (7 %)\n\n             another\n\
+             case             one  limit\n───────────  ───────  ─────\nundisturbed    never   0.04\n"
+        );
         assert!(table.to_markdown().lines().all(|line| line.matches('|').count() == 8));
         let csv = metrics_csv([("NABFC", &metrics)]);
         let columns: Vec<_> = csv.lines().map(|line| line.matches(',').count()).collect();

@@ -20,6 +20,8 @@ pub struct Parameter {
     pub name: String,
     /// Value the instance works with; an enumeration's is the name of its item.
     pub value: Value,
+    /// Value it has unless somebody sets another one.
+    pub default: Option<Value>,
     /// Unit, if it has one.
     pub unit: Option<String>,
     /// What the model says about it.
@@ -40,6 +42,11 @@ impl ModelParameters {
         Ok(Self { model, description: text, parameters })
     }
 
+    /// The parameters that do not have their default values.
+    pub fn changed(&self) -> impl Iterator<Item = &Parameter> {
+        self.parameters.iter().filter(|parameter| parameter.default.as_ref().is_some_and(|it| *it != parameter.value))
+    }
+
     /// The value of a real parameter, if there is one of that name.
     #[must_use]
     pub fn real(&self, name: &str) -> Option<f64> {
@@ -54,6 +61,7 @@ fn parameter(instance: &mut Instance, variable: &Variable) -> Result<Parameter, 
     Ok(Parameter {
         name: variable.name.clone(),
         value: variable.with_name(instance.get(variable)?),
+        default: variable.start().map(|start| variable.with_name(start)),
         unit: variable.unit().map(str::to_owned),
         description: variable.description.clone().unwrap_or_default(),
     })

@@ -1,9 +1,10 @@
 //! What a run leaves behind: rows of values over time, kept in memory or written as [CSV](CsvSink) or
-//! [Parquet](ParquetSink).
+//! [Parquet](ParquetSink), and [read] back.
 
 mod csv;
 mod filters;
 mod parquet;
+mod read;
 mod table;
 
 use std::io;
@@ -11,6 +12,7 @@ use std::io;
 pub use csv::CsvSink;
 pub use filters::{Every, Pick, Schedule};
 pub use parquet::ParquetSink;
+pub use read::{ReadError, read};
 pub use table::Table;
 
 use fmi2_import::description::BaseType;

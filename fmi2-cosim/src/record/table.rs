@@ -9,9 +9,9 @@ use crate::files::{NewFile, WriteError};
 /// Rows in memory.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
-    columns: Vec<Column>,
-    times: Vec<f64>,
-    values: Vec<f64>,
+    pub(super) columns: Vec<Column>,
+    pub(super) times: Vec<f64>,
+    pub(super) values: Vec<f64>,
 }
 
 impl Table {
@@ -38,6 +38,33 @@ impl Table {
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         let index = self.columns.iter().position(|column| column.name == name)?;
         Some(self.values.iter().skip(index).step_by(self.columns.len()).copied().collect())
+    }
+
+    /// All values of the column at a place.
+    ///
+    /// # Panics
+    /// When there is no such column.
+    #[must_use]
+    pub fn column_at(&self, index: usize) -> Vec<f64> {
+        assert!(index < self.columns.len(), "there is such a column");
+        self.values.iter().skip(index).step_by(self.columns.len()).copied().collect()
+    }
+
+    /// The rows and columns that are wanted, in their order.
+    #[must_use]
+    pub fn part(&self, columns: &[usize], rows: impl Iterator<Item = usize>) -> Self {
+        let mut part = Self::new(columns.iter().map(|&column| self.columns[column].clone()).collect());
+        let width = self.columns.len();
+        for row in rows {
+            part.times.push(self.times[row]);
+            part.values.extend(columns.iter().map(|&column| self.values[row * width + column]));
+        }
+        part
+    }
+
+    /// Gives a column another name.
+    pub fn rename(&mut self, index: usize, name: String) {
+        self.columns[index].name = name;
     }
 
     /// Row by row.

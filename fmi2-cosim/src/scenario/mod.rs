@@ -142,6 +142,7 @@ impl Scenario {
         self.check_tables(&system)?;
         Ok(System {
             title: Some(self.title.clone()),
+            description: self.description.clone(),
             settings: [&self.settings[..], &self.held].concat(),
             inputs: self.inputs.clone(),
             experiment: self.experiment,

@@ -28,6 +28,14 @@ impl Plant {
         self.model.direct(&self.signals, &applied, &inputs.disturbances())
     }
 
+    /// Whether the actuators are at their limits with these commands: those of the hubs, that of the object.
+    #[must_use]
+    #[inline]
+    pub fn limited(&self, inputs: &Inputs) -> [bool; FORCES] {
+        let commands = inputs.commands();
+        std::array::from_fn(|i| self.model.actuators[i].is_limited(commands[i]))
+    }
+
     /// The exact directional derivative ∂direct/∂inputs · `direction` at `inputs`, with the actuators' slopes there.
     /// No other output depends on the inputs directly.
     #[must_use]

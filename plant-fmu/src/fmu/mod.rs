@@ -19,8 +19,12 @@ pub struct DualArmPlant {
     /// The plant, once there is a start.
     #[serde(with = "plant_state")]
     plant: Option<Plant>,
-    /// Whether the grasp counts as closed, so that its next loss is worth a warning.
-    is_closed: bool,
+    /// Whether the user knows that contact was lost in this run.
+    told_of_contact: bool,
+    /// Whether the user knows that actuators are mostly at their limits in this run.
+    told_of_limits: bool,
+    /// For how much longer an actuator has been at its limits than none \[s\]; never negative.
+    time_at_limits: f64,
     /// What the host may look at.
     #[serde(skip)]
     outputs: Outputs,
@@ -55,7 +59,9 @@ impl Default for DualArmPlant {
             inputs: Inputs::ZERO,
             input_rates: Inputs::ZERO,
             plant: None,
-            is_closed: true,
+            told_of_contact: false,
+            told_of_limits: false,
+            time_at_limits: 0.0,
             outputs: Outputs::default(),
         }
     }
@@ -64,12 +70,34 @@ impl Default for DualArmPlant {
 impl DualArmPlant {
     /// Tension that is more than rounding \[N\].
     const TENSION: f64 = 1e-9;
-    /// Compression from which on a grasp counts as closed again \[N\]: forces that tremble about zero warn once.
-    const FIRM: f64 = 0.01;
+    /// So much more time at the limits than inside them is worth a warning \[s\]. A loop that regulates needs its limits for a
+    /// transient of tenths of a second; one that diverges is thrown from limit to limit and stays there.
+    const LONG: f64 = 0.5;
+    /// What the actuators at their limits are called, by the sum of 1, 2 and 4: no memory is asked for in a step.
+    const LIMITED: [&str; 8] = ["", "tau1", "tau2", "tau1, tau2", "u", "tau1, u", "tau2, u", "tau1, tau2, u"];
 
     /// The parameters as the host has set them.
     fn parameters(&self) -> Parameters {
         Parameters { actuator_model: self.actuator_model.0, ..self.parameters.clone() }
+    }
+
+    /// An actuator is at its limits during this step.
+    #[cold]
+    fn limited(&mut self, step: &mut Step<'_>, limited: [bool; 3]) {
+        self.time_at_limits += step.size;
+        if self.told_of_limits || self.time_at_limits < Self::LONG {
+            return;
+        }
+        self.told_of_limits = true;
+        let time = step.time + step.size;
+        let [first, second, object] = limited.map(usize::from);
+        let names = Self::LIMITED[first + 2 * second + 4 * object];
+        step.warn(format_args!(
+            "at t = {time} s actuators ({names}) have been at their limits for {} s longer than inside them: there they do not \
+             answer their controller. The loop may be unstable at this communication step (a shorter one may help), or an \
+             actuator too weak. This is said once in a run",
+            Self::LONG
+        ));
     }
 
     fn measured(&mut self) {
@@ -132,7 +160,7 @@ impl Declare for DualArmPlant {
 
 impl Model for DualArmPlant {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
-        self.is_closed = true;
+        (self.told_of_contact, self.told_of_limits, self.time_at_limits) = (false, false, 0.0);
         let parameters = self.parameters();
         match &mut self.plant {
             Some(plant) if *plant.parameters() == parameters => plant.reset(),
@@ -144,17 +172,24 @@ impl Model for DualArmPlant {
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
         plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)?;
-        let forces = plant.direct(&self.inputs).contact_force;
-        let (arm, weakest) = if forces[0] <= forces[1] { (1, forces[0]) } else { (2, forces[1]) };
-        if self.is_closed && weakest < -Self::TENSION {
-            self.is_closed = false;
-            let time = step.time + step.size;
-            step.warn(format_args!(
-                "contact lost at t = {time} s: the force at tip {arm} is {weakest:.3e} N. The model goes on holding the \
-                 arms to the object, which no real grasp does; start with a preload or see in_contact"
-            ));
-        } else if weakest > Self::FIRM {
-            self.is_closed = true;
+        if !self.told_of_contact {
+            let forces = plant.direct(&self.inputs).contact_force;
+            let (arm, weakest) = if forces[0] <= forces[1] { (1, forces[0]) } else { (2, forces[1]) };
+            if weakest < -Self::TENSION {
+                self.told_of_contact = true;
+                let time = step.time + step.size;
+                step.warn(format_args!(
+                    "contact lost at t = {time} s: the force at tip {arm} is {weakest:.3e} N. The model goes on holding the \
+                     arms to the object, which no real grasp does; start with a preload or see in_contact. This is said \
+                     once in a run"
+                ));
+            }
+        }
+        let limited = plant.limited(&self.inputs);
+        if limited[0] | limited[1] | limited[2] {
+            self.limited(step, limited);
+        } else {
+            self.time_at_limits = (self.time_at_limits - step.size).max(0.0);
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! `dualarm info`
 
 mod document;
+mod system;
 mod text;
 
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use clap::Args;
 
 use super::{Failure, json, print};
 use document::Document;
+use fmi2_cosim::ssp::package::is_ssp;
 
 const AFTER_HELP: &str = "\
 Works for every FMI 2.0 FMU, whoever made it, for any platform, for co-simulation and model exchange. Only reads: no code \
@@ -16,6 +18,7 @@ of the FMU runs, unless you ask for it with --load.
 
 Examples:
   dualarm info dist/DualArmPlant.fmu
+  dualarm info dist/DualArmGrasp-PD.ssp          components, connections, values, variants
   dualarm info model.fmu --load
   dualarm info model.fmu --variables | grep -i temperature
   dualarm info model.fmu --json | jq '.variables[] | select(.unit == \"rad\") | .name'";
@@ -24,8 +27,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
-    /// The FMU
-    #[arg(value_name = "FMU")]
+    /// The FMU, or a system in one file (.ssp; a variant in it as FILE.ssp#VARIANT.ssd)
+    #[arg(value_name = "FMU|SSP")]
     file: PathBuf,
     /// List all variables, also internal ones, with type, causality and variability
     #[arg(long)]
@@ -39,6 +42,14 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if is_ssp(&arguments.file) {
+        let document = system::Document::of(&arguments.file)?;
+        if arguments.json {
+            return json::print(&document);
+        }
+        print(&document.summary(text::width()));
+        return Ok(());
+    }
     let document = Document::of(&arguments.file, arguments.load)?;
     if arguments.json {
         return json::print(&document);

@@ -205,7 +205,7 @@ fn range(variable: &Variable) -> String {
 }
 
 /// Rows in aligned columns; what does not fit into `width` goes on in the last column on further lines.
-fn table(header: &[&str], mut rows: Vec<Vec<String>>, width: Option<usize>) -> String {
+pub fn table(header: &[&str], mut rows: Vec<Vec<String>>, width: Option<usize>) -> String {
     const GAP: usize = 2;
     /// Narrower than this a column is no help any more.
     const LEAST: usize = 24;

@@ -4,6 +4,7 @@ mod experiment;
 mod monitor;
 mod outcome;
 mod output;
+mod page;
 mod source;
 
 use std::path::PathBuf;
@@ -16,9 +17,10 @@ use super::fmus::FmuFolder;
 use super::instruments::InstrumentsChoice;
 use super::process::{self, TIME_TO_END};
 use super::progress::Progress;
-use super::{Failure, json, print, print_error};
+use super::{Failure, json, print, print_error, report};
 use crate::grasp::scenarios::BUILT_IN;
 use crate::grasp::{self, CONTROLLERS};
+use crate::report::html::rows::Rows;
 pub use experiment::grid;
 use fmi2_cosim::master::{Coupling, Master, MasterError, check_steps};
 use fmi2_cosim::record::Every;
@@ -41,6 +43,7 @@ Examples:
   dualarm simulate preload                       a scenario that is built in
   dualarm simulate my-grasp.toml -o out.csv      a scenario of your own
   dualarm simulate dist/DualArmGrasp-PD.ssp      a system in one file
+  dualarm simulate friction --report page.html   a page with the arms in motion
   dualarm simulate --instruments noise,delay     with noisy sensors and late commands
   dualarm simulate --set EI1=0.12                in every FMU that has EI1
   dualarm simulate --set DualArmPlant.EI1=0.12   in the plant only
@@ -55,7 +58,7 @@ pub struct Arguments {
     what: Vec<PathBuf>,
     /// List the built-in scenarios
     #[arg(long, conflicts_with_all = ["what", "controller", "fmus", "coupling", "step", "start", "stop", "tolerance",
-          "settings", "output", "interval"])]
+          "settings", "output", "report", "interval"])]
     list: bool,
     /// Run this controller, in a scenario instead of its own
     #[arg(long, short, value_name = "NAME",
@@ -87,6 +90,9 @@ pub struct Arguments {
     /// on standard output); missing folders are created
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write a page with animation, curves, metrics and parameters to this file (.html)
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Time in s between two rows of the output; 0 for every step [default: 1e-3]
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     interval: Option<f64>,
@@ -134,7 +140,11 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let mut system = source::system(&arguments.what, arguments.controller.as_deref(), &arguments.folder.fmus)?;
     arguments.instruments.put_into(&mut system, &arguments.folder.fmus)?;
     system.experiment.tolerance = arguments.tolerance.or(system.experiment.tolerance);
-    Output::check(arguments.output.as_deref(), &source::inputs(&arguments.what, &system))?;
+    let inputs = source::inputs(&arguments.what, &system);
+    Output::check(arguments.output.as_deref(), &inputs)?;
+    if let Some(page) = &arguments.report {
+        report::check(page, &inputs)?;
+    }
     let run = experiment::run(arguments, &system)?;
     system.overrides.clone_from(&arguments.settings);
     let components = || system.components.iter().map(|(name, fmu)| (name.as_str(), fmu));
@@ -173,19 +183,23 @@ fn simulate(
 ) -> Result<(), Failure> {
     let columns = master.record(|_| true);
     // Before the simulation: an unwritable place should not cost the time of a run.
-    let mut watch = Watch::new(arguments.monitor, &columns, run)?;
+    let watch = Watch::new(arguments.monitor, &columns, run)?;
     let output = Output::new(arguments.output.as_deref(), &watch.columns(&columns))?;
-    let mut rows = Every::new(run.interval, run.grid.stop(), watch.rows(output, &columns));
+    let rows = Every::new(run.interval, run.grid.stop(), watch.rows(output, &columns));
+    let mut rows = (rows, arguments.report.as_ref().map(|_| Rows::new(&run.grid, &columns)));
+    let mut watch = page::Watch::new(watch, arguments.report.is_some());
     let bar = Progress::new(quiet).bar("simulating", run.grid.steps());
     let result = run.execute(system, master, &columns, &mut rows, &mut watch, &mut |done| bar.set_position(done));
     bar.finish_and_clear();
+    let (rows, shown) = rows;
     let (output, kept) = rows.sink.parts();
     let results = match result {
         Err(MasterError::Record(error)) => return Err(output.failure(error)),
         result => result?,
     };
-    let Watch { grasp: watch, lyapunov } = watch;
-    let (output, verdict) = monitor::complete(lyapunov, output, kept, arguments.output.as_deref())?;
+    let page::Watch { others: Watch { grasp: watch, lyapunov }, models, .. } = watch;
+    let (output, monitored) = monitor::complete(lyapunov, output, kept, arguments.output.as_deref())?;
+    let (monitored, verdict) = monitored.unzip();
     let metrics = watch.metrics();
     let controller = grasp::controller(&system.components, master.wires()).map(str::to_owned);
     let to_stdout = output.is_pipe();
@@ -194,6 +208,14 @@ fn simulate(
     outcome.warn(&master.take_log());
     outcome.monitor = verdict;
     output.finish()?;
+    if let (Some(path), Some(rows)) = (&arguments.report, shown) {
+        let rows = page::with_columns(rows.into_table(), monitored.as_ref());
+        let metrics = metrics.as_ref().ok();
+        let controller = controller.as_deref();
+        let page = page::Made { system, run, rows, metrics, models, master, controller };
+        page.write(path)?;
+        outcome.report = Some(path.clone());
+    }
     if arguments.json {
         return outcome.print_json();
     }

@@ -109,13 +109,14 @@ impl Observer for Watch {
     }
 }
 
-/// Writes the kept rows with their further columns, and the figure beside the file at `path`. Returns what was found.
+/// Writes the kept rows with their further columns, and the figure beside the file at `path`. Returns these columns and what was
+/// found.
 pub fn complete(
     lyapunov: Option<LyapunovWatch>,
     mut output: Output,
     kept: Option<Table>,
     path: Option<&Path>,
-) -> Result<(Output, Option<String>), Failure> {
+) -> Result<(Output, Option<(Table, String)>), Failure> {
     let (Some(lyapunov), Some(kept)) = (lyapunov, kept) else { return Ok((output, None)) };
     let Recorded { table, verdict } = lyapunov.finish()?;
     for ((time, values), (_, more)) in kept.rows().zip(table.rows()) {
@@ -129,7 +130,7 @@ pub fn complete(
         written.write(path.with_extension("lyapunov.svg"), figure(&table).to_svg())?;
         written.appear()?;
     }
-    Ok((output, Some(verdict)))
+    Ok((output, Some((table, verdict))))
 }
 
 /// Decadic logarithms of H, its bound and its parts over time: exponentials are lines.

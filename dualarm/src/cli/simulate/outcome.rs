@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 
 use crate::cli::json::{self, ExperimentDocument, MetricsDocument};
 use crate::cli::printable::one_line;
-use crate::cli::{paragraph, print_error};
+use crate::cli::{paragraph, print_error, width};
 use crate::grasp::metrics::{Metrics, MetricsObstacle};
 use crate::report;
 use fmi2_cosim::master::Master;
@@ -38,6 +38,8 @@ pub struct Outcome {
     /// Why there are none.
     metrics_obstacle: Option<String>,
     output: Option<PathBuf>,
+    /// The page.
+    pub report: Option<PathBuf>,
     /// Outputs that are texts: rows have no place for them.
     texts: Vec<String>,
     #[serde(skip)]
@@ -125,6 +127,7 @@ impl Outcome {
             metrics: metrics.ok().map(MetricsDocument::from),
             metrics_obstacle: metrics.err().map(ToString::to_string),
             output,
+            report: None,
             texts: text_names,
             columns: columns.len(),
             ended: results.ended.map(End::from),
@@ -148,15 +151,16 @@ impl Outcome {
         let title = self.title.as_ref().map(|title| one_line(title).into_owned() + "\n").unwrap_or_default();
         let ExperimentDocument { steps, step, stop, .. } = &self.experiment;
         let stop = self.ended.as_ref().map_or(stop, |end| &end.time);
-        let mut text = format!(
-            "{title}{}: {} signals connected, {steps} steps of {} s up to t = {} s in {:.2} s ({:.2} µs per step)\n",
-            one_line(&names.join(" + ")),
-            self.connections.len(),
+        let head = format!("{}: {} signals connected,", one_line(&names.join(" + ")), self.connections.len());
+        let tail = format!(
+            "{steps} steps of {} s up to t = {} s in {:.2} s ({:.2} µs per step)",
             number(*step),
             number(*stop),
             self.wall_time,
             1e6 * self.wall_time / (*steps).max(1) as f64
         );
+        let fits = head.chars().count() + 1 + tail.chars().count() <= width();
+        let mut text = format!("{title}{head}{}{tail}\n", if fits { " " } else { "\n  " });
         text += &self.connected();
         if !self.texts.is_empty() {
             let names: Vec<_> = self.texts.iter().map(String::as_str).collect();
@@ -180,11 +184,14 @@ impl Outcome {
                 forces.header.pop();
                 forces.rows.iter_mut().for_each(|row| drop(row.pop()));
                 let efforts = report::effort_table([(controller, metrics)]);
-                text = [text, forces.to_terminal(), efforts.to_terminal()].join("\n");
+                text = [text, forces.to_terminal(width()), efforts.to_terminal(width())].join("\n");
             }
             Err(obstacle) if obstacle.is_grasp() => text = format!("{text}No metrics: {obstacle}\n"),
             // Other FMUs never wanted any.
             Err(_) => {}
+        }
+        for file in [&self.output, &self.report].into_iter().flatten() {
+            let _ = writeln!(text, "wrote {}", one_line(&file.display().to_string()));
         }
         text
     }

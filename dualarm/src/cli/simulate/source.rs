@@ -35,6 +35,15 @@ pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Resul
 }
 
 fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
+    if let Some(name) = files.iter().find(|file| is_name(file)) {
+        return Err(Failure::usage(match BuiltIn::find(&name.to_string_lossy()) {
+            Ok(BuiltIn { name, .. }) => format!(
+                "{name} is a scenario; one runs at a time, alone. To compare: `dualarm compare`, or write each with -o and overlay \
+                 them with `dualarm report a.csv b.csv`. Another controller in a scenario: --controller"
+            ),
+            Err(unknown) => format!("{unknown}; FMUs end in .fmu"),
+        }));
+    }
     if let Some(scenario) = files.iter().find(|file| has_extension(file, "toml")) {
         let message = format!("{} is a scenario; it runs alone, without other files", scenario.display());
         return Err(Failure::usage(message));

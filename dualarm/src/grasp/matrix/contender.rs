@@ -22,7 +22,7 @@ pub const CONTENDERS: [(Controller, Option<f64>); 8] = [
 ];
 
 /// Presets that `dualarm tune` wrote: what a search for all cases at once finds, in the folder `scenarios/tuned`.
-const PRESETS: &[BuiltIn] = built_in!["scenarios/tuned": "pid-all", "pds-all"];
+pub const PRESETS: &[BuiltIn] = built_in!["scenarios/tuned": "pid-all", "pds-all"];
 
 /// A step at which PD and PDS are stable with the paper's gains (from 0.26 ms on PD is not), in s.
 const PAPER_STEP: f64 = 2e-4;

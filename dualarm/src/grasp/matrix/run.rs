@@ -14,7 +14,7 @@ use crate::grasp::metrics::Limits;
 use crate::grasp::{CONTROLLERS, actuator_limits};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::Table;
+use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{Located, System};
 use fmi2_import::{Fmu, FmuError, Value};
@@ -101,6 +101,28 @@ impl Lab {
         cell(&system, &controller, contender.step).map_err(CellError::Run)
     }
 
+    /// Runs a cell for whoever wants its rows: what the sink kept, and the instances as they are in the end.
+    ///
+    /// # Errors
+    /// As [`Lab::cell`].
+    pub fn observe<S: Sink>(
+        &self,
+        case: &Case,
+        contender: &Contender,
+        sink: impl FnOnce(&TimeGrid, &[Column]) -> S,
+    ) -> Result<(S, Master), CellError> {
+        let (system, _) = self.system(case, contender)?;
+        let failed = |error: &dyn std::fmt::Display| CellError::Run(error.to_string());
+        let grid = grid(&system, contender.step).map_err(CellError::Run)?;
+        let mut master =
+            system.master(system.experiment.coupling.unwrap_or_default()).map_err(|error| failed(&error))?;
+        master.initialize(&grid).map_err(|error| failed(&error))?;
+        let columns = master.record(|_| true);
+        let mut sink = sink(&grid, &columns);
+        master.run(&grid, 0.0, &mut sink, &mut |_| ()).map_err(|error| failed(&error))?;
+        Ok((sink, master))
+    }
+
     /// The case with the contender in its controller's place, which is the second part of the result.
     fn system(&self, case: &Case, contender: &Contender) -> Result<(System, String), CellError> {
         let scenario = &case.scenario;
@@ -130,14 +152,19 @@ fn within(controller: &str, setting: &Setting) -> Setting {
     Setting::new(format!("{controller}.{}", setting.target), setting.value.clone())
 }
 
-fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, String> {
-    let text = |error: &dyn std::fmt::Display| error.to_string();
+/// The communication points of a case; `step` is what the contender wants.
+fn grid(system: &System, step: Option<f64>) -> Result<TimeGrid, String> {
     let experiment = system.experiment;
     let start = experiment.start.unwrap_or(0.0);
     let stop = experiment.stop.unwrap_or(start + STOP);
     let step = step.or(experiment.step).unwrap_or(STEP);
-    let grid = TimeGrid::new(start, stop, step).map_err(|error| text(&error))?;
-    let mut master = system.master(experiment.coupling.unwrap_or_default()).map_err(|error| text(&error))?;
+    TimeGrid::new(start, stop, step).map_err(|error| error.to_string())
+}
+
+fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, String> {
+    let text = |error: &dyn std::fmt::Display| error.to_string();
+    let grid = grid(system, step)?;
+    let mut master = system.master(system.experiment.coupling.unwrap_or_default()).map_err(|error| text(&error))?;
     master.initialize(&grid).map_err(|error| text(&error))?;
     let mut table = Table::new(master.record(|name| SIGNALS.contains(&name)));
     let result = master.run(&grid, 0.0, &mut table, &mut |_| ());
@@ -150,7 +177,7 @@ fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, St
     let first = |name: &str| table.column(name).and_then(|values| values.first().copied()).unwrap_or_default();
     let target = last("lambda2_d");
     let ways = ["theta1", "theta2", "y_object"].map(|name| last(&format!("{name}_d")) - first(name));
-    Ok(Cell { judged, merit, limit: models.limit(limits, ways, target), target, stop: stop - start })
+    Ok(Cell { judged, merit, limit: models.limit(limits, ways, target), target, stop: grid.stop() - grid.start() })
 }
 
 /// The instances of a run, to be asked.

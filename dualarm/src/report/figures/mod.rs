@@ -1,10 +1,11 @@
 //! Figures: the paper's Figs. 2 to 18, overlays of the three controllers, and the picture of the README.
 //!
-//! [`chart`] draws, [`paper`] and [`overlay`] say what, [`raster`] turns the SVG into PNG.
+//! [`chart`] draws, [`paper`] and [`overlay`] say what, [`raster`] turns the SVG into PNG, [`pdf`] into PDF.
 
 pub mod chart;
 pub mod overlay;
 pub mod paper;
+pub mod pdf;
 pub mod raster;
 pub mod text;
 

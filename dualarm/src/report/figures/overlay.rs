@@ -136,7 +136,8 @@ fn controls(outcomes: &[Outcome]) -> NamedFigure {
         })
     };
     let rows = ["tau1", "tau2", "u"].map(row).into();
-    let note = "Where the start kicks, its first 20 ms have a panel of their own, and the other panel cuts them off.";
+    let note = "Where the start kicks, its first 20 ms have a panel of their own, and the other panel cuts them off. Where a \
+                signal swings faster than can be drawn, a band shows how far, and a panel of its own a few swings.";
     stacked("overlay-controls", "Control signals, actuator outputs", rows, 700, note)
 }
 

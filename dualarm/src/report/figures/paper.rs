@@ -1,6 +1,6 @@
 //! The paper's Figs. 2 to 18: for each scenario forces, angles, (estimates,) and control signals.
 
-use super::chart::{Curve, Figure, Panel, Target, palette};
+use super::chart::{Chatter, Curve, Figure, Panel, Target, chatter, palette};
 use super::{NamedFigure, Outcome};
 use fmi2_cosim::record::Table;
 
@@ -96,7 +96,8 @@ impl Kind {
             }
             Self::Torques | Self::TipForce => {
                 "Thin: what the actuator puts out; wide: what the controller commands. Where the start kicks, its first \
-                 20 ms have a panel of their own, and the other panel cuts them off."
+                 20 ms have a panel of their own, and the other panel cuts them off. Where a signal swings faster than can be \
+                 drawn, a band shows how far, and a panel of its own a few swings."
             }
         }
     }
@@ -218,12 +219,29 @@ pub(super) fn with_close_up(panel: Panel) -> Vec<Panel> {
         let (low, high) = points.fold((0.0_f64, 0.0_f64), |(low, high), (_, y)| (low.min(*y), high.max(*y)));
         high - low
     };
-    if span(start) < 5.0 * span(start + START) {
-        return vec![panel];
-    }
-    let close_up = Panel { x_range: (start, start + START), weight: 0.4, ..panel.clone() };
-    // After the kick output and command are equal, and what vibrates would cover everything below it.
-    vec![close_up, Panel { y_label: String::new(), y_from: Some(start + START), first_on_top: true, ..panel }]
+    let swings = swings(&panel);
+    let mut panels = if span(start) < 5.0 * span(start + START) {
+        vec![panel]
+    } else {
+        let close_up = Panel { x_range: (start, start + START), weight: 0.4, ..panel.clone() };
+        // After the kick output and command are equal, and what vibrates would cover everything below it.
+        vec![close_up, Panel { y_label: String::new(), y_from: Some(start + START), first_on_top: true, ..panel }]
+    };
+    panels.extend(swings);
+    panels
+}
+
+/// Where a curve chatters its picture is a band; a few of its swings get a panel of their own.
+fn swings(panel: &Panel) -> Option<Panel> {
+    const SWINGS: f64 = 4.0;
+    /// Width of a figure's panel, about.
+    const WIDTH: f64 = 400.0;
+    let curves = panel.curves.iter().filter(|curve| !curve.wide);
+    let chatters = curves.filter_map(|curve| chatter(&curve.points, panel.x_range, WIDTH));
+    let Chatter { at, period, .. } = chatters.max_by(|a, b| a.span.total_cmp(&b.span))?;
+    let x_range = (at, (at + SWINGS * period).min(panel.x_range.1));
+    let zero = Vec::new(); // the axis follows the swings
+    Some(Panel { x_range, y_label: String::new(), y_include: zero, weight: 0.4, ..panel.clone() })
 }
 
 pub(super) fn control_label(signal: &str) -> String {

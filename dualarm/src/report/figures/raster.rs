@@ -15,13 +15,21 @@ pub const SCALE: f32 = 2.0;
 /// # Errors
 /// When the SVG is not valid, or too large for memory.
 pub fn to_png(svg: &str) -> Result<Vec<u8>, String> {
-    let options =
-        usvg::Options { fontdb: fonts(), font_family: text::EMBEDDED_FAMILY.into(), ..usvg::Options::default() };
-    let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
+    let tree = parse(svg)?;
     let size = tree.size().to_int_size().scale_by(SCALE).ok_or("the figure has no size")?;
     let mut pixmap = Pixmap::new(size.width(), size.height()).ok_or("the figure is too large")?;
     resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixmap.as_mut());
     pixmap.encode_png().map_err(|error| error.to_string())
+}
+
+/// An SVG document with the embedded font.
+///
+/// # Errors
+/// When it is not valid.
+pub(super) fn parse(svg: &str) -> Result<Tree, String> {
+    let options =
+        usvg::Options { fontdb: fonts(), font_family: text::EMBEDDED_FAMILY.into(), ..usvg::Options::default() };
+    Tree::from_str(svg, &options).map_err(|error| error.to_string())
 }
 
 fn fonts() -> Arc<fontdb::Database> {

@@ -2,7 +2,7 @@
 //!
 //! Each column is rounded to a whole number of quanta above its smallest value; of these numbers the differences from
 //! row to row are written as zigzag LEB128 (small differences, few bytes), all columns one after the other, then zlib and
-//! base64. `unpack.js` is the other end.
+//! base64. Of what is no finite number −1 is written. `unpack.js` is the other end.
 
 use std::io::Write;
 
@@ -14,6 +14,9 @@ use flate2::write::ZlibEncoder;
 /// Quanta between the smallest and the largest value of a column. A value is off by at most half a quantum: less than a
 /// millionth of the column's range.
 pub const LEVELS: u32 = 1 << 20;
+
+/// Stands for a value that is no finite number.
+const GAP: i32 = -1;
 
 /// Columns in the order they were added.
 pub struct Packer {
@@ -36,7 +39,7 @@ impl Packer {
         Self { encoder: ZlibEncoder::new(Vec::new(), Compression::default()) }
     }
 
-    /// Adds a column. A value that is no finite number becomes the smallest one: simulations end before that.
+    /// Adds a column.
     ///
     /// # Panics
     /// Never: writing to memory cannot fail.
@@ -59,7 +62,11 @@ impl Packer {
         let mut before = 0;
         for value in values {
             #[allow(clippy::cast_possible_truncation)] // 0 to 2³⁰
-            let number = if quantum > 0.0 && value.is_finite() { ((value - low) / quantum).round() as i32 } else { 0 };
+            let number = match value {
+                value if !value.is_finite() => GAP,
+                value if quantum > 0.0 => ((value - low) / quantum).round() as i32,
+                _ => 0,
+            };
             leb128(zigzag(number - before), &mut bytes);
             before = number;
         }
@@ -124,6 +131,9 @@ mod tests {
                     }
                 }
                 number += if code % 2 == 0 { code / 2 } else { -(code + 1) / 2 };
+                if number < 0 {
+                    return f64::NAN;
+                }
                 scale.low + number as f64 * scale.quantum
             });
             column.collect()
@@ -155,7 +165,8 @@ mod tests {
         let mut packer = Packer::new();
         let scale = packer.add(&[1.0, f64::NAN, 2.0, f64::INFINITY]);
         let columns = unpack(&packer.finish(), 4, &[scale]);
-        assert_eq!(columns[0], [1.0, 1.0, 2.0, 1.0]);
+        assert_eq!((columns[0][0], columns[0][2]), (1.0, 2.0));
+        assert!(columns[0][1].is_nan() && columns[0][3].is_nan(), "a gap in the curve");
         let mut packer = Packer::new();
         assert_eq!(packer.add(&[f64::NAN]), Scale { low: 0.0, quantum: 0.0 });
     }

@@ -1,15 +1,40 @@
-//! The tables of the page: metrics side by side, and the parameters of every model.
+//! What the page says in tables: the result, metrics side by side, how it was run, and the figures.
 
 use std::fmt::Write;
 
 use super::markup::escape;
+use super::run::Run;
 use crate::grasp::matrix::Matrix;
-use crate::grasp::metrics::{EffortMetrics, ForceMetrics};
-use crate::report::figures::Outcome;
+use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
+use crate::report::TextTable;
+use crate::report::figures::NamedFigure;
 use crate::report::figures::text::number;
 use crate::report::matrix::{LEGEND, figure};
 use crate::report::parameters::{ModelParameters, Parameter};
 use fmi2_import::Value;
+
+/// A table of texts as a section of the page.
+#[must_use]
+pub fn section(title: &str, table: &TextTable) -> String {
+    let mut html = format!(
+        "<section><h2>{0}</h2><div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table><thead><tr>",
+        escape(title)
+    );
+    for heading in &table.header {
+        let _ = write!(html, "<th scope=\"col\">{}</th>", escape(heading));
+    }
+    html += "</tr></thead><tbody>";
+    for row in &table.rows {
+        html += "<tr>";
+        for (column, cell) in row.iter().enumerate() {
+            let cell = escape(cell);
+            let (open, close) = if column == 0 { ("<th scope=\"row\">", "</th>") } else { ("<td>", "</td>") };
+            html.extend([open, cell.as_str(), close]);
+        }
+        html += "</tr>";
+    }
+    html + "</tbody></table></div></section>"
+}
 
 /// The matrix of controllers and cases, as a section of the page.
 #[must_use]
@@ -17,11 +42,43 @@ pub fn matrix(matrix: &Matrix) -> String {
     format!(
         "<section aria-labelledby=\"matrix-title\"><h2 id=\"matrix-title\">Who settles, and when</h2>\
          <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Controllers in all cases\">{}</div>\
-         <p class=\"soft\">{} All numbers: <a href=\"matrix.md\">matrix.md</a>, <a href=\"matrix.csv\">matrix.csv</a>.</p>\
+         <p class=\"soft\">{}</p>\
          </section>",
-        figure::svg(matrix),
+        figure::svg(matrix, false),
         escape(&LEGEND.replace('*', ""))
     )
+}
+
+/// What came out, so large that nobody misses it: one card per run that has metrics.
+#[must_use]
+pub fn headline(runs: &[Run]) -> String {
+    let card = |(index, run): (usize, &Run)| {
+        let settling = run.metrics.as_ref()?.settling_2();
+        let time = settling.map_or("does not settle".into(), |time| format!("{}\u{a0}s", number(time, decimals(time))));
+        let paper =
+            if run.paper.is_empty() { String::new() } else { format!("<span>paper: {}</span>", escape(&run.paper)) };
+        Some(format!(
+            "<li class=\"run-{index}\"><span class=\"name\"><i class=\"swatch\"></i>{}</span><b>{time}</b>{paper}</li>",
+            escape(&run.title)
+        ))
+    };
+    let cards: String = runs.iter().enumerate().filter_map(card).collect();
+    if cards.is_empty() {
+        return cards;
+    }
+    format!(
+        "<section class=\"result\" aria-labelledby=\"result-title\"><h2 id=\"result-title\">Time until both contact forces stay \
+         within ±2 % of their target</h2><ul>{cards}</ul></section>"
+    )
+}
+
+/// Digits after the point of a time in s, so that three of them count.
+fn decimals(time: f64) -> usize {
+    match time {
+        time if time >= 10.0 => 1,
+        time if time >= 1.0 => 2,
+        _ => 3,
+    }
 }
 
 /// A group of rows of the metrics table.
@@ -30,17 +87,20 @@ struct Group {
     rows: Vec<(String, Vec<String>)>,
 }
 
-/// The metrics, one column per controller.
+/// The metrics, one column per run, as a section of the page; nothing if no run has any.
 #[must_use]
-pub fn metrics(outcomes: &[Outcome]) -> String {
+pub fn metrics(runs: &[Run]) -> String {
+    if runs.iter().all(|run| run.metrics.is_none()) {
+        return String::new();
+    }
     let mut html = String::from("<table class=\"metrics\"><thead><tr><td></td>");
-    for (index, outcome) in outcomes.iter().enumerate() {
-        let title = escape(outcome.scenario.title);
+    for (index, run) in runs.iter().enumerate() {
+        let title = escape(&run.title);
         let _ = write!(html, "<th scope=\"col\"><span class=\"swatch run-{index}\"></span>{title}</th>");
     }
     html += "</tr></thead>";
-    for Group { heading, rows } in groups(outcomes) {
-        let columns = outcomes.len() + 1;
+    for Group { heading, rows } in groups(runs) {
+        let columns = runs.len() + 1;
         let _ =
             write!(html, "<tbody><tr><th class=\"group\" colspan=\"{columns}\" scope=\"rowgroup\">{heading}</th></tr>");
         for (name, cells) in rows {
@@ -49,14 +109,22 @@ pub fn metrics(outcomes: &[Outcome]) -> String {
         }
         html += "</tbody>";
     }
-    html + "</table>"
+    format!(
+        "<section aria-labelledby=\"metrics-title\"><h2 id=\"metrics-title\">Metrics</h2>\
+         <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Metrics\">{html}</table></div>\
+         <p class=\"soft\">Settling time: after it the force stays within the band around its target. Overshoot: in % of the \
+         way from the first value to the target. Steady error: mean over the last 5 % of the run. Control effort: outputs of \
+         the actuators over the whole run.</p></section>"
+    )
 }
 
-fn groups(outcomes: &[Outcome]) -> Vec<Group> {
-    let row = |name: String, cell: &dyn Fn(&Outcome) -> String| (name, outcomes.iter().map(cell).collect());
+fn groups(runs: &[Run]) -> Vec<Group> {
+    let row = |name: String, cell: &dyn Fn(&Metrics) -> String| {
+        (name, runs.iter().map(|run| run.metrics.as_ref().map_or("–".into(), cell)).collect())
+    };
     let forces = (0..2).map(|arm| {
         let force = |name: &str, cell: fn(&ForceMetrics) -> String| {
-            row(name.to_owned(), &move |outcome| cell(&outcome.metrics.forces[arm]))
+            row(name.to_owned(), &move |metrics| cell(&metrics.forces[arm]))
         };
         let mut rows = vec![
             force("settling time, ±2 % (s)", |force| seconds(force.settling_2)),
@@ -64,15 +132,16 @@ fn groups(outcomes: &[Outcome]) -> Vec<Group> {
             force("overshoot (%)", |force| number(force.overshoot, 2)),
             force("steady error (mN)", |force| number(1e3 * force.steady_error, 2)),
         ];
-        if arm == 0 {
-            rows.insert(0, row("settling, says the paper".into(), &|outcome| unbroken(outcome.scenario.paper)));
+        if arm == 0 && runs.iter().any(|run| !run.paper.is_empty()) {
+            let says = runs.iter().map(|run| unbroken(&run.paper)).collect();
+            rows.insert(0, ("settling, says the paper".into(), says));
         }
         Group { heading: ["Contact force f₁", "Contact force f₂"][arm], rows }
     });
     let controls = [("Torque τ₁", "N·m"), ("Torque τ₂", "N·m"), ("Force u", "N")];
     let efforts = controls.into_iter().enumerate().map(|(index, (heading, unit))| {
         let effort = |name: &str, cell: &dyn Fn(&EffortMetrics) -> String| {
-            row(name.to_owned(), &|outcome| cell(&outcome.metrics.efforts[index]))
+            row(name.to_owned(), &|metrics| cell(&metrics.efforts[index]))
         };
         Group {
             heading,
@@ -97,42 +166,150 @@ fn seconds(time: Option<f64>) -> String {
     time.map_or("not settled".into(), |time| number(time, 3))
 }
 
-/// Every model's parameters, each model once unless its values differ between the runs.
+/// How the runs were made: what each says of itself, what differs from the defaults, and every parameter of every model.
 #[must_use]
-pub fn parameters(outcomes: &[Outcome]) -> String {
+pub fn parameters(runs: &[Run], setup: &str) -> String {
+    let mut html = if setup.is_empty() { String::new() } else { format!("<p>{}</p>", escape(setup)) };
+    if runs.iter().any(|run| !run.notes.is_empty()) {
+        html += "<ul class=\"runs\">";
+        for (index, run) in runs.iter().enumerate().filter(|(_, run)| !run.notes.is_empty()) {
+            let notes = escape(&run.notes.join(" "));
+            let title = escape(&run.title);
+            let _ = write!(html, "<li><i class=\"swatch run-{index}\"></i><b>{title}</b>: {notes}</li>");
+        }
+        html += "</ul>";
+    }
+    html += &changed(runs);
     let mut shown: Vec<&ModelParameters> = Vec::new();
-    let mut html = String::new();
-    for outcome in outcomes {
-        for model in &outcome.models {
+    for run in runs {
+        for model in &run.models {
             if shown.contains(&model) {
                 continue;
             }
             let is_again = shown.iter().any(|other| other.model == model.model);
             shown.push(model);
-            let run = if is_again { format!(" in the run of {}", outcome.scenario.title) } else { String::new() };
-            let _ = write!(
-                html,
-                "<details><summary>{}<span class=\"soft\">{}</span></summary><p>{}</p><div class=\"wide\" tabindex=\"0\" \
-                 role=\"region\" aria-label=\"Parameters of {0}\"><table class=\"parameters\"><thead><tr><th scope=\"col\">\
-                 Name</th><th scope=\"col\">Value</th><th scope=\"col\">Unit</th><th scope=\"col\">Meaning</th></tr></thead>\
-                 <tbody>",
-                escape(&model.model),
-                escape(&run),
-                escape(&model.description)
-            );
-            for Parameter { name, value, unit, description } in &model.parameters {
-                let value = match value {
-                    Value::Real(value) => real(*value),
-                    other => other.to_string(),
-                };
-                let unit = unit.as_deref().unwrap_or_default();
-                let cells = [value.as_str(), unit, description].map(|cell| format!("<td>{}</td>", escape(cell)));
-                let _ = write!(html, "<tr><th scope=\"row\"><code>{}</code></th>{}</tr>", escape(name), cells.concat());
-            }
-            html += "</tbody></table></div></details>";
+            let of = if is_again { format!(" in the run of {}", run.title) } else { String::new() };
+            html += &all_of(model, &of);
         }
     }
+    if html.is_empty() {
+        return html;
+    }
+    format!(
+        "<section aria-labelledby=\"parameters-title\"><h2 id=\"parameters-title\">How it was run</h2>{html}</section>"
+    )
+}
+
+/// The parameters that do not have their default values, in the runs where that is so.
+fn changed(runs: &[Run]) -> String {
+    let mut rows: Vec<(&str, &Parameter, Vec<Option<&Value>>)> = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        for model in &run.models {
+            for parameter in model.changed() {
+                let known = rows.iter().position(|(name, row, _)| *name == model.model && row.name == parameter.name);
+                let place = known.unwrap_or_else(|| {
+                    rows.push((&model.model, parameter, vec![None; runs.len()]));
+                    rows.len() - 1
+                });
+                rows[place].2[index] = Some(&parameter.value);
+            }
+        }
+    }
+    let are_known = runs.iter().any(|run| !run.models.is_empty());
+    if rows.is_empty() {
+        return if are_known { "<p>Every parameter has its default value.</p>".into() } else { String::new() };
+    }
+    let mut html = String::from(
+        "<h3>What differs from the defaults</h3><div class=\"wide\" tabindex=\"0\" role=\"region\" \
+         aria-label=\"Parameters that differ from their defaults\"><table class=\"changed\"><thead><tr><th scope=\"col\">Name</th>\
+         <th scope=\"col\">Default</th>",
+    );
+    for (index, run) in runs.iter().enumerate() {
+        let title = if runs.len() == 1 { "Here".into() } else { escape(&run.title) };
+        let _ = write!(html, "<th scope=\"col\"><i class=\"swatch run-{index}\"></i>{title}</th>");
+    }
+    html += "<th scope=\"col\">Unit</th><th scope=\"col\">Meaning</th></tr></thead><tbody>";
+    for (model, Parameter { name, default, unit, description, .. }, values) in rows {
+        let default = default.as_ref().map(shown).unwrap_or_default();
+        let _ = write!(
+            html,
+            "<tr><th scope=\"row\"><code>{}</code> <span class=\"soft\">{}</span></th><td>{}</td>",
+            escape(name),
+            escape(model),
+            escape(&default)
+        );
+        for value in values {
+            let text = value.map_or_else(|| "–".to_owned(), |value| format!("<b>{}</b>", escape(&shown(value))));
+            let _ = write!(html, "<td>{text}</td>");
+        }
+        let unit = unit.as_deref().unwrap_or_default();
+        let _ = write!(html, "<td>{}</td><td class=\"text\">{}</td></tr>", escape(unit), escape(description));
+    }
+    html += "</tbody></table></div>";
+    if runs.len() > 1 {
+        html += "<p class=\"soft\">–: as by default, or the model is not in that run.</p>";
+    }
     html
+}
+
+/// At most this many parameters of one model are listed.
+const MOST: usize = 1000;
+
+/// A model's parameters, folded.
+fn all_of(model: &ModelParameters, of: &str) -> String {
+    let mut html = format!(
+        "<details><summary>{}<span class=\"soft\">{}</span></summary><p>{}</p><div class=\"wide\" tabindex=\"0\" \
+         role=\"region\" aria-label=\"Parameters of {0}{1}\"><table class=\"parameters\"><thead><tr><th scope=\"col\">\
+         Name</th><th scope=\"col\">Value</th><th scope=\"col\">Unit</th><th scope=\"col\">Meaning</th></tr></thead>\
+         <tbody>",
+        escape(&model.model),
+        escape(of),
+        escape(&model.description)
+    );
+    for Parameter { name, value, unit, description, .. } in model.parameters.iter().take(MOST) {
+        let unit = unit.as_deref().unwrap_or_default();
+        let cells = [shown(value).as_str(), unit, description].map(|cell| format!("<td>{}</td>", escape(cell)));
+        let _ = write!(html, "<tr><th scope=\"row\"><code>{}</code></th>{}</tr>", escape(name), cells.concat());
+    }
+    html += "</tbody></table></div>";
+    if let Some(more) = model.parameters.len().checked_sub(MOST).filter(|more| *more > 0) {
+        let _ = write!(html, "<p class=\"soft\">… and {more} more.</p>");
+    }
+    html + "</details>"
+}
+
+/// The paper's figures, folded, each to be taken away.
+#[must_use]
+pub fn figures(figures: &[NamedFigure]) -> String {
+    if figures.is_empty() {
+        return String::new();
+    }
+    let mut html = String::from(
+        "<section aria-labelledby=\"figures-title\"><h2 id=\"figures-title\">Figures</h2><details class=\"figures\"><summary>",
+    );
+    html += &match figures {
+        [one] => escape(&one.caption),
+        _ => "Figs. 2 to 18 as the paper numbers them, and the controllers in one picture".to_owned(),
+    };
+    html += "</summary><div class=\"drawn\">";
+    for NamedFigure { name, caption, note, figure } in figures {
+        let _ = write!(
+            html,
+            "<figure data-name=\"{name}\">{}<figcaption><strong>{}</strong> {} <span class=\"take\"></span></figcaption></figure>",
+            figure.to_svg(),
+            escape(caption),
+            escape(note)
+        );
+    }
+    html + "</div></details></section>"
+}
+
+/// A value as people write it.
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Real(value) => real(*value),
+        other => other.to_string(),
+    }
 }
 
 /// The shortest digits that read back exactly, with an exponent where there would be many zeros.

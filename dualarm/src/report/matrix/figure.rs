@@ -11,6 +11,8 @@ const CELL: (f64, f64) = (78.0, 34.0);
 const LABELS: f64 = 196.0;
 const HEADER: f64 = 104.0;
 const MARGIN: f64 = 16.0;
+/// Room for the title.
+const TITLE: f64 = 40.0;
 const LIMIT: f64 = 58.0;
 
 /// Ratio to the best of the row, and the colour there: colours that stay apart for colour-blind readers.
@@ -28,17 +30,21 @@ const SOFT: &str = "#5B6370";
 /// Below this error, in N, nobody is better than anybody.
 const EXACT: f64 = 1e-3;
 
-/// The figure as SVG.
+/// The figure as SVG; `titled` unless a heading stands above it.
 #[must_use]
-pub fn svg(matrix: &Matrix) -> String {
+pub fn svg(matrix: &Matrix, titled: bool) -> String {
     let columns = matrix.contenders.len() as f64;
     let width = 2.0 * MARGIN + LABELS + columns * CELL.0 + LIMIT;
-    let height = HEADER + matrix.cases.len() as f64 * CELL.1 + 74.0;
+    let bottom = HEADER + matrix.cases.len() as f64 * CELL.1 + 74.0;
+    let top = if titled { 0.0 } else { TITLE };
+    let height = bottom - top;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
-         font-family=\"{FAMILIES}\" fill=\"{INK}\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 {top} {width} {height}\" \
+         font-family=\"{FAMILIES}\" fill=\"{INK}\">\n<rect y=\"{top}\" width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
-    write_text(&mut svg, (MARGIN, 26.0), 15.0, "start", true, INK, "Who settles, and when (s)");
+    if titled {
+        write_text(&mut svg, (MARGIN, 26.0), 15.0, "start", true, INK, "Who settles, and when (s)");
+    }
     for (column, contender) in matrix.contenders.iter().enumerate() {
         let x = left(column) + 0.5 * CELL.0;
         for (line, words) in wrapped(&contender.title, CELL.0 - 4.0).iter().rev().enumerate() {
@@ -58,7 +64,7 @@ pub fn svg(matrix: &Matrix) -> String {
             write_text(&mut svg, (x, y + 21.0), 11.0, "middle", false, SOFT, &text::number(limit, 2));
         }
     }
-    write_key(&mut svg, height - 50.0);
+    write_key(&mut svg, bottom - 50.0);
     with_shifts(&(svg + "</svg>\n"))
 }
 
@@ -157,7 +163,7 @@ mod tests {
 
     #[test]
     fn the_picture_is_sound_and_says_every_cell() {
-        let svg = svg(&super::super::tests::example());
+        let svg = svg(&super::super::tests::example(), true);
         let document = roxmltree::Document::parse(&svg).unwrap();
         let words: Vec<_> = document.descendants().filter_map(|node| node.text()).map(str::trim).collect();
         for expected in ["undisturbed", "0.15", "0.31", "+31 %", "never", "10.0 mN", "–"] {

@@ -135,6 +135,7 @@ impl Package {
         let description = self.structure.description.clone();
         Ok(System {
             title: Some(description.unwrap_or_else(|| self.structure.name.clone())),
+            description: String::new(),
             connections: Connections::Explicit(wires),
             values,
             settings: Vec::new(),

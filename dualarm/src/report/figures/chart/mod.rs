@@ -14,6 +14,7 @@ use super::text;
 use pen::{
     CURVE, Canvas, DrawResult, LABEL_SIZE, TITLE_SIZE, TextLook, WIDE, WIDE_OPACITY, draw_line, pen, units, write,
 };
+pub(super) use points::{Chatter, chatter};
 
 /// Dark text.
 pub const INK: RGBColor = RGBColor(0x22, 0x26, 0x2E);
@@ -33,6 +34,9 @@ pub mod palette {
     /// All of them.
     pub const ALL: [RGBColor; 4] = [BLUE, VERMILION, GREEN, PURPLE];
 }
+
+/// By how many px a figure is lower without its title.
+const UNTITLED: u32 = 28;
 
 /// One figure: panels below each other, each row holding one or more side by side.
 #[derive(Debug, Clone)]
@@ -126,23 +130,39 @@ impl Figure {
     /// Never: drawing into a string cannot fail.
     #[must_use]
     pub fn to_svg(&self) -> String {
+        self.svg(true)
+    }
+
+    /// The same without the title, which the caption of a paper says.
+    ///
+    /// # Panics
+    /// Never: drawing into a string cannot fail.
+    #[must_use]
+    pub fn to_untitled_svg(&self) -> String {
+        let (width, height) = self.size;
+        Self { size: (width, height - UNTITLED), ..self.clone() }.svg(false)
+    }
+
+    fn svg(&self, titled: bool) -> String {
         let (width, height) = self.size;
         let mut svg = String::new();
         let canvas_size = (units(f64::from(width)).unsigned_abs(), units(f64::from(height)).unsigned_abs());
         {
             let canvas = SVGBackend::with_string(&mut svg, canvas_size).into_drawing_area();
-            self.draw(&canvas).expect("drawing into a string cannot fail");
+            self.draw(&canvas, titled).expect("drawing into a string cannot fail");
             canvas.present().expect("drawing into a string cannot fail");
         }
         self.polish(&svg)
     }
 
-    fn draw(&self, canvas: &Canvas) -> DrawResult {
+    fn draw(&self, canvas: &Canvas, titled: bool) -> DrawResult {
         canvas.fill(&WHITE)?;
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let mut frame = Frame { outer: 0.0, left: 0.0, top: 14.0, right: width, bottom: height - 6.0 };
-        write(canvas, &self.title, (18.0, frame.top), &TextLook::new(TITLE_SIZE, INK).bold())?;
-        frame.top += 28.0;
+        if titled {
+            write(canvas, &self.title, (18.0, frame.top), &TextLook::new(TITLE_SIZE, INK).bold())?;
+            frame.top += f64::from(UNTITLED);
+        }
         if self.draw_legend(canvas, frame.top)? {
             frame.top += 26.0;
         }
@@ -251,10 +271,10 @@ mod tests {
         assert_eq!(document.root_element().attribute("width"), Some("720"));
         let curves: Vec<_> =
             document.descendants().filter(|node| node.attribute("stroke") == Some("#0072B2")).collect();
-        assert_eq!(curves.len(), 4, "two curves and two legend samples");
+        assert_eq!(curves.len(), 6, "both edges of two curves that swing too fast, and two legend samples");
         let width = |index: usize| curves[index].attribute("stroke-width").unwrap().parse::<u32>().unwrap();
         // The legend's samples in its order; of the curves the wide one first, or it would hide the other.
-        assert!(width(1) > 2 * width(0) && width(2) > 2 * width(3));
+        assert!(width(1) > 2 * width(0) && width(2) > 2 * width(4));
         assert!(document.descendants().any(|node| node.text() == Some("A & B")));
     }
 

@@ -4,7 +4,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::pen::{Canvas, DrawResult, LABEL_SIZE, PlotArea, TICK_SIZE, TextLook, UNITS, draw_line, pen, units, write};
-use super::points::{cut, decimate, ticks};
+use super::points::{Piece, cut, pieces, ticks};
 use super::{Frame, INK, Mark, Panel};
 use crate::report::figures::text;
 
@@ -12,6 +12,9 @@ const SOFT_INK: RGBColor = RGBColor(0x5B, 0x63, 0x70);
 const GRID: RGBColor = RGBColor(0xE6, 0xE9, 0xEE);
 const AXIS: RGBColor = RGBColor(0x9A, 0xA2, 0xAE);
 const BAND: RGBColor = RGBColor(0xE3, 0xE8, 0xEE);
+
+/// Opacity of what lies between the edges of a band.
+const BAND_OPACITY: f64 = 0.28;
 
 impl Panel {
     pub(super) fn weight(&self) -> f64 {
@@ -104,17 +107,28 @@ impl Panel {
         }
         curves.sort_by_key(|curve| !curve.wide);
         for curve in curves {
-            // Five columns for four px.
-            let points = decimate(&curve.points, self.x_range, (frame.right - frame.left) * 1.25);
-            for piece in cut(&points, y_range) {
-                let pixels: Vec<_> = piece
-                    .into_iter()
-                    .map(|point| {
-                        let (x, y) = at(point);
-                        (units(x), units(y))
-                    })
-                    .collect();
-                canvas.draw(&PathElement::new(pixels, curve.style()))?;
+            let size = (frame.right - frame.left, frame.bottom - frame.top);
+            let in_units = |point: (f64, f64)| {
+                let (x, y) = at(point);
+                (units(x), units(y))
+            };
+            for piece in pieces(&curve.points, self.x_range, y_range.1 - y_range.0, size) {
+                let lines = match piece {
+                    Piece::Line(points) => cut(&points, y_range),
+                    Piece::Band(upper, lower) => {
+                        let within = |points: Vec<(f64, f64)>| -> Vec<_> {
+                            points.into_iter().map(|(x, y)| (x, y.clamp(y_range.0, y_range.1))).collect()
+                        };
+                        let (upper, lower) = (within(upper), within(lower));
+                        let area = upper.iter().chain(lower.iter().rev()).copied().map(in_units);
+                        canvas.draw(&Polygon::new(area.collect::<Vec<_>>(), curve.color.mix(BAND_OPACITY).filled()))?;
+                        vec![upper, lower]
+                    }
+                };
+                for line in lines {
+                    let pixels: Vec<_> = line.into_iter().map(in_units).collect();
+                    canvas.draw(&PathElement::new(pixels, curve.style()))?;
+                }
             }
         }
         for mark in &self.marks {

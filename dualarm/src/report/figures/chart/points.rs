@@ -39,6 +39,137 @@ pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), columns: f64) -
     without_collinear(kept)
 }
 
+/// Width in px in which a swing and back is too fast to be seen.
+const BIN: f64 = 4.0;
+/// Smaller swings in px are no thicker than the line.
+const SMALLEST: f64 = 3.0;
+
+/// A piece of a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Piece {
+    /// What the eye can follow.
+    Line(Vec<(f64, f64)>),
+    /// Where it swings faster than the picture can show: its upper and its lower edge.
+    Band(Vec<(f64, f64)>, Vec<(f64, f64)>),
+}
+
+/// Points within a few px, and how often the curve turns there.
+struct Bin<'a> {
+    points: &'a [(f64, f64)],
+    low: f64,
+    high: f64,
+    turns: u32,
+}
+
+/// A curve as lines, and as bands where it chatters. `size` is that of the plot in px, `y_span` what its height shows.
+pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size: (f64, f64)) -> Vec<Piece> {
+    let inside: Vec<_> =
+        points.iter().copied().filter(|(x, y)| *x >= range.0 && *x <= range.1 && y.is_finite()).collect();
+    let px = size.1 / y_span;
+    let bins = bins(&inside, range, px, size.0);
+    let swings: Vec<bool> = bins.iter().map(|bin| bin.turns >= 2 && (bin.high - bin.low) * px > SMALLEST).collect();
+    let swings_at = |index: Option<usize>| index.and_then(|index| swings.get(index)).copied().unwrap_or(false);
+    // One bin alone is a kick, and one calm bin between two others no calm.
+    let is_fast = |index: usize| {
+        let (before, after) = (swings_at(index.checked_sub(1)), swings_at(Some(index + 1)));
+        if swings[index] { before || after } else { before && after }
+    };
+    let mut pieces = Vec::new();
+    let mut from = 0;
+    while from < bins.len() {
+        let fast = is_fast(from);
+        let end = (from..bins.len()).find(|&index| is_fast(index) != fast).unwrap_or(bins.len());
+        let (first, last) = (bins[from].points, bins[end - 1].points);
+        if fast {
+            let edge = |value: fn(&Bin) -> f64| {
+                let middle = bins[from..end].iter().map(|bin| {
+                    let (left, right) = (bin.points[0].0, bin.points[bin.points.len() - 1].0);
+                    (f64::midpoint(left, right), value(bin))
+                });
+                let ends = [(first[0].0, value(&bins[from])), (last[last.len() - 1].0, value(&bins[end - 1]))];
+                std::iter::once(ends[0]).chain(middle).chain(std::iter::once(ends[1])).collect::<Vec<_>>()
+            };
+            pieces.push(Piece::Band(edge(|bin| bin.high), edge(|bin| bin.low)));
+        } else {
+            // Lines begin and end where bands do.
+            let before = from.checked_sub(1).and_then(|before| bins[before].points.last());
+            let after = bins.get(end).and_then(|bin| bin.points.first());
+            let line = before.into_iter().chain(bins[from..end].iter().flat_map(|bin| bin.points)).chain(after);
+            let line: Vec<_> = line.copied().collect();
+            // Five columns for four px.
+            pieces.push(Piece::Line(decimate(&line, range, size.0 * 1.25)));
+        }
+        from = end;
+    }
+    pieces
+}
+
+fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) -> Vec<Bin<'a>> {
+    #[allow(clippy::cast_possible_truncation)] // thousands at most
+    let place = |x: f64| ((x - range.0) / (range.1 - range.0) * width / BIN).floor() as i64;
+    let mut extreme = points.first().map_or(0.0, |first| first.1);
+    let mut direction = 0.0;
+    let bin = |points: &'a [(f64, f64)]| {
+        let (mut low, mut high, mut turns) = (f64::INFINITY, f64::NEG_INFINITY, 0);
+        for (_, y) in points {
+            (low, high) = (low.min(*y), high.max(*y));
+            let left = (y - extreme) * px;
+            // It has turned when it has left its extreme by a px.
+            if if direction == 0.0 { left.abs() > 1.0 } else { direction * left < -1.0 } {
+                turns += u32::from(direction != 0.0);
+                direction = left.signum();
+                extreme = *y;
+            } else if direction * left > 0.0 {
+                extreme = *y;
+            }
+        }
+        Bin { points, low, high, turns }
+    };
+    points.chunk_by(|a, b| place(a.0) == place(b.0)).map(bin).collect()
+}
+
+/// Where a curve chatters in a picture of some width.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::report::figures) struct Chatter {
+    /// Time in the middle of the longest stretch.
+    pub at: f64,
+    /// How long the stretch is.
+    pub span: f64,
+    /// How long a swing takes there.
+    pub period: f64,
+}
+
+/// Where a curve chatters longest in a picture of this width in px, if it does.
+pub(in crate::report::figures) fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<Chatter> {
+    let extremes = |points: &[&(f64, f64)]| {
+        points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, y)| (low.min(*y), high.max(*y)))
+    };
+    let between = |from: f64, to: f64| points.iter().filter(|(x, _)| (from..=to).contains(x)).collect::<Vec<_>>();
+    let (low, high) = extremes(&between(range.0, range.1));
+    let bands = pieces(points, range, (high - low).max(f64::MIN_POSITIVE), (width, 200.0));
+    let stretches = bands.into_iter().filter_map(|piece| match piece {
+        Piece::Band(upper, _) => Some((upper[0].0, upper[upper.len() - 1].0)),
+        Piece::Line(_) => None,
+    });
+    let (from, to) = stretches.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
+    let at = f64::midpoint(from, to);
+    // A swing is what goes through a good part of the band's height, not the ripple on it.
+    let near = between(at, at + (to - from) / 16.0);
+    let (low, high) = extremes(&near);
+    let (mut is_up, mut turns) = (None, 0_u32);
+    for (_, y) in near {
+        let side = match (y - low) / (high - low) {
+            share if share > 0.7 => true,
+            share if share < 0.3 => false,
+            _ => continue,
+        };
+        turns += u32::from(is_up.is_some_and(|is_up| is_up != side));
+        is_up = Some(side);
+    }
+    let period = (to - from) / 8.0 / f64::from(turns);
+    (turns > 3).then_some(Chatter { at, span: to - from, period })
+}
+
 /// The pieces of a curve between two heights; each ends where the curve leaves.
 pub(super) fn cut(points: &[(f64, f64)], (low, high): (f64, f64)) -> Vec<Vec<(f64, f64)>> {
     let is_inside = |y: f64| (low..=high).contains(&y);
@@ -110,6 +241,27 @@ mod tests {
         assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[49_999]));
         let flat: Vec<_> = (0..50_000).map(|index| (f64::from(index) * 1e-4, 0.5)).collect();
         assert_eq!(decimate(&flat, (0.0, 5.0), 600.0).len(), 2);
+    }
+
+    #[test]
+    fn what_swings_too_fast_is_a_band_and_the_rest_a_line() {
+        // 90 Hz in the middle of a ramp of 4 s, 400 px wide: 0.9 swings per px.
+        let wave =
+            |t: f64| if (1.0..3.0).contains(&t) { 0.2 * (2.0 * std::f64::consts::PI * 90.0 * t).sin() } else { 0.0 };
+        let points: Vec<_> = (0..=4000).map(|row| f64::from(row) * 1e-3).map(|t| (t, t + wave(t))).collect();
+        let pieces = pieces(&points, (0.0, 4.0), 5.0, (400.0, 300.0));
+        let [Piece::Line(before), Piece::Band(upper, lower), Piece::Line(after)] = &pieces[..] else {
+            panic!("{} pieces", pieces.len());
+        };
+        assert!((upper[0].0 - 1.0).abs() < 0.05 && (upper[upper.len() - 1].0 - 3.0).abs() < 0.05);
+        assert!(upper.iter().zip(lower).all(|(u, l)| (u.1 - l.1 - 0.4).abs() < 0.06), "as wide as it swings");
+        assert_eq!((before[0], after[after.len() - 1]), ((0.0, 0.0), (4.0, 4.0)));
+        let Chatter { at, span, period } = chatter(&points, (0.0, 4.0), 400.0).unwrap();
+        assert!((at - 2.0).abs() < 0.05 && (span - 2.0).abs() < 0.1, "{at} {span}");
+        // A sixteenth of the stretch has some ten swings, of which the last is cut off.
+        assert!((period * 90.0 - 1.0).abs() < 0.1, "{period}");
+        let kick: Vec<_> = (0..=4000).map(|row| (f64::from(row) * 1e-3, if row == 9 { 9.0 } else { 0.0 })).collect();
+        assert_eq!(chatter(&kick, (0.0, 4.0), 400.0), None);
     }
 
     #[test]

@@ -1,0 +1,63 @@
+// Which charts there are. `scale` turns a signal into the unit of its chart, `also` is a second signal in dashes.
+
+const DEGREES = 180 / Math.PI;
+
+/** Charts of a grasp, in the order of the page. */
+const GRASP = [
+  { signal: "contact_force1", title: "Contact force f₁", unit: "N", decimals: 3, target: "lambda2_d", band: 0.02 },
+  { signal: "contact_force2", title: "Contact force f₂", unit: "N", decimals: 3, target: "lambda2_d", band: 0.02 },
+  { signal: "y_object", title: "Object position y", unit: "mm", decimals: 2, scale: 1000, target: "y_object_d" },
+  { signal: "theta1", title: "Hub angle θ₁", unit: "°", decimals: 3, scale: DEGREES, target: "theta1_d" },
+  { signal: "theta2", title: "Hub angle θ₂", unit: "°", decimals: 3, scale: DEGREES, target: "theta2_d" },
+  { signal: "energy", title: "Energy of arms and object", unit: "mJ", decimals: 3, scale: 1000 },
+  { signal: "tau1", title: "Torque τ₁", unit: "N·m", decimals: 3, kick: true, also: "tau1_cmd" },
+  { signal: "tau2", title: "Torque τ₂", unit: "N·m", decimals: 3, kick: true, also: "tau2_cmd" },
+  { signal: "u", title: "Force u at the object", unit: "N", decimals: 3, kick: true, also: "u_cmd" },
+];
+
+/** Charts of what an adaptive controller learns. */
+const ESTIMATES = [
+  { signal: "m_hat", title: "Estimated mass m̂", unit: "kg", decimals: 4 },
+  { signal: "J1_hat", title: "Estimated inertia Ĵ₁", unit: "kg·m²", decimals: 5 },
+  { signal: "J2_hat", title: "Estimated inertia Ĵ₂", unit: "kg·m²", decimals: 5 },
+  { signal: "epsilon_hat", title: "Estimated disturbance of the object ε̂", unit: "N", decimals: 4 },
+  { signal: "pi1_hat", title: "Estimated disturbance of hub 1 π̂₁", unit: "N·m", decimals: 4 },
+  { signal: "pi2_hat", title: "Estimated disturbance of hub 2 π̂₂", unit: "N·m", decimals: 4 },
+  { signal: "W_norm", title: "Network of the object ‖Ŵ‖", decimals: 5 },
+  { signal: "U1_norm", title: "Network of hub 1 ‖Û₁‖", decimals: 5 },
+  { signal: "U2_norm", title: "Network of hub 2 ‖Û₂‖", decimals: 5 },
+];
+
+/** At most this many charts without being asked for, where no signal is known. */
+const MOST_CHARTS = 9;
+
+/** Groups of charts for what the runs have, and the signals that none of them shows. */
+function catalogue(data) {
+  const names = [...new Set(data.runs.flatMap((run) => [...run.signals.keys()]))];
+  const has = ({ signal }) => names.includes(signal);
+  const monitored = names.filter((name) => /^(H|lyapunov)(_|$)/.test(name)).map((name) => plainChart(data, name));
+  const groups = [
+    { title: "", charts: GRASP.filter(has) },
+    { title: "What the certificate monitors", charts: monitored },
+    { title: "What the controller estimates", charts: ESTIMATES.filter(has) },
+  ].filter((group) => group.charts.length > 0);
+  const isShown = (name) => groups.some(({ charts }) => charts.some(({ signal, also }) => signal === name || also === name));
+  let others = names.filter((name) => !isShown(name));
+  if (groups.length === 0) {
+    const moving = others.filter((name) => data.runs.some((run) => isMoving(run.signals.get(name))));
+    const first = (moving.length > 0 ? moving : others).slice(0, MOST_CHARTS);
+    groups.push({ title: "", charts: first.map((name) => plainChart(data, name)) });
+    others = others.filter((name) => !first.includes(name));
+  }
+  return { groups, others };
+}
+
+function isMoving(values) {
+  return values !== undefined && values.some((value) => value !== values[0]);
+}
+
+/** A chart of a signal that is not known: under its name, in its own unit. */
+function plainChart(data, name) {
+  const unit = data.runs.map((run) => run.units.get(name)).find((known) => known);
+  return { signal: name, title: name, unit: unit?.replaceAll(".", "·") };
+}

@@ -1,0 +1,117 @@
+//! `dualarm report`, and the pages of the commands that run something.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::{Failure, print};
+use crate::grasp::metrics::Metrics;
+use crate::report::html::{Page, Run, rows, signals};
+use fmi2_cosim::files::{self, FileSet};
+use fmi2_cosim::record::{self, ReadError};
+
+const AFTER_HELP: &str = "\
+Results are CSV or Parquet files with a column of times, of this tool or any other: FMPy, OMSimulator, Simulink, Dymola. \
+Runs of a grasp (columns theta1, theta2, y_object, …, also as system.plant.theta1) are shown in motion and judged; of \
+other systems the page has linked curves. Several files are overlaid.
+
+Examples:
+  dualarm report run.csv                              run.html
+  dualarm report mine.csv pds.parquet -o page.html    your controller and ours
+  dualarm report a.csv b.csv --names before,after";
+
+/// How many runs a page tells apart by colour.
+pub const MOST_RUNS: usize = 8;
+
+/// Arguments of `dualarm report`.
+#[derive(Debug, Args)]
+#[command(after_help = AFTER_HELP)]
+pub struct Arguments {
+    /// Results: .csv or .parquet files
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    /// Write the page to this file [default: the first file's name with .html]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// What the page calls the runs [default: the files' names]
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    names: Vec<String>,
+    /// Heading of the page
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+}
+
+pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
+    let Arguments { files, output, names, title } = arguments;
+    if files.len() > MOST_RUNS {
+        return Err(Failure::usage(format!("a page shows up to {MOST_RUNS} runs, not {}", files.len())));
+    }
+    if !names.is_empty() && names.len() != files.len() {
+        return Err(Failure::usage(format!("--names has {} names for {} files", names.len(), files.len())));
+    }
+    let path = output.clone().unwrap_or_else(|| files[0].with_extension("html"));
+    check(&path, files)?;
+    let mut runs = Vec::new();
+    for (index, file) in files.iter().enumerate() {
+        let stem = file.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy().into_owned());
+        let name = names.get(index).cloned().unwrap_or(stem);
+        runs.push(saved(file, name)?);
+    }
+    let names: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
+    let page = Page {
+        title: title.clone().unwrap_or_else(|| names.join(", ")),
+        lead: "Saved results, read and drawn by dualarm report.".into(),
+        runs: &runs,
+        rows: "Metrics are of all rows of each file.".into(),
+        ..Page::default()
+    };
+    write(&page, &path)?;
+    if !quiet {
+        print(&format!("{}\n", path.display()));
+    }
+    Ok(())
+}
+
+/// A file of results as a run.
+fn saved(file: &Path, title: String) -> Result<Run, Failure> {
+    let mut table = record::read(file)?;
+    signals::rename_known(&mut table);
+    let metrics = Metrics::of(&table, [None; 3]).ok();
+    let (rows, said) = rows::of_saved(&table);
+    let notes = vec![format!("{}: {said}", file.display())];
+    Ok(Run { key: title.clone(), title, rows, metrics, notes, ..Run::default() })
+}
+
+/// Whether a page can be written there: it must say that it is one, and not lie onto what is read.
+pub fn check(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let is_page = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("html") || extension.eq_ignore_ascii_case("htm"));
+    if !is_page {
+        return Err(Failure::usage(format!("the page {} must end in .html", path.display())));
+    }
+    match inputs.iter().find(|input| files::are_same(input, path)) {
+        Some(input) => Err(Failure::usage(format!(
+            "the page {} would overwrite {}, which is read",
+            path.display(),
+            input.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Writes a page; it appears whole or not at all.
+pub fn write(page: &Page, path: &Path) -> Result<(), Failure> {
+    let written = FileSet::new();
+    written.write(path, page.to_html())?;
+    Ok(written.appear()?)
+}
+
+impl From<ReadError> for Failure {
+    fn from(error: ReadError) -> Self {
+        match error {
+            ReadError::File { .. } => Self::failed(error),
+            _ => Self::usage(error),
+        }
+    }
+}

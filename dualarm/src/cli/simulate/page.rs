@@ -1,0 +1,145 @@
+//! `--report`: the page of one run.
+
+use std::io;
+use std::path::Path;
+
+use super::monitor;
+use crate::cli::{Failure, report};
+use crate::grasp::metrics::Metrics;
+use crate::report::html::{self, Page, rows};
+use crate::report::parameters::ModelParameters;
+use fmi2_cosim::master::Master;
+use fmi2_cosim::record::{Column, Sink, Table};
+use fmi2_cosim::run::{Observer, Run};
+use fmi2_cosim::system::System;
+
+/// Follows a run as the others do, and asks the models for their parameters if a page shall state them.
+pub struct Watch {
+    /// Everybody else who follows it.
+    pub others: monitor::Watch,
+    wants_models: bool,
+    /// What the models say of themselves.
+    pub models: Vec<ModelParameters>,
+}
+
+impl Watch {
+    pub fn new(others: monitor::Watch, wants_models: bool) -> Self {
+        Self { others, wants_models, models: Vec::new() }
+    }
+}
+
+impl Observer for Watch {
+    fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
+        let mut remarks = self.others.begin(master, columns);
+        let components = if self.wants_models { master.names().count() } else { 0 };
+        for index in 0..components {
+            match ModelParameters::of(master.instance(index)) {
+                Ok(model) => self.models.push(model),
+                Err(error) => remarks.push(format!("the page lacks parameters: {error}")),
+            }
+        }
+        remarks
+    }
+
+    fn wants_every_step(&self) -> bool {
+        self.wants_models || self.others.wants_every_step()
+    }
+
+    fn conclude(&mut self) -> Vec<String> {
+        self.others.conclude()
+    }
+}
+
+impl Sink for Watch {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.others.row(time, values)
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.others.end(time, values)
+    }
+}
+
+/// The page's rows with what was monitored at other times: in between on the straight line.
+pub fn with_columns(rows: Table, more: Option<&Table>) -> Table {
+    let Some(more) = more.filter(|more| !more.times().is_empty()) else { return rows };
+    let columns = rows.columns().iter().chain(more.columns()).cloned().collect();
+    let monitored: Vec<Vec<f64>> = (0..more.columns().len()).map(|index| more.column_at(index)).collect();
+    let times = more.times();
+    let mut all = Table::new(columns);
+    for (time, values) in rows.rows() {
+        let after = times.partition_point(|known| *known < time).min(times.len() - 1);
+        let before = if times[after] > time { after.saturating_sub(1) } else { after };
+        let way = times[after] - times[before];
+        let share = if way > 0.0 { (time - times[before]) / way } else { 0.0 };
+        let at = monitored.iter().map(|column| column[before] + share * (column[after] - column[before]));
+        let row: Vec<f64> = values.iter().copied().chain(at).collect();
+        // Memory takes every row.
+        let _ = all.row(time, &row);
+    }
+    all
+}
+
+/// A run that is over, for its page.
+pub struct Made<'a> {
+    pub system: &'a System,
+    pub run: &'a Run,
+    pub rows: Table,
+    pub metrics: Option<&'a Metrics>,
+    pub models: Vec<ModelParameters>,
+    pub master: &'a Master,
+    /// The component that the metrics judge.
+    pub controller: Option<&'a str>,
+}
+
+impl Made<'_> {
+    /// Writes the page.
+    pub fn write(self, path: &Path) -> Result<(), Failure> {
+        let names: Vec<&str> = self.system.components.iter().map(|(name, _)| name.as_str()).collect();
+        let title = self.system.title.clone().unwrap_or_else(|| names.join(" + "));
+        let key = path.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy().into_owned());
+        let run = html::Run {
+            key,
+            title: self.controller.map_or_else(|| title.clone(), str::to_owned),
+            paper: String::new(),
+            metrics: self.metrics.cloned(),
+            notes: self.notes(&names),
+            models: self.models,
+            rows: self.rows,
+        };
+        let page = Page {
+            title,
+            lead: self.system.description.clone(),
+            rows: rows::sentence(&self.run.grid),
+            runs: &[run],
+            ..Page::default()
+        };
+        report::write(&page, path)
+    }
+
+    /// How it was made: models, step, what was set.
+    fn notes(&self, names: &[&str]) -> Vec<String> {
+        let Run { grid, coupling, .. } = self.run;
+        let mut notes = vec![format!(
+            "{}, co-simulated by dualarm {} through their FMI 2.0 interface: step {} s, {} coupling, from {} s to {} s.",
+            names.join(" with "),
+            env!("CARGO_PKG_VERSION"),
+            grid.step(),
+            coupling.title(),
+            grid.start(),
+            grid.stop()
+        )];
+        let settings = self.master.settings();
+        let set: Vec<_> = settings
+            .map(|setting| {
+                let unit = setting.variable.unit().map(|unit| format!(" {unit}")).unwrap_or_default();
+                let value = setting.variable.with_name(setting.value.clone());
+                format!("{}.{} = {value}{unit}", setting.component, setting.variable.name)
+            })
+            .collect();
+        if !set.is_empty() {
+            notes.push(format!("Set: {}.", set.join(", ")));
+        }
+        notes
+    }
+}
