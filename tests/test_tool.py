@@ -338,7 +338,7 @@ def test_several_scenarios_at_once_are_explained() -> None:
 def test_a_word_that_is_no_name_leads_to_the_variable_it_describes() -> None:
     done = dualarm("simulate", "--set", "mass=1")
     assert done.returncode == 2
-    assert re.search(r"did you mean .*\bM\b", done.stderr), done.stderr
+    assert re.search(r"did you mean .*\bm1\b", done.stderr), done.stderr
 
 
 def test_info_tells_what_is_in_an_ssp() -> None:
