@@ -5,6 +5,7 @@ use grasp_control::blocks::observer::RateSource;
 use grasp_control::{Arms, Commands, Errors, Inputs, InvalidParameter, Law, Targets, inner};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
+mod gains;
 mod nabfc_controller;
 mod pd_controller;
 mod pds_controller;

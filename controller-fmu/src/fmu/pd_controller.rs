@@ -1,12 +1,12 @@
 //! `PdController.fmu`.
 
-use fmi2_export::Variables;
-use grasp_control::laws::encoders::{Actuation, Encoders};
+use grasp_control::laws::encoders::Encoders;
 use grasp_control::laws::pd::{Pd, PdGains};
-use grasp_control::{Arms, InvalidParameter};
-use serde::{Deserialize, Serialize};
+use grasp_control::laws::pds::Limits;
+use grasp_control::{Arms, InvalidParameter, Parameter};
 
-use super::{Controller, FmuLaw, Rates};
+use super::Controller;
+use super::gains::{GainLaw, GainSource};
 
 /// `PdController.fmu`.
 pub type PdController = Controller<Encoders<Pd>>;
@@ -22,54 +22,34 @@ fmi2_export::enumeration! {
     }
 }
 
-/// What the user can set.
-#[derive(Clone, Default, Serialize, Deserialize)]
-pub struct Settings {
-    preset: Preset,
-    rates: Rates,
-    gains: PdGains,
-    actuation: Actuation,
-}
-
-impl Settings {
-    fn gains(&self) -> PdGains {
-        match self.preset {
-            Preset::Parameters => self.gains,
-            Preset::Paper => PdGains::default(),
-            Preset::Tuned => PdGains::tuned(),
-            Preset::Pid => PdGains::pid(),
+impl GainSource<PdGains> for Preset {
+    fn gains(self, parameters: PdGains) -> PdGains {
+        match self {
+            Self::Parameters => parameters,
+            Self::Paper => PdGains::default(),
+            Self::Tuned => PdGains::tuned(),
+            Self::Pid => PdGains::pid(),
         }
     }
 }
 
-impl FmuLaw for Encoders<Pd> {
-    type Settings = Settings;
-    type Extra = ();
+impl GainLaw for Pd {
+    type Gains = PdGains;
+    type Preset = Preset;
 
     const NAME: &'static str = "PdController";
     const DESCRIPTION: &'static str = "PD control of the dual-arm grasp, eqs. (97) and (98)";
+    const GAINS: &'static [Parameter<PdGains>] = &PdGains::PARAMETERS;
 
-    fn create(arms: Arms, settings: &Settings) -> Result<Self, InvalidParameter> {
-        let law = Pd::new(arms, settings.gains(), (&settings.actuation).into())?;
-        Self::new(law, settings.rates.into(), settings.actuation)
+    fn new(arms: Arms, gains: PdGains, limits: Limits) -> Result<Self, InvalidParameter> {
+        Self::new(arms, gains, limits)
     }
 
-    fn retune(&mut self, settings: &Settings) -> Result<(), InvalidParameter> {
-        settings.actuation.validate()?;
-        self.law_mut().set_gains(settings.gains(), (&settings.actuation).into())?;
-        self.set_actuation(settings.actuation)
+    fn set_gains(&mut self, gains: PdGains, limits: Limits) -> Result<(), InvalidParameter> {
+        self.set_gains(gains, limits)
     }
 
-    fn is_like(&self, other: &Self) -> bool {
-        self.has_settings_of(other) && self.law().has_settings_of(other.law())
-    }
-
-    fn declare_settings(variables: &mut Variables<PdController>) {
-        variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.parameters(PdGains::PARAMETERS, |m| &mut m.settings.gains).tunable();
-        variables
-            .parameter("rate_source", |m| &mut m.settings.rates)
-            .description("Where the rates of angles, position and strain come from");
-        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
+    fn has_settings_of(&self, other: &Self) -> bool {
+        self.has_settings_of(other)
     }
 }

@@ -1,12 +1,11 @@
 //! `PdsController.fmu`.
 
-use fmi2_export::Variables;
-use grasp_control::laws::encoders::{Actuation, Encoders};
-use grasp_control::laws::pds::{Pds, PdsGains};
-use grasp_control::{Arms, InvalidParameter};
-use serde::{Deserialize, Serialize};
+use grasp_control::laws::encoders::Encoders;
+use grasp_control::laws::pds::{Limits, Pds, PdsGains};
+use grasp_control::{Arms, InvalidParameter, Parameter};
 
-use super::{Controller, FmuLaw, Rates};
+use super::Controller;
+use super::gains::{GainLaw, GainSource};
 
 /// `PdsController.fmu`.
 pub type PdsController = Controller<Encoders<Pds>>;
@@ -21,53 +20,33 @@ fmi2_export::enumeration! {
     }
 }
 
-/// What the user can set.
-#[derive(Clone, Default, Serialize, Deserialize)]
-pub struct Settings {
-    preset: Preset,
-    rates: Rates,
-    gains: PdsGains,
-    actuation: Actuation,
-}
-
-impl Settings {
-    fn gains(&self) -> PdsGains {
-        match self.preset {
-            Preset::Parameters => self.gains,
-            Preset::Paper => PdsGains::default(),
-            Preset::Tuned => PdsGains::tuned(),
+impl GainSource<PdsGains> for Preset {
+    fn gains(self, parameters: PdsGains) -> PdsGains {
+        match self {
+            Self::Parameters => parameters,
+            Self::Paper => PdsGains::default(),
+            Self::Tuned => PdsGains::tuned(),
         }
     }
 }
 
-impl FmuLaw for Encoders<Pds> {
-    type Settings = Settings;
-    type Extra = ();
+impl GainLaw for Pds {
+    type Gains = PdsGains;
+    type Preset = Preset;
 
     const NAME: &'static str = "PdsController";
     const DESCRIPTION: &'static str = "PD control with strain feedback (PDS) of the dual-arm grasp, eqs. (95) and (96)";
+    const GAINS: &'static [Parameter<PdsGains>] = &PdsGains::PARAMETERS;
 
-    fn create(arms: Arms, settings: &Settings) -> Result<Self, InvalidParameter> {
-        let law = Pds::new(arms, settings.gains(), (&settings.actuation).into())?;
-        Self::new(law, settings.rates.into(), settings.actuation)
+    fn new(arms: Arms, gains: PdsGains, limits: Limits) -> Result<Self, InvalidParameter> {
+        Self::new(arms, gains, limits)
     }
 
-    fn retune(&mut self, settings: &Settings) -> Result<(), InvalidParameter> {
-        settings.actuation.validate()?;
-        self.law_mut().set_gains(settings.gains(), (&settings.actuation).into())?;
-        self.set_actuation(settings.actuation)
+    fn set_gains(&mut self, gains: PdsGains, limits: Limits) -> Result<(), InvalidParameter> {
+        self.set_gains(gains, limits)
     }
 
-    fn is_like(&self, other: &Self) -> bool {
-        self.has_settings_of(other) && self.law().has_settings_of(other.law())
-    }
-
-    fn declare_settings(variables: &mut Variables<PdsController>) {
-        variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.parameters(PdsGains::PARAMETERS, |m| &mut m.settings.gains).tunable();
-        variables
-            .parameter("rate_source", |m| &mut m.settings.rates)
-            .description("Where the rates of angles, position and strain come from");
-        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
+    fn has_settings_of(&self, other: &Self) -> bool {
+        self.has_settings_of(other)
     }
 }
