@@ -39,7 +39,7 @@ def plant(fmus: dict[str, Fmu]) -> Fmu:
 @pytest.fixture(scope="session")
 def oracle() -> dict[str, Any]:
     """The exact values, see `tests/oracle`."""
-    return json.loads((ROOT / "tests" / "oracle" / "values.json").read_text(encoding="utf-8"))
+    return json.loads((ROOT / "dualarm" / "data" / "verify" / "values.json").read_text(encoding="utf-8"))
 
 
 ClosedLoop = Callable[..., Result]

@@ -1,4 +1,4 @@
-"""Writes `values.json` beside this file: `python -m tests.oracle [-o FILE]` (a few minutes)."""
+"""Writes `dualarm/data/verify/values.json`: `python -m tests.oracle [-o FILE]` (a few minutes)."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import Any
 import mpmath
 from mpmath import mp, mpf
 
+from . import DATA
 from .cases import LOOPS, PLANTS, STEPS, TARGET_THETA1_DEG, Loop, Step
 from .response import ResidueSum, eigenvalue_bands, invert
 from .system import OUTPUTS
@@ -25,7 +26,7 @@ SUMMED_PAIRS = 32
 def main() -> None:
     """Computes everything and writes one file."""
     parser = argparse.ArgumentParser(prog="python -m tests.oracle", description=__doc__)
-    parser.add_argument("-o", "--output", type=Path, default=Path(__file__).with_name("values.json"))
+    parser.add_argument("-o", "--output", type=Path, default=DATA / "values.json")
     output = parser.parse_args().output
     mp.dps = DIGITS
     start = time.perf_counter()

@@ -4,7 +4,7 @@ The plant is discretised like the FMU's (mixed moment-velocity form, order k) bu
 energy coordinates: M_i(x) = (1 - x/l) sum a_j P_j, v_i = sum b_r P_r with Legendre's P. So what differs between this
 solution and a co-simulation is the coupling alone, whatever the order.
 
-    python -m tests.oracle.monolith      writes closed_loop.json (needs SciPy)
+    python -m tests.oracle.monolith      writes dualarm/data/verify/closed_loop.json (needs SciPy)
 """
 
 from __future__ import annotations
@@ -21,9 +21,10 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.polynomial import Polynomial, legendre
 
+from . import DATA
 from .laws import Linear, Nabfc
 
-FILE = Path(__file__).with_name("closed_loop.json")
+FILE = DATA / "closed_loop.json"
 DESCRIPTIONS = Path(__file__).resolve().parents[2] / "modelDescription"
 OUTPUTS = ("theta1", "theta2", "y_object", "root_moment1", "tip_shear1", "contact_force1", "contact_force2")
 

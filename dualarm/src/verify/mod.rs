@@ -4,7 +4,7 @@
 //! * [`conservation`]: the constraint (12), the energy balance with every source of work, the momentum;
 //! * [`closed_loop`]: closed-loop poles, and co-simulations against plant and controller solved as one stiff ODE.
 //!
-//! The exact values are made by `tests/oracle` (Python; its own discretisation or none) and compiled in, see [`oracle`].
+//! The exact values are data of the tool, made by `tests/oracle` (Python; its own discretisation or none), see [`oracle`].
 //! [`identify`] finds eigenvalues from responses, [`rig`] runs FMUs.
 
 pub mod closed_loop;

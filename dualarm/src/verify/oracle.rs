@@ -1,4 +1,5 @@
-//! The exact values that `tests/oracle` makes, compiled in.
+//! The exact values that the checks compare with: data of the tool (`dualarm/data/verify`), compiled in, so that `dualarm verify` needs no
+//! source tree. `tests/oracle` makes them.
 
 use std::sync::LazyLock;
 
@@ -8,9 +9,9 @@ use super::rig::{Settings, settings};
 use fmi2_cosim::settings::Setting;
 
 /// Eigenvalues and step responses of the exact model: `python -m tests.oracle`.
-pub static EXACT: LazyLock<Value> = LazyLock::new(|| parse(include_str!("../../../tests/oracle/values.json")));
+pub static EXACT: LazyLock<Value> = LazyLock::new(|| parse(include_str!("../../data/verify/values.json")));
 /// Closed loops solved as one ODE: `python -m tests.oracle.monolith`.
-pub static MONOLITH: LazyLock<Value> = LazyLock::new(|| parse(include_str!("../../../tests/oracle/closed_loop.json")));
+pub static MONOLITH: LazyLock<Value> = LazyLock::new(|| parse(include_str!("../../data/verify/closed_loop.json")));
 
 fn parse(text: &str) -> Value {
     serde_json::from_str(text).expect("the compiled-in values are valid JSON: a test reads them")
