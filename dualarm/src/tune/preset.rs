@@ -8,7 +8,7 @@ use crate::grasp::systems::origin;
 use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet};
 use fmi2_cosim::ssp::structure::Line;
 use fmi2_cosim::ssp::write;
-use fmi2_import::ModelDescription;
+use fmi2_import::{ModelDescription, Value};
 
 /// A scenario of the paper's case with these gains, which `compare --controllers` takes as a controller, too.
 #[must_use]
@@ -27,9 +27,11 @@ pub fn toml(task: &Task, best: &Best, command: &str) -> String {
         cases.join(", ")
     );
     for setting in &task.contender.settings {
-        let value = setting.value.to_string();
-        let is_plain = value.parse::<f64>().is_ok() || ["true", "false"].contains(&value.as_str());
-        let value = if is_plain { value } else { format!("\"{value}\"") };
+        let value = match &setting.value {
+            // A JSON string is a TOML string.
+            Value::Text(text) => serde_json::Value::from(text.as_str()).to_string(),
+            number_or_truth => number_or_truth.to_string(),
+        };
         let _ = writeln!(text, "{} = {value}", setting.target);
     }
     for (dimension, value) in task.dimensions.iter().zip(&best.values) {
