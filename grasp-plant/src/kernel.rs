@@ -13,6 +13,40 @@ use nalgebra::DMatrix;
 /// Rows handled together by the kernel: 12 sums fill six two-lane registers and hide the latency of an addition.
 pub(crate) const LANES: usize = 12;
 
+/// Whether the processor has registers of four lanes.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+fn has_wide_registers() -> bool {
+    #[cfg(test)]
+    if narrow::is_on() {
+        return false;
+    }
+    std::arch::is_x86_feature_detected!("avx")
+}
+
+/// For tests that compare: a thread that computes as on a processor without wide registers.
+#[cfg(test)]
+pub(crate) mod narrow {
+    use std::cell::Cell;
+
+    thread_local! {
+        static ON: Cell<bool> = const { Cell::new(false) };
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    pub(super) fn is_on() -> bool {
+        ON.get()
+    }
+
+    /// What `work` gives without wide registers.
+    pub fn narrowly<T>(work: impl FnOnce() -> T) -> T {
+        ON.set(true);
+        let result = work();
+        ON.set(false);
+        result
+    }
+}
+
 /// A matrix cut into panels of [`LANES`] rows (the last one padded with zeros), each stored by columns.
 #[derive(Clone, Debug)]
 pub(crate) struct Panels {
@@ -36,11 +70,17 @@ impl Panels {
         self.data.len().checked_div(self.columns).unwrap_or(0)
     }
 
+    /// Every number, padding included.
+    #[cfg(test)]
+    pub fn entries(&self) -> impl Iterator<Item = &f64> {
+        self.data.as_flattened().iter()
+    }
+
     /// `y` = first `x.len()` columns times `x`.
     #[inline]
     pub fn multiply(&self, x: &[f64], y: &mut [[f64; LANES]]) {
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx") {
+        if has_wide_registers() {
             // SAFETY: the processor has it.
             return unsafe { self.multiply_wide(x, y) };
         }

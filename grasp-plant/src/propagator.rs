@@ -41,6 +41,12 @@ impl Propagator {
         Self { h, step: Panels::new(&step), travel_integral: Panels::new(&travel_integral) }
     }
 
+    /// Every number of both matrices, padding included.
+    #[cfg(test)]
+    pub fn entries(&self) -> impl Iterator<Item = &f64> {
+        self.step.entries().chain(self.travel_integral.entries())
+    }
+
     /// Increments (x, Θ) over a whole step into `increment` (padded), from `drive` = (x, g) or (x, g, r).
     pub fn step(&self, drive: &[f64], increment: &mut [[f64; LANES]]) {
         self.step.multiply(drive, increment);

@@ -1,5 +1,7 @@
 //! The plant: parameters, state, and what was computed from them.
 
+#[cfg(test)]
+mod bits;
 mod model;
 mod outputs;
 mod step;

@@ -16,7 +16,7 @@ impl<const D: usize> Network<D> {
             return;
         }
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if super::wide::has_wide_registers() {
             // SAFETY: the processor has it.
             return unsafe { self.activate_wide(x) };
         }

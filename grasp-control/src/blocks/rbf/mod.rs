@@ -33,12 +33,15 @@
 
 mod axis;
 mod basis;
+#[cfg(test)]
+mod bits;
 mod lanes;
 mod layout;
 mod network;
 mod stored;
 #[cfg(test)]
 mod tests;
+mod wide;
 
 pub use layout::{Layout, MAX_PER_AXIS};
 pub use network::Network;

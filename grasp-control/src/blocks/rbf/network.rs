@@ -180,7 +180,7 @@ impl<const D: usize> Network<D> {
     /// Ŵ ← decay·Ŵ + weight·Y, with the Y of the last activation.
     pub fn adapt(&mut self, decay: f64, weight: f64) {
         #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
+        if super::wide::has_wide_registers() {
             // SAFETY: the processor has it.
             return unsafe { self.adapt_wide(decay, weight) };
         }
