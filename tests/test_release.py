@@ -1,4 +1,4 @@
-"""The release layout of `dualarm package --release`, as the FMI cross-check rules 4.1 want it (section 9.1, appendix B).
+"""The release layout of `dualarm package --cross-check`, as the FMI cross-check rules 4.1 want it (section 9.1, appendix B).
 
 fmpy has the validator that the cross-check repository runs over a vendor's FMUs, and is the other tool that computes the
 reference solutions again.
@@ -28,7 +28,7 @@ def released(name: str) -> Path:
     """Folder of a released FMU, which must be the packaged one."""
     folders = sorted(RELEASE.glob(f"fmus/2.0/cs/*/*/*/{name}"))
     if not folders or (folders[-1] / f"{name}.fmu").read_bytes() != fmu_path(name).read_bytes():
-        pytest.fail(f"{name} is not released: run `cargo run --release -- package --release`", pytrace=False)
+        pytest.fail(f"{name} is not released: run `cargo run --release -- package --cross-check`", pytrace=False)
     return folders[-1]
 
 

@@ -38,7 +38,7 @@ pub fn add(steps: &mut Runner, tree: &Tree, out: &Path, merged: &[PathBuf]) {
     }
     let fmus = out.join("fmus");
     steps.step("FMUs of all platforms", || {
-        let mut command = with_zig(tree, tree.cargo(&["run", "--release", "--", "package", "--release", "--out"]));
+        let mut command = with_zig(tree, tree.cargo(&["run", "--release", "--", "package", "--cross-check", "--out"]));
         command.arg(&fmus).args(libraries.iter().flat_map(|path| [OsStr::new("--merge"), path.as_os_str()]));
         run(command)
     });

@@ -32,7 +32,7 @@ Examples:
                                       fails unless they run on both
   dualarm package --merge windows/    with the libraries of the FMUs that were
                                       packaged in that folder on another machine
-  dualarm package --release           and dist/release: each FMU with inputs,
+  dualarm package --cross-check       and dist/release: each FMU with inputs,
                                       reference solution, options and README, as
                                       the FMI cross-check rules want them";
 
@@ -53,8 +53,9 @@ pub struct Arguments {
     #[arg(long, value_name = "PATH", conflicts_with = "describe")]
     merge: Vec<PathBuf>,
     /// Also write the release layout of the FMI cross-check rules to FOLDER/release
-    #[arg(long, conflicts_with = "describe")]
-    release: bool,
+    // It was once called --release, which says less and looks like an option of cargo.
+    #[arg(long, alias = "release", conflicts_with = "describe")]
+    cross_check: bool,
     /// Only renew the systems' descriptions (.ssd, .ssv) below this folder, from the FMUs' descriptions (.xml) in it
     #[arg(long, value_name = "FOLDER", conflicts_with = "out")]
     describe: Option<PathBuf>,
@@ -78,7 +79,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
             print(&format!("{}  {:.2} MB\n", path.display(), size as f64 / 1e6));
         }
     }
-    if arguments.release {
+    if arguments.cross_check {
         let out = arguments.out.join("release");
         for folder in release(&arguments.out, &out, &mut |doing| say(quiet, doing))? {
             if !quiet {

@@ -47,7 +47,9 @@ unsafe extern "C" fn record(
     category: *const c_char,
     message: *const c_char,
 ) {
+    // SAFETY: the environment is the log that `Callbacks` was made with, which outlives the instance.
     let log = unsafe { &*environment.cast::<Mutex<Vec<(c_int, String, String)>>>() };
+    // SAFETY: both are C strings of the caller.
     let text = |s: *const c_char| unsafe { CStr::from_ptr(s) }.to_str().unwrap().to_owned();
     log.lock().unwrap().push((status, text(category), text(message)));
 }
@@ -62,6 +64,7 @@ macro_rules! functions {
         impl Fmu { $(
             pub fn $name(&self, $($arg: $type),*) -> $result {
                 type F = unsafe extern "C" fn($($type),*) -> $result;
+                // SAFETY: the function has this type in FMI 2.0, and the tests keep its rules or break them on purpose.
                 unsafe {
                     let function: libloading::Symbol<'_, F> = self.library.get(stringify!($name)).unwrap();
                     function($($arg),*)

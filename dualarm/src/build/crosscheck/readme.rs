@@ -23,7 +23,7 @@ pub fn text(description: &ModelDescription, experiment: &SoloExperiment, inputs:
          holds the inputs over each step is half a step late; if it reads outputs before it hands over the inputs of the \
          same instant, outputs that follow inputs at once are a whole step late.\n\n\
          ## Inputs\n\n{}\n## Outputs\n\n{}\n\
-         Exported by {}. Made with `dualarm package --release`. Licence: {}.\n",
+         Exported by {}. Made with `dualarm package --cross-check`. Licence: {}.\n",
         or_none(&description.description),
         experiment.story,
         description.fmi_version,
