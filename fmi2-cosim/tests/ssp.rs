@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Coupling;
 use fmi2_cosim::record::Table;
-use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Reference};
+use fmi2_cosim::ssp::parameters::{ParameterSet, ParameterValue, Reference};
 use fmi2_cosim::ssp::structure::{
-    Binding, Component, Connection, Connector, DefaultExperiment, End, Extent, Kind, Line, Mapping, MappingEntry,
-    Origin, Point, System, SystemStructure, Values,
+    Binding, ComponentElement, Connection, Connector, DefaultExperiment, End, Extent, Kind, Line, Mapping,
+    MappingEntry, Origin, Point, SystemElement, SystemStructure, Values,
 };
 use fmi2_cosim::ssp::{Package, package, read, write};
 use fmi2_cosim::system;
@@ -45,15 +45,15 @@ fn connection(start: End, end: End) -> Connection {
 
 /// The lag's output to the gain and the gain's back to the lag, with a value for the gain.
 fn loop_of_two() -> SystemStructure {
-    let component = |name: &str, source: &str, connectors| Component {
+    let component = |name: &str, source: &str, connectors| ComponentElement {
         name: name.into(),
         source: source.into(),
         connectors,
-        ..Component::default()
+        ..ComponentElement::default()
     };
     SystemStructure {
         name: "Loop".into(),
-        system: System {
+        system: SystemElement {
             name: "loop".into(),
             components: vec![
                 component("lag", "resources/Lag.fmu", vec![connector("u", Kind::Input), connector("y", Kind::Output)]),
@@ -72,7 +72,7 @@ fn loop_of_two() -> SystemStructure {
                 // The ends may stand in either order.
                 connection(End::of("lag", "u"), End::of("gain", "u")),
             ],
-            ..System::default()
+            ..SystemElement::default()
         },
         ..SystemStructure::default()
     }
@@ -94,7 +94,7 @@ fn plain(value: impl Into<Value>) -> (Value, Reference) {
 }
 
 fn set(parameters: Vec<(&str, (Value, Reference))>) -> ParameterSet {
-    let parameters = parameters.into_iter().map(|(name, (value, refers_to))| Parameter {
+    let parameters = parameters.into_iter().map(|(name, (value, refers_to))| ParameterValue {
         name: name.into(),
         value,
         refers_to,
@@ -504,11 +504,11 @@ fn many_components_get_large_sets_in_no_time() {
     let mut structure = loop_of_two();
     structure.system.connections.clear();
     structure.system.components = (0..COMPONENTS)
-        .map(|index| Component {
+        .map(|index| ComponentElement {
             name: format!("lag{index}"),
             source: "resources/Lag.fmu".into(),
             bindings: vec![Binding { values: Values::File("resources/large.ssv".into()), ..Binding::default() }],
-            ..Component::default()
+            ..ComponentElement::default()
         })
         .collect();
     let path = folder.path().join("Many.ssp");
@@ -560,7 +560,7 @@ fn names_that_others_refer_to_are_there_once() {
     structure.system.components[0].name.clear();
     let message = read::system_structure(write::system_structure(&structure).as_bytes()).unwrap_err().to_string();
     assert!(message.ends_with("one of the components has an empty name"), "{message}");
-    structure.system = System::default();
+    structure.system = SystemElement::default();
     let folder = tempfile::tempdir().unwrap();
     if let Some(path) = ssp(folder.path(), &write::system_structure(&structure), &[]) {
         assert!(Package::open(&path).unwrap_err().to_string().ends_with("the system has no components"));

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::{Best, Task};
 use crate::grasp::PLANT;
 use crate::grasp::systems::origin;
-use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet};
+use fmi2_cosim::ssp::parameters::{ParameterSet, ParameterValue};
 use fmi2_cosim::ssp::structure::Line;
 use fmi2_cosim::ssp::write;
 use fmi2_import::{ModelDescription, Value};
@@ -59,7 +59,7 @@ pub fn ssv(task: &Task, best: &Best, description: &ModelDescription) -> String {
                 set.units.push(declared.clone());
             }
             let refers_to = declared.map(|unit| unit.name.clone()).into();
-            set.parameters.push(Parameter {
+            set.parameters.push(ParameterValue {
                 name: name.clone(),
                 value: (*value).into(),
                 refers_to,

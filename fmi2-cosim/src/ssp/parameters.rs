@@ -14,7 +14,7 @@ pub struct ParameterSet {
     /// One sentence about it.
     pub description: Option<String>,
     /// The parameters, in the order of the file.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<ParameterValue>,
     /// Enumerations that parameters refer to: name and items.
     pub enumerations: Vec<(String, Arc<[Item]>)>,
     /// Units that parameters refer to.
@@ -25,7 +25,7 @@ pub struct ParameterSet {
 
 /// A name and its value.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+pub struct ParameterValue {
     /// Name of the variable.
     pub name: String,
     /// Its value; of an enumeration, the item's name.

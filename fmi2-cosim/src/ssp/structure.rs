@@ -12,7 +12,7 @@ pub struct SystemStructure {
     /// One sentence about it.
     pub description: Option<String>,
     /// The system.
-    pub system: System,
+    pub system: SystemElement,
     /// Units that connectors refer to.
     pub units: Vec<Unit>,
     /// How long to simulate.
@@ -32,7 +32,7 @@ pub struct Origin {
 
 /// The system: components and how they are connected.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct System {
+pub struct SystemElement {
     /// Name of the system.
     pub name: String,
     /// One sentence about it.
@@ -42,7 +42,7 @@ pub struct System {
     /// Parameters by hierarchical name, `component.parameter`. They take precedence over those of the components.
     pub bindings: Vec<Binding>,
     /// What it consists of, in the order of the file.
-    pub components: Vec<Component>,
+    pub components: Vec<ComponentElement>,
     /// From whom to whom.
     pub connections: Vec<Connection>,
     /// Extent of the drawing. Without one it is the bounding box of the components.
@@ -51,7 +51,7 @@ pub struct System {
 
 /// An FMU in the system.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Component {
+pub struct ComponentElement {
     /// Unique name.
     pub name: String,
     /// One sentence about it.

@@ -1,10 +1,10 @@
 //! SSD and SSV documents as XML. The same values always give the same text.
 
 use super::namespace;
-use super::parameters::{Parameter, ParameterSet, Reference};
+use super::parameters::{ParameterSet, ParameterValue, Reference};
 use super::structure::{
-    Binding, Component, Connection, Connector, DefaultExperiment, End, Extent, Mapping, MappingEntry, Origin, System,
-    SystemStructure, Values,
+    Binding, ComponentElement, Connection, Connector, DefaultExperiment, End, Extent, Mapping, MappingEntry, Origin,
+    SystemElement, SystemStructure, Values,
 };
 use super::xml::{Attributes, Xml, number};
 use fmi2_import::Value;
@@ -48,7 +48,7 @@ fn credit(attributes: &mut Attributes<'_>, origin: &Origin) {
     attributes.extend(origin.generation_tool.clone().map(|text| ("generationTool", text)));
 }
 
-fn system(xml: &mut Xml, system: &System, experiment: DefaultExperiment) {
+fn system(xml: &mut Xml, system: &SystemElement, experiment: DefaultExperiment) {
     let mut attributes = vec![("name", system.name.clone())];
     describe(&mut attributes, system.description.as_ref());
     xml.element("ssd:System", &attributes, |xml| {
@@ -115,7 +115,7 @@ fn annotation(xml: &mut Xml, kind: &str, content: impl FnOnce(&mut Xml)) {
     xml.element("ssd:Annotations", &[], |xml| xml.element("ssc:Annotation", &[("type", kind.into())], content));
 }
 
-fn component(xml: &mut Xml, component: &Component) {
+fn component(xml: &mut Xml, component: &ComponentElement) {
     let mut attributes = vec![
         ("name", component.name.clone()),
         ("type", "application/x-fmu-sharedlibrary".into()),
@@ -256,7 +256,7 @@ fn set_content(xml: &mut Xml, set: &ParameterSet) {
     units(xml, "ssv:Units", &set.units);
 }
 
-fn parameter_value(xml: &mut Xml, Parameter { value, refers_to, .. }: &Parameter) {
+fn parameter_value(xml: &mut Xml, ParameterValue { value, refers_to, .. }: &ParameterValue) {
     let element = match (value, refers_to) {
         (_, Reference::Enumeration(_)) => "ssv:Enumeration",
         (Value::Real(_), _) => "ssv:Real",

@@ -35,7 +35,7 @@ const SO_FAR: &str = "files that were complete by then are in their places";
 /// Runs `work` in a process of its own. Returns in both: in the working one when it has worked, in the watching one when that
 /// has ended.
 pub fn run(work: impl FnOnce() -> u8) -> u8 {
-    let Some(outcome) = Outcome::new() else { return cannot_begin() };
+    let Some(outcome) = ExitSlot::new() else { return cannot_begin() };
     // SAFETY: there is one thread, so the copy has no lock that nobody would ever release.
     match unsafe { libc::fork() } {
         -1 => cannot_begin(),
@@ -57,14 +57,14 @@ fn cannot_begin() -> u8 {
 }
 
 /// A place in memory that both processes see: 0, or the exit code and 1.
-pub struct Outcome(NonNull<AtomicU32>);
+pub struct ExitSlot(NonNull<AtomicU32>);
 
 // SAFETY: it is a pointer to an atomic that is never unmapped.
-unsafe impl Send for Outcome {}
+unsafe impl Send for ExitSlot {}
 // SAFETY: as above.
-unsafe impl Sync for Outcome {}
+unsafe impl Sync for ExitSlot {}
 
-impl Outcome {
+impl ExitSlot {
     fn new() -> Option<Self> {
         let (access, kind) = (libc::PROT_READ | libc::PROT_WRITE, libc::MAP_SHARED | libc::MAP_ANONYMOUS);
         // SAFETY: asks for new memory, which is zero and aligned to a page.
@@ -129,7 +129,7 @@ enum End {
 }
 
 /// Waits for the working process, hands interrupts on, and says what became of it.
-fn watch(worker: pid_t, outcome: &Outcome) -> u8 {
+fn watch(worker: pid_t, outcome: &ExitSlot) -> u8 {
     let interrupts = Interrupts::new();
     unblock();
     let mut interrupted = None;

@@ -9,11 +9,11 @@ use std::thread;
 use fmi2_cosim::files;
 use signal_hook::iterator::Signals;
 
-use super::supervisor::{Outcome, unblock};
+use super::supervisor::{ExitSlot, unblock};
 use super::{STANDARD_OUTPUT, journal};
 
 /// Where the watching process finds the exit code.
-static OUTCOME: OnceLock<Outcome> = OnceLock::new();
+static OUTCOME: OnceLock<ExitSlot> = OnceLock::new();
 
 /// Code that closes files it did not open closes the first ones.
 const OUT_OF_THE_WAY: RawFd = 200;
@@ -22,7 +22,7 @@ const OUT_OF_THE_WAY: RawFd = 200;
 const PANICKED: u8 = 101;
 
 /// Works, and tells the watching process that what happens from here on does not count.
-pub fn run(outcome: Outcome, work: impl FnOnce() -> u8) -> u8 {
+pub fn run(outcome: ExitSlot, work: impl FnOnce() -> u8) -> u8 {
     let outcome = OUTCOME.get_or_init(|| outcome);
     // SAFETY: asks for a number.
     let watching = unsafe { libc::getppid() };

@@ -6,7 +6,9 @@ use super::{COMPONENTS as CLOSED, CONTROLLER, INSTRUMENTED, PITCH, PLANT, WIDTH}
 use super::{file_binding, fmu_path, paper_set_path};
 use crate::grasp::instruments::{ACTUATORS, INSTRUMENTS, Passage};
 use fmi2_cosim::scenario::Scenario;
-use fmi2_cosim::ssp::structure::{Component, Connection, End, Extent, Kind, Line, Point, System, SystemStructure};
+use fmi2_cosim::ssp::structure::{
+    ComponentElement, Connection, End, Extent, Kind, Line, Point, SystemElement, SystemStructure,
+};
 use fmi2_import::ModelDescription;
 
 /// The built-in scenario that the variant is.
@@ -46,7 +48,7 @@ pub fn structure(closed: SystemStructure, scenario: &Scenario, descriptions: &[&
             connections.iter().any(|connection| connection.start == end || connection.end == end)
         };
         let variables = description.variables.iter().filter(|variable| is_connected(&variable.name));
-        let component = Component {
+        let component = ComponentElement {
             name: (*name).to_owned(),
             description: description.description.clone(),
             source: fmu_path(&format!("{}.fmu", description.model_name)),
@@ -63,7 +65,7 @@ pub fn structure(closed: SystemStructure, scenario: &Scenario, descriptions: &[&
 }
 
 /// Draws controller, actuators above sensors, and plant from the left to the right, all connections as straight lines.
-fn draw(system: &mut System) {
+fn draw(system: &mut SystemElement) {
     // Commands above measured signals, each in the order of the file.
     let [sensors, actuators] = BETWEEN.map(|(name, _)| {
         let to = system.connections.iter().filter(move |connection| connection.end.element.as_deref() == Some(name));

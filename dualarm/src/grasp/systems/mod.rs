@@ -26,7 +26,7 @@ use crate::grasp::{self, Controller};
 use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::ssp::package::{self, DEFAULT_STRUCTURE};
 use fmi2_cosim::ssp::parameters::ParameterSet;
-use fmi2_cosim::ssp::structure::{Binding, Component, Origin, SystemStructure, Values};
+use fmi2_cosim::ssp::structure::{Binding, ComponentElement, Origin, SystemStructure, Values};
 use fmi2_cosim::ssp::write;
 use fmi2_import::{Fmu, ModelDescription};
 use parameters::{paper_set, settings_set};
@@ -186,7 +186,7 @@ impl Grasp {
         let mut components = closed.system.components.clone();
         let scenario = with_controller(BuiltIn::find(instrumented::SCENARIO)?.scenario()?, &self.instrumented)?;
         let structure = instrumented::structure(closed, &scenario, all);
-        let is_between = |component: &&Component| !COMPONENTS.contains(&component.name.as_str());
+        let is_between = |component: &&ComponentElement| !COMPONENTS.contains(&component.name.as_str());
         components.extend(structure.system.components.iter().filter(is_between).cloned());
         let set = settings_set(INSTRUMENTED, &scenario, &instrumented::COMPONENTS, all)?;
         add_structure(INSTRUMENTED, structure, Some(set));

@@ -3,7 +3,7 @@
 use super::units::units_of;
 use super::{ComposeError, PAPER, origin};
 use fmi2_cosim::scenario::Scenario;
-use fmi2_cosim::ssp::parameters::{Parameter, ParameterSet, Reference};
+use fmi2_cosim::ssp::parameters::{ParameterSet, ParameterValue, Reference};
 use fmi2_cosim::ssp::structure::{Connector, Line};
 use fmi2_cosim::system::Located;
 use fmi2_import::description::VariableType;
@@ -33,7 +33,7 @@ pub(super) fn parameter(variable: &Variable) -> Option<Parameter> {
         return None;
     }
     let refers_to = variable.unit().map(str::to_owned).into();
-    Some(Parameter { name: variable.name.clone(), value: variable.start()?, refers_to, line: Line::default() })
+    Some(ParameterValue { name: variable.name.clone(), value: variable.start()?, refers_to, line: Line::default() })
 }
 
 /// Settings of a scenario as a parameter set of the system, under hierarchical names.
@@ -64,7 +64,7 @@ pub(super) fn settings_set(
                 _ => variable.unit().map(str::to_owned).into(),
             };
             let (name, value) = (format!("{component}.{}", variable.name), variable.with_name(fitted));
-            set.parameters.push(Parameter { name, value, refers_to, line: Line::default() });
+            set.parameters.push(ParameterValue { name, value, refers_to, line: Line::default() });
         }
         if set.parameters.len() == before {
             return Err(unfit());

@@ -9,7 +9,7 @@ use super::{
 use crate::grasp::scenarios::BuiltIn;
 use fmi2_cosim::ssp::parameters::ParameterSet;
 use fmi2_cosim::ssp::structure::{
-    Component, Connection, Connector, DefaultExperiment, End, Kind, Line, System, SystemStructure,
+    ComponentElement, Connection, Connector, DefaultExperiment, End, Kind, Line, SystemElement, SystemStructure,
 };
 use fmi2_cosim::wiring::{Terminal, wire_by_name};
 use fmi2_import::{Causality, ModelDescription, Variable};
@@ -48,7 +48,7 @@ impl Grasp {
                     .variables
                     .iter()
                     .filter(|variable| is_connected(variable) || SHOWN.contains(&variable.name.as_str()));
-                Component {
+                ComponentElement {
                     name: (*name).to_owned(),
                     description: description.description.clone(),
                     source: fmu_path(&format!("{}.fmu", description.model_name)),
@@ -62,12 +62,12 @@ impl Grasp {
         let mut structure = SystemStructure {
             name: self.name().replace('-', "_"),
             description: Some(scenario.title),
-            system: System {
+            system: SystemElement {
                 name: "DualArmGrasp".into(),
                 description: Some("The arms with the object between them, and the controller".into()),
                 components,
                 connections,
-                ..System::default()
+                ..SystemElement::default()
             },
             experiment: DefaultExperiment {
                 start: Some(0.0),

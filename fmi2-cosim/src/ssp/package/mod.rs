@@ -14,7 +14,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::error::{DocumentError, SspError};
-use super::parameters::{Parameter, ParameterSet};
+use super::parameters::{ParameterSet, ParameterValue};
 use super::read;
 use super::resolve::{Resolved, resolve};
 use super::structure::{DefaultExperiment, MappingEntry, SystemStructure};
@@ -57,7 +57,7 @@ impl BoundSet {
     }
 
     /// Where a parameter stands.
-    pub fn line(&self, parameter: &Parameter) -> SourceLine {
+    pub fn line(&self, parameter: &ParameterValue) -> SourceLine {
         SourceLine { file: Arc::clone(&self.place), line: parameter.line.0 as usize }
     }
 }

@@ -6,7 +6,7 @@ use roxmltree::Node;
 use super::{Result, named, origin, unique, units, unsupported, version};
 use crate::ssp::error::DocumentError;
 use crate::ssp::namespace;
-use crate::ssp::parameters::{Parameter, ParameterSet, Reference};
+use crate::ssp::parameters::{ParameterSet, ParameterValue, Reference};
 use crate::ssp::structure::{Line, MappingEntry};
 use fmi2_import::Value;
 use fmi2_import::description::{BaseType, Item};
@@ -50,7 +50,7 @@ fn parameter(node: Node, lines: &Lines) -> Result<Parameter> {
         BaseType::String => (Value::from(text), Reference::Nothing),
         BaseType::Enumeration => (Value::from(text), Reference::Enumeration(optional(typed, "name"))),
     };
-    Ok(Parameter { name: required(node, "name")?.to_owned(), value, refers_to, line: Line(lines.of_node(node)) })
+    Ok(ParameterValue { name: required(node, "name")?.to_owned(), value, refers_to, line: Line(lines.of_node(node)) })
 }
 
 pub(super) fn mapping(node: Node, lines: &Lines) -> Result<Vec<MappingEntry>> {

@@ -5,20 +5,20 @@ use roxmltree::Node;
 
 use super::{Result, named, parameters, unique, unsupported};
 use crate::ssp::structure::{
-    Binding, Component, Connection, Connector, End, Extent, Kind, Line, Mapping, Point, System, Values,
+    Binding, ComponentElement, Connection, Connector, End, Extent, Kind, Line, Mapping, Point, SystemElement, Values,
 };
 use fmi2_import::description::BaseType;
 use fmi2_import::xml::{child, listed, missing, needed, optional, required, wrong};
 
 const FMU_TYPE: &str = "application/x-fmu-sharedlibrary";
 
-pub(super) fn read(node: Node, lines: &Lines) -> Result<System> {
+pub(super) fn read(node: Node, lines: &Lines) -> Result<SystemElement> {
     if let Some(dictionary) = child(node, "SignalDictionaries") {
         return Err(unsupported(dictionary, "signal dictionaries", "connect the components directly"));
     }
     let components = listed(node, "Elements").map(|node| component(node, lines)).collect::<Result<Vec<_>>>()?;
     unique("components", components.iter().map(|component| (component.name.as_str(), component.line)))?;
-    Ok(System {
+    Ok(SystemElement {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
         connectors: connectors(node, lines)?,
@@ -29,7 +29,7 @@ pub(super) fn read(node: Node, lines: &Lines) -> Result<System> {
     })
 }
 
-fn component(node: Node, lines: &Lines) -> Result<Component> {
+fn component(node: Node, lines: &Lines) -> Result<ComponentElement> {
     match node.tag_name().name() {
         "Component" => {}
         "System" => {
@@ -53,7 +53,7 @@ fn component(node: Node, lines: &Lines) -> Result<Component> {
         let what = format!("{} as model exchange", named("the component", node));
         return Err(unsupported(node, &what, "use its co-simulation interface"));
     }
-    Ok(Component {
+    Ok(ComponentElement {
         name: required(node, "name")?.to_owned(),
         description: optional(node, "description"),
         source: required(node, "source")?.to_owned(),

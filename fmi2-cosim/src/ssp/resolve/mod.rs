@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::error::{DocumentError, SspError};
 use super::package::{BoundSet, Package};
-use super::structure::{Component, Connector};
+use super::structure::{ComponentElement, Connector};
 use crate::system::Located;
 use crate::units::Units;
 use crate::wiring::{Terminal, Wire};
@@ -96,7 +96,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    fn components(&self) -> &'a [Component] {
+    fn components(&self) -> &'a [ComponentElement] {
         &self.package.structure().system.components
     }
 

@@ -105,7 +105,7 @@ impl Resolver<'_> {
     }
 
     /// A parameter's value in the unit of the variable.
-    fn value(&self, parameter: &Parameter, linear: Linear, units: &Units, terminal: Terminal) -> Result<Value> {
+    fn value(&self, parameter: &ParameterValue, linear: Linear, units: &Units, terminal: Terminal) -> Result<Value> {
         let mut number = match (&parameter.value, linear) {
             (Value::Real(number), _) => *number,
             (Value::Integer(number), Some(_)) => f64::from(*number),
@@ -136,7 +136,7 @@ impl Resolver<'_> {
 }
 
 /// The parameters of a set under the names they are applied to, with the transformation of the mapping.
-fn mapped(bound: &BoundSet) -> Vec<(Cow<'_, str>, &Parameter, Linear)> {
+fn mapped(bound: &BoundSet) -> Vec<(Cow<'_, str>, &ParameterValue, Linear)> {
     let parameters = &bound.set.parameters;
     let Some(entries) = &bound.mapping else {
         return parameters.iter().map(|parameter| (bound.prefixed(&parameter.name), parameter, None)).collect();

@@ -25,7 +25,7 @@ pub(crate) struct ObjectInputs {
 
 /// What the user can set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Settings {
+struct ObjectSettings {
     gains: ObjectGains,
     sat_limit: f64,
     /// 1/EIᵢ.
@@ -34,7 +34,7 @@ struct Settings {
     inverse_scales: [f64; 7],
 }
 
-impl Settings {
+impl ObjectSettings {
     fn new(gains: &Gains, ei: [f64; 2]) -> Self {
         let RbfLayout {
             position_scale, object_surface_scale, object_alpha_scale, shear_scale, shear_rate_scale, ..
@@ -71,7 +71,7 @@ impl Settings {
 /// Controller of the object.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct ObjectLoop {
-    settings: Settings,
+    settings: ObjectSettings,
     /// m̂, ε̂, Ŵ.
     pub estimator: Estimator<7>,
     #[serde(skip)]
@@ -109,14 +109,14 @@ pub(crate) struct ObjectPartials {
 
 impl ObjectLoop {
     pub fn new(gains: &Gains, ei: [f64; 2]) -> Self {
-        let settings = Settings::new(gains, ei);
+        let settings = ObjectSettings::new(gains, ei);
         let network = Network::new(gains.rbf.object(), gains.rbf.width_object);
         Self { settings, estimator: Estimator::new(settings.laws(), gains.object.m_hat_0, network), point: None }
     }
 
     /// Other gains for the same estimates. The layout of the network must be the same.
     pub fn retune(&mut self, gains: &Gains, ei: [f64; 2]) {
-        self.settings = Settings::new(gains, ei);
+        self.settings = ObjectSettings::new(gains, ei);
         self.estimator.retune(self.settings.laws());
         self.point = None;
     }
@@ -167,7 +167,7 @@ impl ObjectLoop {
         {
             return point;
         }
-        let Settings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
+        let ObjectSettings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
         let w_dot = [inputs.shear_dot[0] * c1, inputs.shear_dot[1] * c2];
         let shear_rate = w_dot[0] + w_dot[1];
         let s = self.surface(inputs);
@@ -188,7 +188,7 @@ impl ObjectLoop {
     /// Force v on the object, eq. (36). Σ `EIᵢ` qᵢ''' is Q₁ + Q₂, because λ₁ᵈ + λ₂ᵈ = 0.
     pub fn command(&mut self, inputs: &ObjectInputs) -> f64 {
         let Point { s, tanh, regressor, .. } = self.at(inputs);
-        let Settings { gains: g, sat_limit, .. } = &self.settings;
+        let ObjectSettings { gains: g, sat_limit, .. } = &self.settings;
         -g.eta * sat(s, *sat_limit) - g.k * s - inputs.z1 + inputs.shear[0] + inputs.shear[1]
             - self.estimator.output()
             - self.estimator.bound * tanh
@@ -212,7 +212,7 @@ impl ObjectLoop {
     /// Partial derivatives of the force.
     pub fn partials(&mut self, inputs: &ObjectInputs) -> ObjectPartials {
         let Point { s, tanh, .. } = self.at(inputs);
-        let Settings { gains: g, sat_limit, compliance, inverse_scales } = self.settings;
+        let ObjectSettings { gains: g, sat_limit, compliance, inverse_scales } = self.settings;
         let gradient = self.estimator.gradient();
         let [by_position, by_surface, by_alpha, by_w1, by_w2, by_w1_dot, by_w2_dot] =
             std::array::from_fn(|axis| gradient[axis] * inverse_scales[axis]);

@@ -10,14 +10,14 @@ use serde::{Deserialize, Serialize};
 
 /// What the user can set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct Settings {
+struct PostureSettings {
     gains: PostureGains,
     sat_limit: f64,
     /// Normalises Z = [e, s, α̇₂].
     inverse_scales: [f64; 3],
 }
 
-impl Settings {
+impl PostureSettings {
     fn new(gains: &Gains, arm: usize) -> Self {
         let RbfLayout { angle_scale, posture_surface_scale, posture_alpha_scale, .. } = gains.rbf;
         Self {
@@ -42,7 +42,7 @@ impl Settings {
 /// Controller of one hub.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct PostureLoop {
-    settings: Settings,
+    settings: PostureSettings,
     /// Ĵ, π̂, Û.
     pub estimator: Estimator<3>,
     #[serde(skip)]
@@ -78,14 +78,14 @@ pub(crate) struct PosturePartials {
 
 impl PostureLoop {
     pub fn new(gains: &Gains, arm: usize) -> Self {
-        let settings = Settings::new(gains, arm);
+        let settings = PostureSettings::new(gains, arm);
         let network = Network::new(gains.rbf.posture(), gains.rbf.width_posture);
         Self { settings, estimator: Estimator::new(settings.laws(), gains.posture[arm].j_hat_0, network), point: None }
     }
 
     /// Other gains for the same estimates. The layout of the network must be the same.
     pub fn retune(&mut self, gains: &Gains, arm: usize) {
-        self.settings = Settings::new(gains, arm);
+        self.settings = PostureSettings::new(gains, arm);
         self.estimator.retune(self.settings.laws());
         self.point = None;
     }
@@ -124,7 +124,7 @@ impl PostureLoop {
         {
             return point;
         }
-        let Settings { gains, inverse_scales: [angle, surface, alpha], .. } = &self.settings;
+        let PostureSettings { gains, inverse_scales: [angle, surface, alpha], .. } = &self.settings;
         let s = self.surface(e, e_dot);
         let point = Point { e, e_dot, s, tanh: tanh(s / gains.epsilon2), regressor: e_dot * self.slope() };
         self.estimator.activate([e * angle, s * surface, -gains.c3 * e_dot * alpha]);
@@ -137,7 +137,7 @@ impl PostureLoop {
     /// EI q''(0) − λᵈ l is the measured moment M(0): the target's own moment cancels.
     pub fn command(&mut self, e: f64, e_dot: f64, root_moment: f64) -> f64 {
         let Point { s, tanh, regressor, .. } = self.at(e, e_dot);
-        let Settings { gains: g, sat_limit, .. } = &self.settings;
+        let PostureSettings { gains: g, sat_limit, .. } = &self.settings;
         -g.xi * sat(s, *sat_limit) - g.k * s - e - self.estimator.inertia * regressor + root_moment
             - self.estimator.output()
             - self.estimator.bound * tanh
@@ -160,7 +160,7 @@ impl PostureLoop {
     /// Partial derivatives of the torque with respect to e and ė.
     pub fn partials(&mut self, e: f64, e_dot: f64) -> PosturePartials {
         let Point { s, tanh, .. } = self.at(e, e_dot);
-        let Settings { gains: g, sat_limit, inverse_scales } = self.settings;
+        let PostureSettings { gains: g, sat_limit, inverse_scales } = self.settings;
         let gradient = self.estimator.gradient();
         let [by_angle, by_surface, by_alpha] = std::array::from_fn(|axis| gradient[axis] * inverse_scales[axis]);
         let by_s = -g.xi * sat_slope(s, sat_limit)
