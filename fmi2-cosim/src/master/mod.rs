@@ -1,6 +1,6 @@
 //! The co-simulation master: steps any set of FMUs together and exchanges their signals.
 //!
-//! Components are connected by equal names ([`wire_by_name`]). Two ways to exchange:
+//! Components are connected by equal names ([`wire_by_name`](crate::wiring::wire_by_name)). Two ways to exchange:
 //!
 //! * [`Coupling::Jacobi`]: read every output, set every input, step everybody. No component sees another one's new
 //!   outputs before the next communication point: the commands of a controller reach the plant one step late.
@@ -25,21 +25,23 @@
 //! ```
 
 mod bus;
+mod components;
 mod coupling;
 mod drive;
 mod error;
 mod recording;
 mod steps;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
-use crate::grid::TimeGrid;
-use crate::names::free_name;
 use crate::record::{Column, Kind};
 use crate::settings::{self, Place, Setting, SettingError};
 use crate::signal::Signal;
-use crate::wiring::{Terminal, Wire, Wiring, wire_by_name};
+use crate::wiring::{Terminal, Wire, Wiring};
 use bus::Buses;
+pub use components::check_steps;
+pub(crate) use components::{Draft, drafts, named, wires_by_name};
+use components::{Slave, check_instances};
 pub use coupling::Coupling;
 use drive::Drive;
 pub use error::MasterError;
@@ -78,12 +80,6 @@ pub struct Master {
     /// Inputs are already those of the current communication point. Exchanging a second time would give a Jacobi
     /// coupling the commands it must see one step later.
     exchanged: bool,
-}
-
-struct Slave {
-    name: String,
-    instance: Instance,
-    drivers: HashMap<usize, String>,
 }
 
 impl Master {
@@ -304,106 +300,4 @@ impl Master {
         }
         Ok(self.take_log())
     }
-}
-
-impl settings::Target for Slave {
-    fn name(&self) -> &str {
-        &self.name
-    }
-    fn description(&self) -> &ModelDescription {
-        self.instance.description()
-    }
-    fn driven_by(&self, variable: usize) -> Option<&str> {
-        self.drivers.get(&variable).map(String::as_str)
-    }
-}
-
-/// A component that is to be, with what drives its inputs.
-pub(crate) struct Draft<'a> {
-    name: &'a str,
-    fmu: &'a Fmu,
-    drivers: HashMap<usize, String>,
-}
-
-/// The components that these FMUs and wires will make.
-pub(crate) fn drafts<'a>(named: &'a [(String, Fmu)], wires: &[Wire]) -> Vec<Draft<'a>> {
-    let draft = |(name, fmu): &'a (String, Fmu)| Draft { name, fmu, drivers: HashMap::new() };
-    let mut drafts: Vec<_> = named.iter().map(draft).collect();
-    for wire in wires {
-        let (from, fmu) = &named[wire.from.component];
-        let driver = format!("{from}.{}", fmu.description().variables[wire.from.variable].name);
-        drafts[wire.to.component].drivers.insert(wire.to.variable, driver);
-    }
-    drafts
-}
-
-impl settings::Target for Draft<'_> {
-    fn name(&self) -> &str {
-        self.name
-    }
-    fn description(&self) -> &ModelDescription {
-        self.fmu.description()
-    }
-    fn driven_by(&self, variable: usize) -> Option<&str> {
-        self.drivers.get(&variable).map(String::as_str)
-    }
-}
-
-/// Whether all components can do the last step of a grid, which may be shorter than the others.
-///
-/// # Errors
-/// When one can only do steps of equal size.
-pub fn check_steps<'a>(
-    components: impl IntoIterator<Item = (&'a str, &'a ModelDescription)>,
-    grid: &TimeGrid,
-) -> Result<(), MasterError> {
-    for (name, description) in components {
-        let interface = description.co_simulation.as_ref();
-        if grid.has_shorter_last_step()
-            && interface.is_some_and(|interface| !interface.can_handle_variable_communication_step_size)
-        {
-            return Err(MasterError::UnequalSteps {
-                component: name.to_owned(),
-                duration: grid.stop() - grid.start(),
-                step: grid.step(),
-            });
-        }
-    }
-    Ok(())
-}
-
-/// An FMU that allows one instance only must not be there twice.
-fn check_instances(named: &[(String, Fmu)]) -> Result<(), MasterError> {
-    let mut seen: HashMap<(&str, &str), &str> = HashMap::new();
-    for (name, fmu) in named {
-        let description = fmu.description();
-        let Some(interface) = &description.co_simulation else { continue };
-        if interface.can_be_instantiated_only_once_per_process
-            && let Some(first) = seen.insert((&description.guid, &interface.model_identifier), name)
-        {
-            return Err(MasterError::OnlyOnce { first: first.to_owned(), second: name.clone() });
-        }
-    }
-    Ok(())
-}
-
-/// The FMUs under names that tell them apart: their models', with a number from the second of one name on.
-pub(crate) fn named(fmus: &[Fmu]) -> Vec<(String, Fmu)> {
-    let models: HashSet<&str> = fmus.iter().map(|fmu| fmu.description().model_name.as_str()).collect();
-    let mut taken: HashSet<String> = HashSet::new();
-    let mut named = Vec::with_capacity(fmus.len());
-    for fmu in fmus {
-        let model = &fmu.description().model_name;
-        // A model may be called like another one's second instance.
-        let name = free_name(model, |name| taken.contains(name) || (name != model && models.contains(name)));
-        taken.insert(name.clone());
-        named.push((name, fmu.clone()));
-    }
-    named
-}
-
-/// See [`wire_by_name`].
-pub(crate) fn wires_by_name(named: &[(String, Fmu)]) -> Result<Wiring, MasterError> {
-    let described: Vec<_> = named.iter().map(|(name, fmu)| (name.as_str(), fmu.description())).collect();
-    Ok(wire_by_name(&described)?)
 }

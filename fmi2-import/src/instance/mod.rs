@@ -4,19 +4,18 @@
 mod derivatives;
 mod log;
 mod state;
+mod step;
 mod values;
 
 use std::ffi::{CString, c_int, c_void};
 use std::ptr::NonNull;
 use std::sync::Arc;
-use std::thread;
-use std::time::Duration;
 
 use crate::description::{CoSimulation, ModelDescription};
 use crate::error::CallError;
 use crate::floating_point::guarded;
 use crate::fmu::Loaded;
-use crate::library::{CallbackFunctions, DO_STEP_STATUS, Functions, LAST_SUCCESSFUL_TIME, Status, TERMINATED};
+use crate::library::{CallbackFunctions, Functions, Status};
 pub use log::LogMessage;
 use log::{Log, messages_of, with_names};
 pub use state::SavedState;
@@ -182,36 +181,6 @@ impl Instance {
         Ok(status)
     }
 
-    /// `fmi2DoStep`: from `time` to `time + step`.
-    ///
-    /// # Errors
-    /// When the slave does not complete the step.
-    #[inline]
-    pub fn do_step(&mut self, time: f64, step: f64) -> Result<Status> {
-        // SAFETY: living component. No state before `time` will be restored.
-        let status = guarded(|| unsafe { (self.functions().do_step)(self.component.as_ptr(), time, step, 1) });
-        if status == 0 { Ok(Status::Ok) } else { self.incomplete_step(Status::from_c(status)) }
-    }
-
-    /// Waits for a step that goes on behind the call, as slaves that can run asynchronously may do.
-    #[cold]
-    fn incomplete_step(&mut self, mut status: Status) -> Result<Status> {
-        const LONGEST_PAUSE: Duration = Duration::from_millis(10);
-        let can_wait = self.interface().is_some_and(|interface| interface.can_run_asynchronously);
-        if let Some(get_status) = self.functions().get_status.filter(|_| can_wait) {
-            let mut pause = Duration::from_micros(10);
-            while status == Status::Pending {
-                thread::sleep(pause);
-                pause = LONGEST_PAUSE.min(pause * 2);
-                let mut now = 0;
-                // SAFETY: living component.
-                let answer = guarded(|| unsafe { get_status(self.component.as_ptr(), DO_STEP_STATUS, &raw mut now) });
-                status = Status::from_c(if answer == 0 { now } else { answer });
-            }
-        }
-        self.judge("fmi2DoStep", status)
-    }
-
     /// `fmi2Terminate`: the simulation is over, values can still be read.
     ///
     /// # Errors
@@ -233,24 +202,6 @@ impl Instance {
         let status = self.check("fmi2Reset", status)?;
         self.phase = Phase::Setup;
         Ok(status)
-    }
-
-    /// After a discarded step: whether the slave wants the simulation to end.
-    pub fn wants_to_end(&mut self) -> bool {
-        let mut value = 0;
-        let Some(function) = self.functions().get_boolean_status else { return false };
-        // SAFETY: living component.
-        let status = guarded(|| unsafe { function(self.component.as_ptr(), TERMINATED, &raw mut value) });
-        status == 0 && value != 0
-    }
-
-    /// After a discarded step: the time up to which the slave got.
-    pub fn last_successful_time(&mut self) -> Option<f64> {
-        let mut value = 0.0;
-        let function = self.functions().get_real_status?;
-        // SAFETY: living component.
-        let status = guarded(|| unsafe { function(self.component.as_ptr(), LAST_SUCCESSFUL_TIME, &raw mut value) });
-        (status == 0).then_some(value)
     }
 
     #[inline]

@@ -1,18 +1,22 @@
 //! An `.fmu` file: a zip archive with a description and, per platform, a library.
 
+mod contents;
+mod uri;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use tempfile::TempDir;
 
-use super::archive::{Archive, ArchiveError};
-use super::binary;
-use super::description::ModelDescription;
-use super::error::{CallError, FmuError};
-use super::instance::Instance;
-use super::library::Functions;
-use super::platform::FOLDERS;
+use crate::archive::ArchiveError;
+use crate::binary;
+use crate::description::ModelDescription;
+use crate::error::{CallError, FmuError};
+use crate::instance::Instance;
+use crate::library::Functions;
+use contents::{archive, candidates, description, of_archive};
+use uri::file_uri;
 
 /// An FMU that is unpacked. Cheap to clone; the unpacked files vanish with the last user. Its library is loaded by
 /// [`Fmu::load`] or with the first instance: until then none of its code has run. Whoever runs several FMUs unpacks all before
@@ -33,7 +37,7 @@ struct Unpacked {
 }
 
 /// A loaded library, with what its instances need. Fields drop in this order, as above.
-pub(super) struct Loaded {
+pub(crate) struct Loaded {
     pub functions: Functions,
     pub description: Arc<ModelDescription>,
     pub resources: String,
@@ -233,85 +237,5 @@ impl Fmu {
 impl std::fmt::Debug for Fmu {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Fmu").field("path", &self.unpacked.path).finish_non_exhaustive()
-    }
-}
-
-fn archive(path: &Path) -> Result<Archive, FmuError> {
-    Archive::open(path).map_err(|error| match error {
-        ArchiveError::Read(source) => FmuError::Read { path: path.to_owned(), source },
-        other => of_archive(path, other),
-    })
-}
-
-fn of_archive(path: &Path, error: ArchiveError) -> FmuError {
-    let path = path.to_owned();
-    match error {
-        ArchiveError::UnsafeEntry(entry) => FmuError::UnsafeEntry { path, entry },
-        ArchiveError::Limit { .. } => FmuError::Limit { path, source: error },
-        other => FmuError::NotAZip { path, reason: other.to_string() },
-    }
-}
-
-fn description(path: &Path, archive: &mut Archive) -> Result<ModelDescription, FmuError> {
-    let bytes = archive.read("modelDescription.xml").map_err(|error| match error {
-        ArchiveError::NotFound => FmuError::NoDescription { path: path.to_owned() },
-        other => of_archive(path, other),
-    })?;
-    ModelDescription::from_bytes(&bytes).map_err(|source| FmuError::Description { path: path.to_owned(), source })
-}
-
-/// The folders of this platform that have the library, the usual one first, and its name in the archive.
-fn candidates(
-    path: &Path,
-    archive: &Archive,
-    description: &ModelDescription,
-) -> Result<Vec<(&'static str, String)>, FmuError> {
-    const SHOWN: usize = 10;
-    let Some(interface) = &description.co_simulation else {
-        return Err(FmuError::NotCoSimulation { path: path.to_owned() });
-    };
-    let identifier = &interface.model_identifier;
-    let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
-    let entry = |platform: &str| format!("binaries/{platform}/{file}");
-    let found: Vec<_> =
-        FOLDERS.iter().map(|platform| (*platform, entry(platform))).filter(|(_, entry)| archive.has(entry)).collect();
-    if !found.is_empty() {
-        return Ok(found);
-    }
-    let mut available: Vec<_> = archive.files().into_iter().filter(|name| name.starts_with("binaries/")).collect();
-    if available.len() > SHOWN {
-        available.truncate(SHOWN);
-        available.push("…");
-    }
-    Err(FmuError::NoBinary {
-        path: path.to_owned(),
-        wanted: entry(FOLDERS[0]),
-        available: if available.is_empty() { "none".into() } else { available.join(", ") },
-    })
-}
-
-/// The folder as an RFC 3986 `file` URI.
-fn file_uri(folder: &Path) -> String {
-    use std::fmt::Write;
-    let text = folder.to_string_lossy().replace('\\', "/");
-    let mut uri = String::from(if text.starts_with('/') { "file://" } else { "file:///" });
-    for byte in text.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'/' | b':' | b'-' | b'_' | b'.' | b'~' => {
-                uri.push(char::from(byte));
-            }
-            _ => write!(uri, "%{byte:02X}").expect("writing to a string cannot fail"),
-        }
-    }
-    uri
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn resource_uris_are_percent_encoded() {
-        assert_eq!(file_uri(Path::new("/tmp/a b/ü#")), "file:///tmp/a%20b/%C3%BC%23");
     }
 }

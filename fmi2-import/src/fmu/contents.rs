@@ -1,0 +1,65 @@
+//! What an FMU needs of its archive: a description, and a library for this platform.
+
+use std::path::Path;
+
+use crate::archive::{Archive, ArchiveError};
+use crate::description::ModelDescription;
+use crate::error::FmuError;
+use crate::platform::FOLDERS;
+
+/// The archive of a file.
+pub(super) fn archive(path: &Path) -> Result<Archive, FmuError> {
+    Archive::open(path).map_err(|error| match error {
+        ArchiveError::Read(source) => FmuError::Read { path: path.to_owned(), source },
+        other => of_archive(path, other),
+    })
+}
+
+/// What is wrong with an archive, as what is wrong with the FMU.
+pub(super) fn of_archive(path: &Path, error: ArchiveError) -> FmuError {
+    let path = path.to_owned();
+    match error {
+        ArchiveError::UnsafeEntry(entry) => FmuError::UnsafeEntry { path, entry },
+        ArchiveError::Limit { .. } => FmuError::Limit { path, source: error },
+        other => FmuError::NotAZip { path, reason: other.to_string() },
+    }
+}
+
+/// The description in it.
+pub(super) fn description(path: &Path, archive: &mut Archive) -> Result<ModelDescription, FmuError> {
+    let bytes = archive.read("modelDescription.xml").map_err(|error| match error {
+        ArchiveError::NotFound => FmuError::NoDescription { path: path.to_owned() },
+        other => of_archive(path, other),
+    })?;
+    ModelDescription::from_bytes(&bytes).map_err(|source| FmuError::Description { path: path.to_owned(), source })
+}
+
+/// The folders of this platform that have the library, the usual one first, and its name in the archive.
+pub(super) fn candidates(
+    path: &Path,
+    archive: &Archive,
+    description: &ModelDescription,
+) -> Result<Vec<(&'static str, String)>, FmuError> {
+    const SHOWN: usize = 10;
+    let Some(interface) = &description.co_simulation else {
+        return Err(FmuError::NotCoSimulation { path: path.to_owned() });
+    };
+    let identifier = &interface.model_identifier;
+    let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
+    let entry = |platform: &str| format!("binaries/{platform}/{file}");
+    let found: Vec<_> =
+        FOLDERS.iter().map(|platform| (*platform, entry(platform))).filter(|(_, entry)| archive.has(entry)).collect();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let mut available: Vec<_> = archive.files().into_iter().filter(|name| name.starts_with("binaries/")).collect();
+    if available.len() > SHOWN {
+        available.truncate(SHOWN);
+        available.push("…");
+    }
+    Err(FmuError::NoBinary {
+        path: path.to_owned(),
+        wanted: entry(FOLDERS[0]),
+        available: if available.is_empty() { "none".into() } else { available.join(", ") },
+    })
+}
