@@ -62,7 +62,9 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
         (_, true) => 4,
     });
     // First, because the Rust tests attack the FMUs' libraries too; stale ones would be attacked for what is no longer there.
-    steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package", "--cross-check"])));
+    steps.step("Build and package the FMUs", || {
+        run(tree.cargo(&["run", "--release", "--", "package", "--cross-check"]))
+    });
     if !what.python {
         steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
     }
