@@ -22,7 +22,7 @@ from .support.paths import ROOT
 tomllib = pytest.importorskip("tomllib", reason="scenarios are TOML, which Python reads from 3.11 on")
 
 FOLDER = ROOT / "scenarios"
-SCENARIOS = sorted(FOLDER.rglob("*.toml"))
+SCENARIOS = sorted(path for path in FOLDER.rglob("*.toml") if path.parent.name != "studies")
 READ = ("contact_force1", "contact_force2")
 
 

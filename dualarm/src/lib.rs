@@ -6,7 +6,7 @@
 //! * [`grasp`] names its parts, scenarios and systems, and judges a run;
 //! * [`mod@build`] makes the project's own FMUs and lays them out with their reference solutions;
 //! * [`report`] shows a comparison as tables, figures and a page;
-//! * [`tune`] searches for gains;
+//! * [`tune`] searches for gains, [`sweep`] makes many runs of one system;
 //! * [`mod@verify`] holds the FMUs against exact and independent solutions;
 //! * [`cli`] is the command line.
 
@@ -14,5 +14,6 @@ pub mod build;
 pub mod cli;
 pub mod grasp;
 pub mod report;
+pub mod sweep;
 pub mod tune;
 pub mod verify;

@@ -46,6 +46,20 @@ pub fn best<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Opti
     closest(wanted, candidates).first().map(ToString::to_string)
 }
 
+/// Adds "did you mean" to serde's message about an unknown name, which quotes the name and then every known one in
+/// backticks.
+#[must_use]
+pub fn with_suggestion(message: &str) -> String {
+    let message = message.trim_end();
+    if !message.starts_with("unknown ") {
+        return message.to_owned();
+    }
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let Some(wrong) = quoted.next() else { return message.to_owned() };
+    let similar: Vec<_> = closest(wrong, quoted).into_iter().take(1).map(str::to_owned).collect();
+    format!("{message}{}", suggestion(&similar))
+}
+
 /// The name, or else the name with the first number from 2 on that is not taken.
 pub(crate) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
     let (mut candidate, mut number) = (name.to_owned(), 2_u64);

@@ -16,6 +16,7 @@ mod progress;
 mod report;
 mod scenario;
 mod simulate;
+mod sweep;
 mod tune;
 mod tuned;
 mod verify;
@@ -55,6 +56,7 @@ Examples:
   dualarm info plant.fmu                        what an FMU is
   dualarm compare --matrix                      every controller in every case
   dualarm tune --controller pd-tuned            gains from a search
+  dualarm sweep study.toml                      many runs, over ranges of parameters
   dualarm verify                                against exact solutions
 
 Exit codes: 0 success, 1 a simulation, a check or a file failed, 2 wrong usage
@@ -87,6 +89,8 @@ enum Command {
     Report(report::Arguments),
     /// Search for the best gains of a controller over a set of cases
     Tune(tune::Arguments),
+    /// Run a system many times, with parameters on grids or drawn from ranges
+    Sweep(sweep::Arguments),
     /// Check the FMUs against exact and independent solutions; fails if a bound is broken
     Verify(verify::Arguments),
     /// Show what an FMU is: capabilities, platforms, variables
@@ -243,6 +247,7 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
         Command::Scenario(arguments) => scenario::run(&arguments, quiet),
         Command::Report(arguments) => report::run(&arguments, quiet),
         Command::Tune(arguments) => tune::run(&arguments, quiet),
+        Command::Sweep(arguments) => sweep::run(&arguments, quiet),
         Command::Verify(arguments) => verify::run(&arguments, quiet),
         Command::Info(arguments) => info::run(&arguments),
         Command::Certify(arguments) => certify::run(&arguments),

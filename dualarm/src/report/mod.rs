@@ -1,10 +1,11 @@
 //! Tables and the report of a comparison: the [`matrix`] of controllers and cases, the paper's runs with their [`figures`], and the same as a page to play with ([`html`]) with the models'
-//! [`parameters`].
+//! [`parameters`]; the page of a [`study`].
 
 pub mod figures;
 pub mod html;
 pub mod matrix;
 pub mod parameters;
+pub mod study;
 
 use std::fmt::Write;
 

@@ -136,13 +136,18 @@ pub fn within<T>(limit: Duration, complaint: &str, work: impl FnOnce() -> T) -> 
 /// Ends the process at once, without the destructors of loaded code.
 fn end(complaint: &str) -> ! {
     print_error(&format!("error: {complaint}\n"));
+    leave(1)
+}
+
+/// Ends the process at once and without a word.
+pub fn leave(code: u8) -> ! {
     files::abandon();
     #[cfg(unix)]
-    worker::leave(1);
+    worker::leave(code);
     #[cfg(not(unix))]
     {
         clean();
-        std::process::exit(1)
+        std::process::exit(code.into())
     }
 }
 

@@ -124,7 +124,7 @@ impl Lab {
     }
 
     /// The case with the contender in its controller's place, which is the second part of the result.
-    fn system(&self, case: &Case, contender: &Contender) -> Result<(System, String), CellError> {
+    pub(crate) fn system(&self, case: &Case, contender: &Contender) -> Result<(System, String), CellError> {
         let scenario = &case.scenario;
         let is_controller =
             |file: &&PathBuf| CONTROLLERS.iter().any(|known| file.file_name().is_some_and(|name| name == known.fmu));

@@ -17,7 +17,7 @@ use serde_json::json;
 use crate::grasp::matrix::Matrix;
 use crate::report::figures::NamedFigure;
 pub(crate) use markup::escape;
-use markup::{fill, json_in_script};
+pub(crate) use markup::{fill, json_in_script};
 pub use run::Run;
 
 const TEMPLATE: &str = include_str!("../../../assets/report/page.html");
@@ -27,7 +27,7 @@ const SIGNALS: &str = include_str!("../../../assets/report/signals.html");
 const READING: &str = include_str!("../../../assets/report/reading.html");
 const TRANSPORT: &str = include_str!("../../../assets/report/transport.html");
 const EXAGGERATION: &str = include_str!("../../../assets/report/exaggeration.html");
-const STYLES: [&str; 3] = [
+pub(crate) const STYLES: [&str; 3] = [
     include_str!("../../../assets/uplot/uPlot.min.css"),
     include_str!("../../../assets/report/style.css"),
     include_str!("../../../assets/report/print.css"),

@@ -13,7 +13,7 @@ use toml::Spanned;
 use super::{Scenario, ScenarioError};
 use crate::grid::GridError;
 use crate::master::Coupling;
-use crate::names::{closest, suggestion};
+use crate::names::with_suggestion;
 use crate::settings::Setting;
 use crate::system::{Located, RunOptions, SourceLine, is_tolerance};
 use values::{Constant, Input};
@@ -110,19 +110,6 @@ impl ExperimentTable {
         let [start, stop, step, interval, tolerance] = [start, stop, step, interval, tolerance].map(|key| value(&key));
         Ok(RunOptions { start, stop, step, tolerance, coupling, interval })
     }
-}
-
-/// Adds "did you mean" to serde's message about an unknown name, which quotes the name and then every known one in
-/// backticks.
-fn with_suggestion(message: &str) -> String {
-    let message = message.trim_end();
-    if !message.starts_with("unknown ") {
-        return message.to_owned();
-    }
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let Some(wrong) = quoted.next() else { return message.to_owned() };
-    let similar: Vec<_> = closest(wrong, quoted).into_iter().take(1).map(str::to_owned).collect();
-    format!("{message}{}", suggestion(&similar))
 }
 
 #[cfg(test)]

@@ -1,0 +1,94 @@
+// The rows of the study, which of them are shown, and which one is chosen.
+
+const { command, columns } = JSON.parse(document.getElementById("data").textContent);
+const count = columns[0].values.length;
+const columnOf = (name) => columns.find((column) => column.name === name);
+
+/** Colours there are; more controllers share them. */
+const COLOURS = 8;
+
+/** Columns that can be an axis: parameters and figures, texts by their order of appearance. */
+const axes = columns.filter(({ role }) => role === "parameter" || role === "figure").map(createAxis);
+
+function createAxis(column) {
+  const texts = column.number ? null : [...new Set(column.values.map(String))];
+  const numbers = texts ? column.values.map((value) => texts.indexOf(String(value))) : column.values;
+  const known = numbers.filter((value) => value !== null);
+  let [low, high] = known.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+  if (!(low <= high)) [low, high] = [0, 1];
+  const sorted = Float64Array.from(known).sort();
+  const middle = sorted[sorted.length >> 1] ?? low;
+  // What spans decades is looked at by decades.
+  const logarithmic = !texts && low > 0 && high / low > 30 && middle - low < 0.1 * (high - low);
+  if (low === high) [low, high] = [low - 0.5, high + 0.5];
+  const scale = logarithmic ? Math.log : (value) => value;
+  const [first, last] = [scale(low), scale(high)];
+  return {
+    ...column,
+    texts,
+    numbers,
+    low,
+    high,
+    logarithmic,
+    /** Where a row stands, from 0 to 1; above 1 where it has no value. */
+    at: (row) => (numbers[row] === null ? 1.06 : (scale(numbers[row]) - first) / (last - first)),
+    /** The value at a place. */
+    value: (place) => {
+      const value = first + place * (last - first);
+      return logarithmic ? Math.exp(value) : value;
+    },
+    label: column.unit ? `${column.name} [${column.unit}]` : column.name,
+  };
+}
+
+const controllers = columnOf("controller") ? [...new Set(columnOf("controller").values)] : ["all runs"];
+const groups = columnOf("controller")
+  ? columnOf("controller").values.map((name) => controllers.indexOf(name))
+  : new Array(count).fill(0);
+const succeeded = (row) => (columnOf("success") ? columnOf("success").values[row] : columnOf("status").values[row] === "ok");
+
+/** What the reader wants to see. */
+const view = {
+  x: null,
+  y: null,
+  hidden: new Set(),
+  onlyFailures: false,
+  /** Kept ranges of axes, by name: [from, to] in places. */
+  kept: new Map(),
+  chosen: null,
+};
+
+function isShown(row) {
+  if (view.hidden.has(groups[row]) || (view.onlyFailures && succeeded(row))) return false;
+  for (const [name, [from, to]] of view.kept) {
+    const place = axes.find((axis) => axis.name === name).at(row);
+    if (place < from || place > to) return false;
+  }
+  return true;
+}
+
+const shownRows = () => [...Array(count).keys()].filter(isShown);
+
+/** A number for people. */
+function format(value) {
+  if (value === null) return "–";
+  if (typeof value !== "number") return String(value);
+  if (Number.isInteger(value) && Math.abs(value) < 1e9) return String(value);
+  const size = Math.abs(value);
+  return size >= 1e-3 && size < 1e5 ? String(Number(value.toPrecision(4))) : value.toExponential(2);
+}
+
+/** Makes the canvas as fine as the screen and gives its context and size in CSS pixels. */
+function prepare(canvas) {
+  const { width, height } = canvas.getBoundingClientRect();
+  const ratio = devicePixelRatio || 1;
+  canvas.width = Math.round(width * ratio);
+  canvas.height = Math.round(height * ratio);
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  context.font = "12px system-ui, sans-serif";
+  return { context, width, height };
+}
+
+const colourOf = (row) => colour(`--run-${groups[row] % COLOURS}`);

@@ -1,0 +1,105 @@
+// Parallel coordinates: an axis for each parameter and the chosen figure, a line for each run.
+
+function createParallel(canvas, choose, changed) {
+  const MARGIN = { left: 34, right: 34, top: 54, bottom: 26 };
+  const NEAR = 6;
+  let [shownAxes, rows] = [[], []];
+  let [across, up, placeAt] = [];
+  let drag = null;
+
+  function draw(shown) {
+    rows = shown;
+    shownAxes = [...axes.filter(({ role }) => role === "parameter"), view.y];
+    const { context, width, height } = prepare(canvas);
+    const [w, h] = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
+    across = (index) => MARGIN.left + (shownAxes.length > 1 ? index / (shownAxes.length - 1) : 0.5) * w;
+    up = (place) => MARGIN.top + (1 - place / 1.06) * h;
+    placeAt = (y) => 1.06 * (1 - (y - MARGIN.top) / h);
+    context.globalAlpha = Math.min(0.6, Math.max(0.03, 60 / Math.max(rows.length, 1)));
+    for (const row of rows) line(context, row, colourOf(row), 1);
+    context.globalAlpha = 1;
+    if (view.chosen !== null) line(context, view.chosen, colour("--ink"), 2.5);
+    shownAxes.forEach((axis, index) => drawAxis(context, axis, index));
+  }
+
+  function line(context, row, style, width) {
+    context.strokeStyle = style;
+    context.lineWidth = width;
+    context.beginPath();
+    shownAxes.forEach((axis, index) => context.lineTo(across(index), up(axis.at(row))));
+    context.stroke();
+  }
+
+  function drawAxis(context, axis, index) {
+    const x = across(index);
+    context.strokeStyle = colour("--soft");
+    context.lineWidth = 1;
+    context.beginPath();
+    context.moveTo(x, up(0));
+    context.lineTo(x, up(1.06));
+    context.stroke();
+    const kept = view.kept.get(axis.name);
+    if (kept) {
+      context.fillStyle = colour("--focus");
+      context.globalAlpha = 0.4;
+      context.fillRect(x - 5, up(kept[1]), 10, up(kept[0]) - up(kept[1]));
+      context.globalAlpha = 1;
+    }
+    context.fillStyle = colour("--ink");
+    context.textAlign = index === 0 ? "left" : index === shownAxes.length - 1 ? "right" : "center";
+    // At the edges names lean inwards, as far as the margin lets them.
+    const edge = { left: x - MARGIN.left + 4, right: x + MARGIN.right - 4, center: x }[context.textAlign];
+    // Neighbours' names do not touch: every other one is a line higher.
+    context.fillText(axis.name, edge, index % 2 ? 14 : 30);
+    context.fillStyle = colour("--soft");
+    context.fillText(tick(axis, 1), edge, MARGIN.top - 6);
+    context.fillText(tick(axis, 0), edge, up(0) + 16);
+  }
+
+  /** The axis under the pointer, if there is one. */
+  function axisAt(x) {
+    const index = shownAxes.findIndex((_, at) => Math.abs(across(at) - x) < 9);
+    return index < 0 ? null : shownAxes[index];
+  }
+
+  canvas.addEventListener("pointerdown", (event) => {
+    const axis = axisAt(event.offsetX);
+    if (!axis) return;
+    canvas.setPointerCapture(event.pointerId);
+    drag = { axis, from: placeAt(event.offsetY), moved: false };
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!drag) return;
+    const to = placeAt(event.offsetY);
+    if (Math.abs(to - drag.from) < 0.01 && !drag.moved) return;
+    drag.moved = true;
+    view.kept.set(drag.axis.name, [Math.min(drag.from, to), Math.max(drag.from, to)]);
+    changed();
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    if (!drag) {
+      choose(nearest(event.offsetX, event.offsetY));
+      return;
+    }
+    if (!drag.moved) {
+      view.kept.delete(drag.axis.name);
+      changed();
+    }
+    drag = null;
+  });
+
+  /** The run whose line passes closest. */
+  function nearest(x, y) {
+    const right = shownAxes.findIndex((_, index) => across(index) > x);
+    if (right < 1) return null;
+    const share = (x - across(right - 1)) / (across(right) - across(right - 1));
+    let [best, distance] = [null, NEAR];
+    for (const row of rows) {
+      const [a, b] = [up(shownAxes[right - 1].at(row)), up(shownAxes[right].at(row))];
+      const off = Math.abs(a + share * (b - a) - y);
+      if (off <= distance) [best, distance] = [row, off];
+    }
+    return best;
+  }
+  return draw;
+}

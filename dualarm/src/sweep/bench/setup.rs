@@ -1,0 +1,119 @@
+//! From the study to systems that run, checked.
+
+use std::path::Path;
+
+use super::Track;
+use crate::grasp::instruments;
+use crate::grasp::matrix::merit::SIGNALS;
+use crate::grasp::matrix::{CASES, Case};
+use crate::grasp::scenarios::BuiltIn;
+use crate::sweep::SweepError;
+use crate::sweep::figures::Wanted;
+use crate::sweep::plan::Plan;
+use fmi2_cosim::master::Coupling;
+use fmi2_cosim::names::{closest, suggestion};
+use fmi2_cosim::record::Column;
+use fmi2_cosim::run::Run;
+use fmi2_cosim::scenario::Scenario;
+use fmi2_cosim::settings::SettingError;
+use fmi2_cosim::system::{Located, RunOptions, System, SystemError};
+
+/// The scenario that a study means; its key is empty if it comes from a file.
+pub(super) fn case(path: &Path, name: &str) -> Result<Case, SweepError> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+        return Ok(Case { key: String::new(), scenario: Scenario::read(path)?, text: String::new() });
+    }
+    // As `simulate` has it; cases of other names are known, too.
+    let file = match BuiltIn::find(name) {
+        Ok(scenario) => scenario,
+        Err(unknown) => *CASES.iter().find(|case| case.name == name).ok_or(unknown)?,
+    };
+    Ok(Case { key: name.to_owned(), scenario: file.scenario()?, text: file.text.to_owned() })
+}
+
+pub(super) fn track(mut system: System, plan: &Plan, index: usize) -> Result<Track, SweepError> {
+    let usage = |error: &dyn std::fmt::Display| SweepError::Usage(error.to_string());
+    instruments::connect(&mut system).map_err(|error| usage(&error))?;
+    system.settings.extend(plan.study.parameters.iter().cloned());
+    if let Some(entrant) = plan.study.entrants.get(index) {
+        system.settings.extend(entrant.parameters.iter().cloned());
+    }
+    let (own, suggested) = (plan.study.experiment, system.experiment);
+    let step = plan.contenders.get(index).and_then(|contender| contender.step);
+    system.experiment = RunOptions {
+        start: own.start.or(suggested.start),
+        stop: own.stop.or(suggested.stop),
+        step: step.or(own.step).or(suggested.step),
+        tolerance: own.tolerance.or(suggested.tolerance),
+        coupling: own.coupling.or(suggested.coupling),
+        interval: own.interval.or(suggested.interval),
+    };
+    let run = Run::of(&system.experiment, &system).map_err(|error| usage(&error))?;
+    Ok(Track { system, run })
+}
+
+/// What is looked at in runs of a system.
+pub(super) fn wanted(system: &System, plan: &Plan) -> Result<Wanted, SweepError> {
+    let outputs = &plan.study.outputs;
+    let columns: Vec<Column> =
+        system.master(Coupling::default()).map_err(|error| setting(plan, 0, error))?.record(|_| true);
+    let names = || columns.iter().map(|column| column.name.as_str());
+    for output in outputs {
+        if !names().any(|name| name == output) {
+            let similar: Vec<_> = closest(output, names()).into_iter().map(str::to_owned).collect();
+            let message =
+                format!("outputs: no FMU has an output \"{output}\" that is a number{}", suggestion(&similar));
+            return Err(SweepError::Usage(message));
+        }
+    }
+    let grasp = SIGNALS.iter().all(|signal| names().any(|name| name == *signal));
+    let wanted = Wanted { grasp, outputs: outputs.clone() };
+    let figures = wanted.names();
+    if figures.is_empty() {
+        let message = "nothing is looked at: the system is no grasp, so name outputs = [\"…\"] whose last, smallest, largest, \
+                       mean and rms values each run shall report";
+        return Err(SweepError::Usage(message.into()));
+    }
+    for bound in &plan.study.success {
+        if !figures.contains(&bound.figure) {
+            let similar: Vec<_> =
+                closest(&bound.figure, figures.iter().map(String::as_str)).into_iter().map(str::to_owned).collect();
+            let message = format!("{}: there is no figure \"{}\"{}", bound.place, bound.figure, suggestion(&similar));
+            return Err(SweepError::Usage(message));
+        }
+    }
+    if let Some(varied) = plan.sampler.vary().iter().find(|varied| figures.contains(&varied.name)) {
+        let message = format!(
+            "{}: {} is also the name of a figure; give it another name and write names",
+            varied.place, varied.name
+        );
+        return Err(SweepError::Usage(message));
+    }
+    Ok(wanted)
+}
+
+/// That every name means a variable which can be set. Which values an FMU takes is a matter of each run.
+pub(super) fn check(track: &Track, plan: &Plan, index: usize) -> Result<(), SweepError> {
+    let mut master = track.system.master(track.run.coupling).map_err(|error| setting(plan, index, error))?;
+    if plan.sampler.draws() == 0 {
+        return Err(SweepError::Usage("there is no run: the table of points has no row".into()));
+    }
+    for Located { item, place } in plan.settings(0) {
+        let result = master.apply(&item);
+        // A value is a matter of its run: another draw may have a better one.
+        if let Err(
+            source @ (SettingError::Unknown { .. }
+            | SettingError::UnknownComponent { .. }
+            | SettingError::NotSettable { .. }),
+        ) = result
+        {
+            return Err(setting(plan, index, SystemError::Setting { place, source: Box::new(source) }));
+        }
+    }
+    Ok(())
+}
+
+fn setting(plan: &Plan, index: usize, source: SystemError) -> SweepError {
+    let controller = plan.contenders.get(index).map(|contender| contender.title.clone());
+    SweepError::Setting { controller, source: Box::new(source) }
+}

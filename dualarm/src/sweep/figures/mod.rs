@@ -1,0 +1,258 @@
+//! Figures of a run: of any system those of chosen outputs, of a grasp how good it was.
+//!
+//! | figure of an output `y` | |
+//! |:--|:--|
+//! | `y_last`, `y_min`, `y_max` | its last, smallest and largest value |
+//! | `y_mean`, `y_rms` | mean and root mean square over time, straight lines between the steps |
+//!
+//! Those of a grasp are in [`GRASP`].
+
+mod tally;
+
+use std::io;
+
+use crate::grasp::actuator_limits;
+use crate::grasp::matrix::Merit;
+use crate::grasp::matrix::limit::BAND;
+use crate::grasp::matrix::merit::SIGNALS;
+use crate::grasp::metrics::Limits;
+use fmi2_cosim::master::Master;
+use fmi2_cosim::record::{Column, Pick, Sink, Table};
+use fmi2_cosim::run::Observer;
+use fmi2_import::Instance;
+use tally::{OF_OUTPUT, Tally};
+
+/// The figures of a grasp: names, units, and what they are. [`Merit`] defines those that it has.
+pub const GRASP: [(&str, &str, &str); 13] = [
+    ("settling", "s", "all of (17): forces, angles and position stay within 2 % of their travel"),
+    ("settling_forces", "s", "of both contact forces alone"),
+    ("settling_angles", "s", "of both angles alone"),
+    ("settling_position", "s", "of the object's position alone"),
+    (
+        "settling_rms",
+        "s",
+        "from when on the rms errors of the next 50 ms of all five stay within 2 %, of the tip's way for the position",
+    ),
+    ("overshoot", "%", "of the forces"),
+    ("steady_error", "N", "mean force error at the end"),
+    ("error_rms", "N", "rms force error of the second half"),
+    ("contact_loss", "s", "how long a contact force pulls with more than 1 % of the target"),
+    ("tension", "N", "by how much at most"),
+    ("peak_torque", "N.m", "of the hubs"),
+    ("peak_force", "N", "of the actuator at the object"),
+    ("saturated", "s", "time at its limits of the actuator that is there longest"),
+];
+
+/// Length in s of the windows of `settling_rms`: fifty samples at 1 kHz.
+const WINDOW: f64 = 0.05;
+/// Share of the run for which what has settled must have stayed so, as in [`Merit`].
+const REST: f64 = 0.05;
+/// Share of the target force from which on tension counts as loss of contact.
+const PULL: f64 = 0.01;
+
+/// Which figures a system has.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Wanted {
+    /// Whether it is a grasp.
+    pub grasp: bool,
+    /// The outputs, as columns of rows are called.
+    pub outputs: Vec<String>,
+}
+
+impl Wanted {
+    /// Names of the figures, in the order of [`Gauge::figures`].
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        let grasp = GRASP.iter().filter(|_| self.grasp).map(|(name, _, _)| (*name).to_owned());
+        let of_output = |output: &String| OF_OUTPUT.map(|figure| format!("{output}_{figure}"));
+        grasp.chain(self.outputs.iter().flat_map(of_output)).collect()
+    }
+
+    /// Whether the output of this name, without its component, has to be recorded.
+    #[must_use]
+    pub fn needs(&self, name: &str) -> bool {
+        let is = |output: &String| output.strip_suffix(name).is_some_and(|rest| rest.is_empty() || rest.ends_with('.'));
+        (self.grasp && SIGNALS.contains(&name)) || self.outputs.iter().any(is)
+    }
+}
+
+/// Follows a run and makes its figures.
+#[derive(Debug)]
+pub struct Gauge<'a> {
+    wanted: &'a Wanted,
+    grasp: Pick<Table>,
+    limits: [Option<Limits>; 3],
+    /// Length of the arms in m.
+    length: Option<f64>,
+    places: Vec<usize>,
+    tallies: Vec<Tally>,
+}
+
+impl<'a> Gauge<'a> {
+    /// For one run.
+    #[must_use]
+    pub fn new(wanted: &'a Wanted) -> Self {
+        let grasp = Pick::new(&[], |_| false);
+        Self { wanted, grasp, limits: [None; 3], length: None, places: Vec::new(), tallies: Vec::new() }
+    }
+
+    /// The figures, in the order of [`Wanted::names`].
+    #[must_use]
+    pub fn figures(&self) -> Vec<Option<f64>> {
+        let mut figures = Vec::new();
+        if self.wanted.grasp {
+            figures.extend(self.of_grasp().unwrap_or([None; GRASP.len()]));
+        }
+        for index in 0..self.places.len() {
+            figures.extend(self.tallies.get(index).map_or([None; OF_OUTPUT.len()], |tally| tally.figures().map(Some)));
+        }
+        figures
+    }
+
+    fn of_grasp(&self) -> Option<[Option<f64>; GRASP.len()]> {
+        let table = &self.grasp.sink;
+        let merit = Merit::of(table, self.limits)?;
+        let target = *table.column("lambda2_d")?.last()?;
+        let forces = [table.column("contact_force1")?, table.column("contact_force2")?];
+        Some([
+            merit.settling,
+            merit.settling_forces,
+            merit.settling_angles,
+            merit.settling_position,
+            self.settling_rms(target, &forces),
+            Some(merit.overshoot),
+            Some(merit.steady_error),
+            Some(merit.error_rms),
+            Some(forces.iter().map(|force| pulling(table.times(), force, PULL * target.abs())).fold(0.0, f64::max)),
+            Some(merit.tension),
+            Some(merit.peak_torque),
+            Some(merit.peak_force),
+            Some(merit.saturated),
+        ])
+    }
+
+    fn settling_rms(&self, target: f64, forces: &[Vec<f64>; 2]) -> Option<f64> {
+        let table = &self.grasp.sink;
+        let times = table.times();
+        let mut latest: f64 = 0.0;
+        for force in forces {
+            latest = latest.max(quiet(times, force, target, BAND * target.abs())?);
+        }
+        let mut way: f64 = 0.0;
+        for name in ["theta1", "theta2"] {
+            let (angle, aim) = (table.column(name)?, *table.column(&format!("{name}_d"))?.last()?);
+            let travel = (aim - angle.first()?).abs();
+            way = way.max(travel);
+            latest = latest.max(quiet(times, &angle, aim, BAND * travel)?);
+        }
+        let (position, aim) = (table.column("y_object")?, *table.column("y_object_d")?.last()?);
+        // Where both tips meet again half-way, the object's own travel is nothing to measure by.
+        let travel = (aim - position.first()?).abs().max(self.length.unwrap_or_default() * way);
+        Some(latest.max(quiet(times, &position, aim, BAND * travel)?))
+    }
+}
+
+/// Time from which on the rms error of the next [`WINDOW`] stays below a band; `None` if it does not for [`REST`] of the run.
+fn quiet(times: &[f64], values: &[f64], target: f64, band: f64) -> Option<f64> {
+    let mut sums = Vec::with_capacity(values.len() + 1);
+    sums.push(0.0);
+    for value in values {
+        sums.push(sums[sums.len() - 1] + (value - target).powi(2));
+    }
+    let end = *times.last()?;
+    let mut after = times.len();
+    for first in (0..times.len()).rev() {
+        while after > first + 1 && times[after - 1] > times[first] + WINDOW {
+            after -= 1;
+        }
+        let rms = ((sums[after] - sums[first]) / (after - first) as f64).sqrt();
+        if rms > band || rms.is_nan() {
+            let settled = times[first] <= end - (REST * (end - times[0])).max(WINDOW);
+            return settled.then_some(times[first] - times[0]);
+        }
+    }
+    Some(0.0)
+}
+
+/// How long a force is below `-limit`.
+fn pulling(times: &[f64], force: &[f64], limit: f64) -> f64 {
+    let pulls = |value: f64| 0.5 * f64::from(u8::from(value < -limit));
+    times.windows(2).zip(force.windows(2)).map(|(t, f)| (t[1] - t[0]) * (pulls(f[0]) + pulls(f[1]))).sum()
+}
+
+impl Observer for Gauge<'_> {
+    fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
+        let place = |output: &String| columns.iter().position(|column| column.name == *output);
+        self.places = self.wanted.outputs.iter().filter_map(place).collect();
+        if self.wanted.grasp {
+            self.grasp = Pick::new(columns, |name| SIGNALS.contains(&name));
+            for index in 0..master.names().count() {
+                let plant = master.instance(index);
+                let limits = actuator_limits(plant);
+                if limits != [None; 3] || plant.description().variable("contact_force1").is_some() {
+                    self.limits = limits;
+                    self.length = real(plant, "l");
+                    break;
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    fn wants_every_step(&self) -> bool {
+        true
+    }
+
+    fn conclude(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+fn real(instance: &mut Instance, name: &str) -> Option<f64> {
+    let reference = instance.description().variable(name)?.value_reference;
+    let mut value = [0.0];
+    instance.get_real(&[reference], &mut value).ok()?;
+    Some(value[0])
+}
+
+impl Sink for Gauge<'_> {
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        if self.wanted.grasp {
+            self.grasp.row(time, values)?;
+        }
+        if self.tallies.is_empty() {
+            self.tallies = self.places.iter().map(|place| Tally::new(time, values[*place])).collect();
+            return Ok(());
+        }
+        for (tally, place) in self.tallies.iter_mut().zip(&self.places) {
+            tally.add(time, values[*place]);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_rings_below_the_band_is_quiet_although_it_crosses_it() {
+        let times: Vec<f64> = (0..=4000).map(|index| f64::from(index) * 1e-3).collect();
+        // Decays by e every 0.2 s, and noise of rms 0.007 that sometimes exceeds the band of 0.01.
+        let noise = |t: f64| 0.01 * (1000.0 * t).sin();
+        let values: Vec<f64> = times.iter().map(|t| 0.5 * (1.0 - (-t / 0.2).exp()) + noise(*t)).collect();
+        let settled = quiet(&times, &values, 0.5, 0.01).unwrap();
+        // 0.5·exp(−t/0.2) and noise have an rms of 0.01 where the first is 0.00707: at 0.2·ln(0.5/0.00707) = 0.852 s; the
+        // window looks 50 ms ahead.
+        assert!((0.80..0.86).contains(&settled), "{settled}");
+        assert_eq!(quiet(&times, &values, 0.4, 0.01), None);
+        assert_eq!(pulling(&times, &vec![-1.0; times.len()], 0.5), 4.0);
+    }
+
+    #[test]
+    fn names_are_in_the_order_of_figures() {
+        let wanted = Wanted { grasp: false, outputs: vec!["A.y".into()] };
+        assert_eq!(wanted.names(), ["A.y_last", "A.y_min", "A.y_max", "A.y_mean", "A.y_rms"]);
+        assert!(wanted.needs("y") && !wanted.needs("A") && !wanted.needs("z"));
+    }
+}
