@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 
 use crate::cli::printable::one_line;
-use crate::cli::{Failure, json};
+use crate::cli::{Failure, json, width};
 use crate::report::TextTable;
 use crate::sweep::Row;
 use crate::sweep::figures::GRASP;
@@ -93,7 +93,7 @@ impl Outcome<'_> {
             let _ = write!(text, " ({:.2} ms a run)", 1e3 * self.seconds / self.done as f64);
         }
         text += "\n\n";
-        text += &self.table().to_terminal();
+        text += &self.table().to_terminal(width());
         text += "\n";
         for file in [Some(self.output), self.report].into_iter().flatten() {
             let _ = writeln!(text, "{}", file.display());

@@ -28,7 +28,7 @@ pub(super) fn paper_set(description: &ModelDescription, connectors: &[Connector]
 }
 
 /// A variable's start value, if it has one and is no enumeration.
-pub(super) fn parameter(variable: &Variable) -> Option<Parameter> {
+pub(super) fn parameter(variable: &Variable) -> Option<ParameterValue> {
     if matches!(variable.kind, VariableType::Enumeration { .. }) {
         return None;
     }

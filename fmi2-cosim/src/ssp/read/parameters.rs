@@ -32,7 +32,7 @@ pub(super) fn set(node: Node, lines: &Lines) -> Result<ParameterSet> {
     })
 }
 
-fn parameter(node: Node, lines: &Lines) -> Result<Parameter> {
+fn parameter(node: Node, lines: &Lines) -> Result<ParameterValue> {
     let typed = BaseType::ALL.iter().find_map(|base_type| Some((*base_type, child(node, base_type.name())?)));
     let Some((base_type, typed)) = typed else {
         return Err(match child(node, "Binary") {

@@ -8,7 +8,7 @@ use super::{Resolver, Result};
 use crate::names::best;
 use crate::ssp::error::{DocumentError, SspError};
 use crate::ssp::package::BoundSet;
-use crate::ssp::parameters::Parameter;
+use crate::ssp::parameters::ParameterValue;
 use crate::ssp::structure::MappingEntry;
 use crate::system::Located;
 use crate::units::{Conversion, Units};
