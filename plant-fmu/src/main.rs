@@ -32,7 +32,6 @@ fn main() -> std::process::ExitCode {
         command: "cargo run --release -- package",
         response: Some(squeeze),
         files: &[File { path: "documentation/geometry.svg", content: GEOMETRY }],
-        ..Document::new()
     };
     fmi2_package::main(&plant_fmu::FMUS, &[plant])
 }

@@ -233,7 +233,7 @@ fn keep_end(mut from: impl Read, kept: &Mutex<String>) {
         let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.push_str(&String::from_utf8_lossy(&buffer[..length]));
         if kept.len() > LONGEST {
-            let cut = (kept.len() - LONGEST..).find(|at| kept.is_char_boundary(*at)).unwrap_or_default();
+            let cut = (kept.len() - LONGEST..=kept.len()).find(|at| kept.is_char_boundary(*at)).unwrap_or_default();
             kept.drain(..cut);
         }
     }

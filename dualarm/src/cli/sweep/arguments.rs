@@ -32,6 +32,7 @@ Examples:
 /// Arguments of `dualarm sweep`.
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
+#[allow(clippy::struct_excessive_bools)] // each is a switch of the command line
 pub struct Arguments {
     /// Study file (.toml)
     pub study: PathBuf,

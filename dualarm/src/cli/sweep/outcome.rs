@@ -102,6 +102,8 @@ impl Outcome<'_> {
     }
 
     fn table(&self) -> TextTable {
+        // With many outputs the file is what to look at.
+        const MOST: usize = 6;
         let is_grasp = self.groups.iter().any(|group| group.figures.iter().any(|figure| figure.name == GRASP[0].0));
         let mut table = TextTable::default();
         let head = |text: &str| text.to_owned();
@@ -109,8 +111,6 @@ impl Outcome<'_> {
         if self.groups.iter().any(|group| group.success_rate.is_some()) {
             table.header.push(head("success, 95 % interval"));
         }
-        // With many outputs the file is what to look at.
-        const MOST: usize = 6;
         let names: Vec<(String, String, f64)> = if is_grasp {
             SHOWN.iter().map(|(name, heading, factor)| (head(name), head(heading), *factor)).collect()
         } else {

@@ -9,7 +9,7 @@ use fmi2_cosim::record::{Column, CsvSink, ParquetSink, Sink};
 
 /// The rows of one run, in a file.
 pub(super) enum Rows {
-    Csv(CsvSink<NewFile>),
+    Csv(Box<CsvSink<NewFile>>),
     Parquet(Box<ParquetSink>),
 }
 
@@ -19,7 +19,7 @@ impl Rows {
         if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
             return Ok(Self::Parquet(Box::new(ParquetSink::new(file, columns, TOOL)?)));
         }
-        Ok(Self::Csv(CsvSink::new(file, columns)?))
+        Ok(Self::Csv(Box::new(CsvSink::new(file, columns)?)))
     }
 
     pub(super) fn finish(self) -> Result<(), WriteError> {

@@ -5,7 +5,7 @@
 //! unit coordinate u per parameter becomes a value of its range by inversion of the distribution, with logarithms and
 //! exponentials that are the same on every platform.
 //!
-//! * Latin hypercube: M. D. McKay, R. J. Beckman and W. J. Conover, *Technometrics* 21 (1979) 239–245,
+//! * Latin hypercube: M. D. `McKay`, R. J. Beckman, W. J. Conover, *Technometrics* 21 (1979) 239–245,
 //!   doi:10.1080/00401706.1979.10489755; strata are permuted by Fisher and Yates.
 //! * Sobol: Owen-scrambled by hashing, B. Burley, *Journal of Computer Graphics Techniques* 9 (2020) no. 4, with the
 //!   direction numbers of S. Joe and F. Y. Kuo. The first 2ᵏ points are a net, so draws are best a power of two.

@@ -1,3 +1,5 @@
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // coordinates from 0 to 1 become numbers of boxes
+
 use super::*;
 
 fn sampler(method: &str, vary: &str) -> Sampler {
