@@ -7,8 +7,10 @@
 //! −g z² − (1 + b g) z S − b S²,     discriminant (1 + b g)² − 4 b g = (1 − b g)² ≥ 0.
 //! ```
 //!
-//! So the form is positive somewhere unless b g = 1, and then it is zero somewhere. No other term of Ḣ helps: S is a boundary value, which the
-//! integrals of q''² and ẏ² do not bound.
+//! So the object's part is positive somewhere unless b g = 1, and then it is zero somewhere. The hubs' terms can mend that: a small
+//! ∫q''² forces e_i → p/l, and −Σg_3i z_3i² becomes −(Σg_3i/l²) z². What excludes all gains is the root moment: with
+//! e = p = ė = ṗ = 0, S = 0 (so s = s_i = 0), q_i''(0) = X and the integrals of q''² and ẏ² → 0, Ḣ → +½ β_2 l ΣEI_i X² > 0 for any
+//! β_2 > 0.
 
 use crate::Grasp;
 use serde::Serialize;
@@ -23,7 +25,7 @@ pub struct Form {
     pub discriminant: f64,
     /// (z, S) where the form is largest for given z, with z = 1: S = −(1 + b g)/(2b).
     pub worst_shear: f64,
-    /// Its value there, (1 − b g)²/(4b) ≥ 0; a proof would need it below zero.
+    /// Its value there, (1 − b g)²/(4b) ≥ 0; the object's part alone is negative definite only if it is below zero.
     pub value: f64,
 }
 
