@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -11,6 +12,10 @@ import pytest
 from .support.browser import browser  # noqa: F401 (a fixture)
 from .support.harness import CoSimulation, Fmu, Result
 from .support.paths import ROOT, fmu_path
+
+
+# Cargo sets it for what it starts, and the tool takes it for the place of the sources. Users start the tool themselves.
+os.environ.pop("CARGO_MANIFEST_DIR", None)
 
 
 class Fmus(dict[str, Fmu]):

@@ -217,7 +217,9 @@ def test_grasp_over_a_million_steps(long_run: tuple[str, dict[str, Any]]) -> Non
         assert np.ptp(signals[name][late]) < 1e-10
     for name in ("m_hat", "J1_hat", "pi1_hat", "W_norm", "U1_norm"):
         if name in signals:
-            assert np.all(np.diff(np.abs(signals[name][late])) <= 0.0), name
+            # What has leaked away, down to the rounding of a unit, has nothing left to lose.
+            size = np.abs(signals[name][late])
+            assert np.all((np.diff(size) <= 0.0) | (size[1:] < 1e-15)), name
 
 
 def test_constraint_over_a_million_steps(long_run: tuple[str, dict[str, Any]]) -> None:

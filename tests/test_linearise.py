@@ -189,11 +189,15 @@ def test_the_certified_preset_beside_others() -> None:
     rows = re.findall(r"^\| (.+?) \| (.+?) \| (.+?) \| (.+?) \|$", page.split("<!-- certified")[1].split("<!-- end")[0], re.M)
     done = run("compare", "--matrix", "--no-package", "--controllers=nabfc-r-certified,nabfc-r,pds-tuned")
     assert done.returncode == 0, done.stderr
-    found = {re.split(r"  +", line)[0]: re.split(r"  +", line)[1:4] for line in done.stdout.splitlines() if "  " in line}
+    # A table too wide for a terminal goes on below, with its first column again.
+    found: dict[str, list[str]] = {}
+    for line in done.stdout.splitlines():
+        case, *cells = re.split(r"  +", line.strip())
+        found.setdefault(case, []).extend(cells)
     cells = [(case, *cells) for case, *cells in rows if case not in ("case", ":--")]
     assert len(cells) > 5
     for case, *written in cells:
-        assert written == [re.sub(r"never .*", "never", cell) for cell in found[case]], case
+        assert written == [re.sub(r"never .*", "never", cell) for cell in found[case][:3]], case
 
 
 def test_a_monitor_without_its_grasp_says_what_it_lacks(tmp_path: Path) -> None:

@@ -181,7 +181,7 @@ def test_a_value_that_an_fmu_refuses_is_a_row(tmp_path: Path) -> None:
         ('"raw"]', '"rw"]', ""),
         ("draws = 8", "draw = 8", "study.toml:6:1: unknown field `draw`"),
         ('"latin-hypercube"', '"latin"', "study.toml:5:10: unknown variant `latin`"),
-        ('"nabfc"', '"nabcf"', 'there is no scenario "nabcf"; did you mean nabfc?'),
+        ('"nabfc"', '"nabcf"', 'there is no scenario "nabcf"; did you mean nabfc'),
         ('"nabfc-r"', '"nabfcr"', 'there is no controller "nabfcr"; did you mean'),
         ('["theta1"]', '["theta"]', 'no FMU has an output "theta" that is a number; did you mean theta1'),
         ("overshoot = 5", "overshot = 5", 'study.toml:18: there is no figure "overshot"; did you mean overshoot?'),

@@ -440,3 +440,13 @@ def test_compare_speaks_json_and_runs_the_same_scenarios(tmp_path: Path, run: An
     assert [case["name"] for case in document["cases"]] == ["nabfc", "pds", "pd"]
     assert document["cases"][0]["metrics"] == run("nabfc").document["metrics"]
     assert Path(document["report"]).is_file()
+
+
+def test_another_controller_brings_its_own_law() -> None:
+    """The scenario *nabfc* says that its law is the paper's. Another controller in its place is itself, not that law or an error."""
+    finals = [
+        json.loads(dualarm("simulate", *words, "--json", "--stop", "0.2", "--step", "1e-3").stdout)["final"]
+        for words in (["nabfc", "-c", "nabfc-r"], ["-c", "nabfc-r"], ["nabfc"], ["nabfc", "-c", "pd-tuned"], ["-c", "pd-tuned"])
+    ]
+    assert finals[0] == finals[1] != finals[2]
+    assert finals[3] == finals[4]

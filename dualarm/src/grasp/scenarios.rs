@@ -102,6 +102,9 @@ impl BuiltIn {
     }
 }
 
+/// Parameters that say which law a controller has, and with which gains: they go with the controller that gives way.
+pub(crate) const WHICH_LAW: [&str; 2] = ["law", "preset"];
+
 /// The scenario with another controller in the place of the one it names.
 ///
 /// # Errors
@@ -116,6 +119,7 @@ pub fn with_controller(mut scenario: Scenario, controller: &Controller) -> Resul
     };
     replaced.set_file_name(controller.fmu);
     scenario.title = format!("{} ({})", scenario.title, controller.title);
+    scenario.settings.retain(|setting| !WHICH_LAW.contains(&setting.item.target.as_str()));
     scenario.settings.splice(0..0, controller.settings().map(Located::nowhere));
     Ok(scenario)
 }

@@ -134,7 +134,8 @@ pub fn wilson(successes: u64, runs: u64) -> Rate {
     let (n, share) = (runs as f64, successes as f64 / runs as f64);
     let centre = (share + Z * Z / (2.0 * n)) / (1.0 + Z * Z / n);
     let half = Z / (1.0 + Z * Z / n) * (share * (1.0 - share) / n + Z * Z / (4.0 * n * n)).sqrt();
-    Rate { share, low: (centre - half).max(0.0), high: (centre + half).min(1.0) }
+    // At 0 and 1 one end is the share itself, but for rounding.
+    Rate { share, low: (centre - half).clamp(0.0, share), high: (centre + half).clamp(share, 1.0) }
 }
 
 #[cfg(test)]

@@ -65,10 +65,10 @@ pub const EXPERIMENTS: [SoloExperiment; 6] = [
     SoloExperiment {
         model: "NabfcController",
         story: "The signals it measured while it closed the grasp and then, at 0.6 s, was asked for a firmer one: its \
-                commands and its estimates of the object's mass and of the hubs' inertias.",
+                commands and its estimate of the object's mass.",
         stop: 1.0,
         inputs: Source::ClosedLoop { plant: "DualArmPlant", reference: FIRMER_GRASP },
-        outputs: &["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p", "m_hat", "J1_hat", "J2_hat", "W_norm"],
+        outputs: &["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p", "m_hat"],
     },
     SoloExperiment {
         model: "PdsController",

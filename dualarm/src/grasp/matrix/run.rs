@@ -11,6 +11,7 @@ use super::merit::{Merit, SIGNALS};
 use super::{Case, Contender, Judged};
 use crate::grasp::instruments::{self, INSTRUMENTS};
 use crate::grasp::metrics::Limits;
+use crate::grasp::scenarios::WHICH_LAW;
 use crate::grasp::{CONTROLLERS, actuator_limits};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Master;
@@ -136,7 +137,18 @@ impl Lab {
         let mut system = System::of_fmus(&fmus);
         let controller = system.components[place].0.clone();
         let own = contender.settings.iter().map(|setting| Located::nowhere(within(&controller, setting)));
-        system.settings = own.chain(scenario.settings.iter().cloned()).chain(scenario.held.iter().cloned()).collect();
+        // What the scenario sets of its own controller alone goes with it, and which law that is.
+        let before = self.fmu(replaced).ok();
+        let target = |setting: &Located<Setting>| {
+            let name = &setting.item.target;
+            if WHICH_LAW.contains(&name.as_str()) {
+                return false;
+            }
+            let known = |fmu: &Fmu| fmu.description().variable(name).is_some();
+            name.contains('.') || fmus.iter().any(known) || !before.as_ref().is_some_and(known)
+        };
+        let given = scenario.settings.iter().filter(|setting| target(setting)).chain(&scenario.held).cloned();
+        system.settings = own.chain(given).collect();
         system.inputs.clone_from(&scenario.inputs);
         system.experiment = scenario.experiment;
         instruments::connect(&mut system).map_err(|error| CellError::Run(error.to_string()))?;
