@@ -107,9 +107,16 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Study, StudyError> {
     };
     let name: Arc<str> = file.into();
     let place = |offset: usize| SourceLine { file: Arc::clone(&name), line: lines.line(offset) };
-    let read: File = toml::from_str(text)
-        .map_err(|error| content((error.span().map_or(0, |span| span.start), with_suggestion(error.message()))))?;
+    let read: File = toml::from_str(text).map_err(|error| {
+        let offset = error.span().map_or(0, |span| span.start);
+        content((offset, with_suggestion(error.message()) + dotted(text, offset)))
+    })?;
     read.study(&place).map_err(content)
+}
+
+/// What to say about a name that a dot parts in two: TOML takes the second half for a key inside of the first.
+fn dotted(text: &str, offset: usize) -> &'static str {
+    if text[..offset].ends_with('.') { " (write \"Component.name\" with its quotation marks)" } else { "" }
 }
 
 impl File {

@@ -54,7 +54,7 @@ fn mistakes_are_named_with_their_place() {
         ("low = 0.1, high = 10,", "low = 0, high = 10,", "x.toml:15:5: a range by ratios needs a positive low"),
         ("low = 0.1, high = 10,", "low = 0.1,", "x.toml:15:5: a range needs low and high"),
         ("low = 0.1, high = 10,", "low = 0.1, hgh = 10,", "x.toml:15:18: unknown field `hgh`"),
-        ("scale = \"log\"", "scale = \"logg\"", "did you mean log?"),
+        ("scale = \"log\"", "scale = \"lineer\"", "did you mean linear?"),
         ("sd = 0.01", "sd = -1", "sd must be a positive number"),
         ("[6, 8]", "[]", "values is empty"),
         ("[6, 8]", "[[6]]", "expected a number, true or false, or a text"),
