@@ -312,3 +312,21 @@ def test_natural_storage() -> None:
             V_dot = A * p * p_dot + B * (zeta + w * p) * (zeta_dot + w * p_dot)
             scale = abs(A * p * p_dot) + abs(p_dot * S) + B * (zeta + w * p) ** 2 * k + p_dot**2 / chi
             assert -V_dot - p_dot * S >= -1e-9 * scale
+
+
+def test_what_leakage_costs() -> None:
+    """An estimate that learns from r y and leaks: its share of dH/dt, for any error, and what is left of rate and bound."""
+    a, b, x, estimate, push = (mpf(float(value)) for value in RANDOM.uniform(0.1, 3.0, size=5))
+    error = x - estimate
+    # d/dt x_error²/2a with x_estimate' = a (r y - b x_estimate), without the product with r y, which the loop's H takes away.
+    share = -error * (push - b * estimate) + error * push
+    assert abs(share - (b * error * x - b * error**2)) < 1e-12
+    assert share <= -b * error**2 / 2 + b * x**2 / 2 + mpf("1e-12")
+    report = json.loads(dualarm("certify", "--preset", "certified", "--json").stdout)
+    certificate, leakage = report["certificate"], report["leakage"]
+    estimators = leakage["estimators"]
+    assert len(estimators) == 9
+    phi = min([certificate["phi"], *(one["gain"] * one["leakage"] for one in estimators)])
+    energy = sum(one["leakage"] * one["size"] ** 2 / 2 for one in estimators) / (phi * certificate["theta"])
+    assert leakage["phi"] == pytest.approx(phi, rel=1e-12)
+    assert leakage["ultimate"]["energy"] == pytest.approx(energy, rel=1e-9)
