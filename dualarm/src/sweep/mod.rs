@@ -9,7 +9,7 @@
 //!                            table, summary ← journal: rows as they come
 //! ```
 //!
-//! A [`plan`] says what each run is, from the study alone. A [`bench`] has the FMUs and makes a [`Row`] of a run. A [`pool`]
+//! A [`plan`] says what each run is, from the study alone. A [`bench`](mod@bench) has the FMUs and makes a [`Row`] of a run. A [`pool`]
 //! gives runs to threads or to worker processes; rows come in any order, go to the [`journal`], and from there in the order
 //! of runs to the [`table`], so nothing depends on the number of workers or on interruptions.
 
