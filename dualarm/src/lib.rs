@@ -12,8 +12,12 @@
 
 pub mod build;
 pub mod cli;
+mod fingerprint;
 pub mod grasp;
 pub mod report;
 pub mod sweep;
 pub mod tune;
 pub mod verify;
+
+/// What a file says about the program that wrote it.
+pub(crate) const TOOL: &str = concat!("dualarm ", env!("CARGO_PKG_VERSION"));

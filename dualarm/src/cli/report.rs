@@ -7,7 +7,7 @@ use clap::Args;
 use super::{Failure, print};
 use crate::grasp::metrics::Metrics;
 use crate::report::html::{Page, Run, rows, signals};
-use fmi2_cosim::files::{self, FileSet};
+use fmi2_cosim::files::{self, FileSet, has_extension};
 use fmi2_cosim::record::{self, ReadError};
 
 const AFTER_HELP: &str = "\
@@ -84,10 +84,7 @@ fn saved(file: &Path, title: String) -> Result<Run, Failure> {
 
 /// Whether a page can be written there: it must say that it is one, and not lie onto what is read.
 pub fn check(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
-    let is_page = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("html") || extension.eq_ignore_ascii_case("htm"));
-    if !is_page {
+    if !(has_extension(path, "html") || has_extension(path, "htm")) {
         return Err(Failure::usage(format!("the page {} must end in .html", path.display())));
     }
     match inputs.iter().find(|input| files::are_same(input, path)) {

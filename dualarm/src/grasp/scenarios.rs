@@ -1,10 +1,11 @@
 //! The scenarios that are compiled in, and the exchange of a scenario's controller.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use super::{CONTROLLERS, Controller};
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
+use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::Located;
 
 /// A scenario file that is compiled in.
@@ -102,24 +103,29 @@ impl BuiltIn {
     }
 }
 
-/// Parameters that say which law a controller has, and with which gains: they go with the controller that gives way.
-pub(crate) const WHICH_LAW: [&str; 2] = ["law", "preset"];
+/// Whether a file is one of the project's controllers, for which another one can stand in.
+pub(crate) fn is_controller(file: &Path) -> bool {
+    CONTROLLERS.iter().any(|known| file.file_name().is_some_and(|name| name == known.fmu))
+}
+
+/// Whether a setting says which law a controller has, or with which gains: it goes with the controller that gives way.
+pub(crate) fn says_which_law(setting: &Located<Setting>) -> bool {
+    ["law", "preset"].contains(&setting.item.target.as_str())
+}
 
 /// The scenario with another controller in the place of the one it names.
 ///
 /// # Errors
 /// When it names none.
 pub fn with_controller(mut scenario: Scenario, controller: &Controller) -> Result<Scenario, NoController> {
-    let is_controller =
-        |file: &&mut PathBuf| CONTROLLERS.iter().any(|known| file.file_name().is_some_and(|name| name == known.fmu));
-    let Some(replaced) = scenario.fmus.iter_mut().find(is_controller) else {
+    let Some(replaced) = scenario.fmus.iter_mut().find(|file| is_controller(file)) else {
         let mut known: Vec<_> = CONTROLLERS.iter().map(|known| known.fmu).collect();
         known.dedup();
         return Err(NoController { known });
     };
     replaced.set_file_name(controller.fmu);
     scenario.title = format!("{} ({})", scenario.title, controller.title);
-    scenario.settings.retain(|setting| !WHICH_LAW.contains(&setting.item.target.as_str()));
+    scenario.settings.retain(|setting| !says_which_law(setting));
     scenario.settings.splice(0..0, controller.settings().map(Located::nowhere));
     Ok(scenario)
 }
@@ -131,7 +137,6 @@ mod tests {
 
     use super::*;
     use crate::grasp::{NABFC_FAST, PD, PLANT};
-    use fmi2_cosim::settings::Setting;
 
     #[test]
     fn every_file_of_the_folder_is_built_in_and_says_what_it_is() {

@@ -5,7 +5,7 @@
 
 use serde_json::{Value, json};
 
-use super::html::{STYLES, escape, fill, json_in_script};
+use super::html::{escape, fill, head, json_in_script};
 use crate::sweep::plan::Plan;
 use crate::sweep::summary::{Group, Rate};
 use crate::sweep::table::{Field, Kind, Layout, unit};
@@ -86,9 +86,7 @@ pub fn html(page: &Page) -> String {
     };
     fill(TEMPLATE, |name| {
         Some(match name {
-            "title" => escape(&study.title),
-            "description" => escape(&study.description),
-            "style" => STYLES.join("\n") + STYLE,
+            "head" => head(&study.title, &study.description, STYLE),
             "shown" => shown.clone(),
             "summary" => summary(page.groups),
             "data" => json_in_script(&data(page)),

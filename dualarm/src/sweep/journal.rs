@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::{Row, SweepError};
+use crate::fingerprint::difference;
 
 /// The rows of a study, on disk.
 pub struct Journal {
@@ -105,12 +106,6 @@ impl Journal {
         };
         read(self).map_err(|source| SweepError::State { path: self.path.clone(), source })
     }
-}
-
-/// The first part of two fingerprints that differs.
-fn difference(one: &Value, other: &Value) -> String {
-    let mut keys = other.as_object().into_iter().flatten().map(|(key, _)| key);
-    keys.find(|key| one.get(key.as_str()) != other.get(key.as_str())).map_or("content".into(), Clone::clone)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use fmi2_cosim::files::{has_extension, read_text};
 use fmi2_import::Value;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -34,10 +35,10 @@ impl Points {
     pub fn read(path: &Path) -> Result<Self, PointsError> {
         let failure = |reason: String| PointsError { path: path.to_owned(), reason };
         let name = path.display().to_string();
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
+        if has_extension(path, "parquet") {
             return Self::read_parquet(&name, path).map_err(failure);
         }
-        let text = std::fs::read_to_string(path).map_err(|error| failure(error.to_string()))?;
+        let text = read_text(path).map_err(|error| failure(error.to_string()))?;
         Self::parse_csv(&name, &text).map_err(failure)
     }
 

@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::TuneError;
+use crate::fingerprint::difference;
 
 /// One evaluation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -97,12 +98,6 @@ impl Journal {
 
 fn digits(values: &[f64]) -> Vec<String> {
     values.iter().map(f64::to_string).collect()
-}
-
-/// The first part of two fingerprints that differs.
-fn difference(one: &Value, other: &Value) -> String {
-    let mut keys = other.as_object().into_iter().flatten().map(|(key, _)| key);
-    keys.find(|key| one.get(key.as_str()) != other.get(key.as_str())).map_or("content".into(), Clone::clone)
 }
 
 #[cfg(test)]

@@ -10,8 +10,10 @@ mod place;
 mod set;
 mod under_construction;
 
-use std::io::{self, BufWriter, Write};
+use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
+
+use fmi2_import::archive::plain_file;
 
 pub use place::{absolute, are_same, is_standard_output, remember_surroundings};
 pub use set::FileSet;
@@ -130,6 +132,26 @@ pub fn write(path: impl Into<PathBuf>, content: impl AsRef<[u8]>) -> Result<(), 
         return Err(file.error(source));
     }
     file.finish()
+}
+
+/// Whether a file's name ends in `.extension`, in small or capital letters.
+#[must_use]
+pub fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
+}
+
+/// The text of a file that is nothing else (a pipe would never end) and has a reasonable size.
+///
+/// # Errors
+/// When it is not, or cannot be read.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    const MAX_BYTES: u64 = 64 << 20;
+    let mut text = String::new();
+    plain_file(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
+    if text.len() as u64 > MAX_BYTES {
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {} MiB", MAX_BYTES >> 20)));
+    }
+    Ok(text)
 }
 
 #[cfg(test)]

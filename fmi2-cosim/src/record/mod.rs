@@ -2,6 +2,7 @@
 //! [Parquet](ParquetSink), and [read] back.
 
 mod csv;
+mod file;
 mod filters;
 mod parquet;
 mod read;
@@ -10,6 +11,7 @@ mod table;
 use std::io;
 
 pub use csv::CsvSink;
+pub use file::FileSink;
 pub use filters::{Every, Pick, Schedule};
 pub use parquet::ParquetSink;
 pub use read::{ReadError, read};

@@ -25,13 +25,13 @@
 
 mod file;
 
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::files::read_text;
 use crate::settings::Setting;
 use crate::signal::Signal;
 use crate::system::{Located, RunOptions, System};
-use fmi2_import::archive::plain_file;
 use fmi2_import::{Causality, Fmu, FmuError, Variable};
 
 /// A scenario as its file describes it.
@@ -110,9 +110,18 @@ impl Scenario {
     /// # Errors
     /// When it cannot be read or is no scenario; says where and what.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
+        Ok(Self::read_with_text(path)?.0)
+    }
+
+    /// Reads a scenario file, and returns its text, too.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_with_text(path: &Path) -> Result<(Self, String), ScenarioError> {
         let text = read_text(path).map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
         let scenario = Self::parse(&path.display().to_string(), &text)?;
-        Ok(Self { folder: Some(path.parent().unwrap_or(Path::new("")).to_owned()), ..scenario })
+        let folder = Some(path.parent().unwrap_or(Path::new("")).to_owned());
+        Ok((Self { folder, ..scenario }, text))
     }
 
     /// Reads the text of a scenario file; `file` is its name in messages.
@@ -171,17 +180,6 @@ impl Scenario {
         }
         Ok(())
     }
-}
-
-/// The text of a file that is nothing else and has a reasonable size.
-fn read_text(path: &Path) -> io::Result<String> {
-    const MAX_BYTES: u64 = 64 << 20;
-    let mut text = String::new();
-    plain_file(path)?.take(MAX_BYTES + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > MAX_BYTES {
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {} MiB", MAX_BYTES >> 20)));
-    }
-    Ok(text)
 }
 
 /// A folder in a message.

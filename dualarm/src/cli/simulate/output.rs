@@ -4,45 +4,32 @@ use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
+use crate::TOOL;
 use crate::cli::printable::one_line;
 use crate::cli::{Failure, process};
-use fmi2_cosim::files::{self, NewFile};
-use fmi2_cosim::record::{Column, CsvSink, ParquetSink, Sink};
+use fmi2_cosim::files;
+use fmi2_cosim::record::{Column, CsvSink, FileSink, Sink};
 
 /// Takes the recorded rows.
 pub enum Output {
     /// The user did not ask for rows.
     None,
     /// A file that appears when the run is over.
-    Csv(CsvSink<NewFile>),
-    /// The same, by columns; boxed, since it is much larger than the others.
-    Parquet(Box<ParquetSink>),
+    File(FileSink),
     /// Standard output.
-    Pipe(CsvSink<BufWriter<&'static File>>),
+    Pipe(Box<CsvSink<BufWriter<&'static File>>>),
 }
 
-/// What a file says about the program that wrote it.
-const TOOL: &str = concat!("dualarm ", env!("CARGO_PKG_VERSION"));
-
-/// What the rows are written as.
-enum Format {
-    Csv,
-    Parquet,
-}
-
-impl Format {
-    /// The one that a file's name promises.
-    fn of(path: &Path) -> Result<Self, Failure> {
-        let Some(extension) = path.extension() else { return Ok(Self::Csv) };
-        match extension.to_string_lossy().to_lowercase().as_str() {
-            "csv" | "txt" | "dat" => Ok(Self::Csv),
-            "parquet" => Ok(Self::Parquet),
-            _ if path.metadata().is_ok_and(|metadata| !metadata.is_file()) => Ok(Self::Csv),
-            other => Err(Failure::usage(format!(
-                "-o {}: this tool writes .csv and .parquet files, not .{other}; most tools that read .{other} read one of them",
-                path.display()
-            ))),
-        }
+/// Whether there is a format that the file's name promises.
+fn check_format(path: &Path) -> Result<(), Failure> {
+    let Some(extension) = path.extension() else { return Ok(()) };
+    match extension.to_string_lossy().to_lowercase().as_str() {
+        "csv" | "txt" | "dat" | "parquet" => Ok(()),
+        _ if path.metadata().is_ok_and(|metadata| !metadata.is_file()) => Ok(()),
+        other => Err(Failure::usage(format!(
+            "-o {}: this tool writes .csv and .parquet files, not .{other}; most tools that read .{other} read one of them",
+            path.display()
+        ))),
     }
 }
 
@@ -55,7 +42,7 @@ impl Output {
     /// Whether rows can be written there: in a format that the name promises, and not onto what the run reads.
     pub fn check(path: Option<&Path>, inputs: &[PathBuf]) -> Result<(), Failure> {
         let Some(path) = path.filter(|path| !is_standard_output(path)) else { return Ok(()) };
-        Format::of(path)?;
+        check_format(path)?;
         match inputs.iter().find(|input| files::are_same(input, path)) {
             Some(input) => Err(Failure::usage(format!(
                 "-o {} would overwrite {}, which this run reads",
@@ -81,13 +68,10 @@ impl Output {
                 }
             }
             sink.header(&columns)?;
-            return Ok(Self::Pipe(sink));
+            return Ok(Self::Pipe(Box::new(sink)));
         }
-        let file = NewFile::create(path)?;
-        Ok(match Format::of(path)? {
-            Format::Parquet => Self::Parquet(Box::new(ParquetSink::new(file, columns, TOOL)?)),
-            Format::Csv => Self::Csv(CsvSink::new(file, columns)?),
-        })
+        check_format(path)?;
+        Ok(Self::File(FileSink::new(path, columns, TOOL)?))
     }
 
     /// Whether standard output carries the rows.
@@ -98,8 +82,7 @@ impl Output {
     /// What to tell the user about a row that could not be written.
     pub fn failure(&self, error: io::Error) -> Failure {
         match self {
-            Self::Csv(sink) => sink.error(error).into(),
-            Self::Parquet(sink) => sink.error(error).into(),
+            Self::File(sink) => sink.error(error).into(),
             _ => lost(error),
         }
     }
@@ -108,8 +91,7 @@ impl Output {
     pub fn finish(self) -> Result<(), Failure> {
         match self {
             Self::None => {}
-            Self::Csv(sink) => sink.finish()?,
-            Self::Parquet(sink) => sink.finish()?,
+            Self::File(sink) => sink.finish()?,
             Self::Pipe(sink) => sink.into_inner().and_then(|mut writer| writer.flush()).map_err(lost)?,
         }
         Ok(())
@@ -129,8 +111,7 @@ impl Sink for Output {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         match self {
             Self::None => Ok(()),
-            Self::Csv(sink) => sink.row(time, values),
-            Self::Parquet(sink) => sink.row(time, values),
+            Self::File(sink) => sink.row(time, values),
             Self::Pipe(sink) => sink.row(time, values),
         }
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::cli::Failure;
 use crate::grasp::scenarios::{self, BuiltIn, NoController, UnknownScenario};
 use crate::grasp::{self, Controller};
+use fmi2_cosim::files::has_extension;
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 use fmi2_cosim::ssp::Package;
 use fmi2_cosim::ssp::package::{is_ssp, split_variant};
@@ -61,10 +62,6 @@ pub fn inputs(words: &[PathBuf], system: &System) -> Vec<PathBuf> {
     let fmus = system.components.iter().map(|(_, fmu)| fmu.path());
     let words = words.iter().map(|word| split_variant(word).0);
     words.chain(fmus.map(Path::to_owned)).collect()
-}
-
-fn has_extension(path: &Path, expected: &str) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(expected))
 }
 
 /// A bare word that is no file can only be the name of a scenario.

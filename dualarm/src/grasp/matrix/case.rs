@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::grasp::scenarios::{BuiltIn, built_in};
+use fmi2_cosim::files::has_extension;
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 
@@ -82,10 +83,8 @@ impl Case {
             return Self::built_in(file);
         }
         let path = Path::new(name);
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
-            let scenario = Scenario::read(path)?;
-            let text = std::fs::read_to_string(path)
-                .map_err(|source| ScenarioError::Read { path: path.to_owned(), source })?;
+        if has_extension(path, "toml") {
+            let (scenario, text) = Scenario::read_with_text(path)?;
             let key = path.file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
             return Ok(Self { key, scenario, text });
         }

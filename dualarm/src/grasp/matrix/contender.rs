@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::case::CaseError;
 use crate::grasp::scenarios::{BuiltIn, built_in};
 use crate::grasp::{CONTROLLERS, Controller, NABFC, NABFC_R, NABFC_R_FAST, PD, PD_TUNED, PDS, PDS_TUNED, PID, PLANT};
+use fmi2_cosim::files::has_extension;
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::scenario::Scenario;
 use fmi2_cosim::settings::Setting;
@@ -130,12 +131,11 @@ impl Contender {
             return Ok((*controller, None).into());
         }
         let path = Path::new(name);
-        let has = |wanted: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted));
         let key = || path.file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
-        if has("fmu") {
+        if has_extension(path, "fmu") {
             return Ok(Self { key: key(), title: key(), fmu: path.into(), settings: Vec::new(), step: None });
         }
-        if has("toml") {
+        if has_extension(path, "toml") {
             return Self::preset(&key(), Scenario::read(path).map_err(CaseError::from)?);
         }
         let known = || CONTROLLERS.iter().map(|controller| controller.key).chain(PRESETS.iter().map(|file| file.name));

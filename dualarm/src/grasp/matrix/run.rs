@@ -9,10 +9,10 @@ use serde::Serialize;
 use super::limit::{BAND, Body, shortest};
 use super::merit::{Merit, SIGNALS};
 use super::{Case, Contender, Judged};
+use crate::grasp::actuator_limits;
 use crate::grasp::instruments::{self, INSTRUMENTS};
 use crate::grasp::metrics::Limits;
-use crate::grasp::scenarios::WHICH_LAW;
-use crate::grasp::{CONTROLLERS, actuator_limits};
+use crate::grasp::scenarios::{is_controller, says_which_law};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Sink, Table};
@@ -127,9 +127,7 @@ impl Lab {
     /// The case with the contender in its controller's place, which is the second part of the result.
     pub(crate) fn system(&self, case: &Case, contender: &Contender) -> Result<(System, String), CellError> {
         let scenario = &case.scenario;
-        let is_controller =
-            |file: &&PathBuf| CONTROLLERS.iter().any(|known| file.file_name().is_some_and(|name| name == known.fmu));
-        let replaced = scenario.fmus.iter().find(is_controller);
+        let replaced = scenario.fmus.iter().find(|file| is_controller(file));
         let replaced = replaced.ok_or_else(|| CellError::NoController(case.key.clone()))?;
         let open = |file: &PathBuf| self.fmu(if file == replaced { &contender.fmu } else { file });
         let fmus = scenario.fmus.iter().map(open).collect::<Result<Vec<_>, _>>()?;
@@ -137,17 +135,7 @@ impl Lab {
         let mut system = System::of_fmus(&fmus);
         let controller = system.components[place].0.clone();
         let own = contender.settings.iter().map(|setting| Located::nowhere(within(&controller, setting)));
-        // What the scenario sets of its own controller alone goes with it, and which law that is.
-        let before = self.fmu(replaced).ok();
-        let target = |setting: &Located<Setting>| {
-            let name = &setting.item.target;
-            if WHICH_LAW.contains(&name.as_str()) {
-                return false;
-            }
-            let known = |fmu: &Fmu| fmu.description().variable(name).is_some();
-            name.contains('.') || fmus.iter().any(known) || !before.as_ref().is_some_and(known)
-        };
-        let given = scenario.settings.iter().filter(|setting| target(setting)).chain(&scenario.held).cloned();
+        let given = scenario.settings.iter().filter(|setting| !says_which_law(setting)).chain(&scenario.held).cloned();
         system.settings = own.chain(given).collect();
         system.inputs.clone_from(&scenario.inputs);
         system.experiment = scenario.experiment;

@@ -20,6 +20,7 @@ pub(crate) use markup::escape;
 pub(crate) use markup::{fill, json_in_script};
 pub use run::Run;
 
+const HEAD: &str = include_str!("../../../assets/report/head.html");
 const TEMPLATE: &str = include_str!("../../../assets/report/page.html");
 /// Parts of the page that some pages lack.
 const MOTION: &str = include_str!("../../../assets/report/motion.html");
@@ -27,7 +28,7 @@ const SIGNALS: &str = include_str!("../../../assets/report/signals.html");
 const READING: &str = include_str!("../../../assets/report/reading.html");
 const TRANSPORT: &str = include_str!("../../../assets/report/transport.html");
 const EXAGGERATION: &str = include_str!("../../../assets/report/exaggeration.html");
-pub(crate) const STYLES: [&str; 3] = [
+const STYLES: [&str; 3] = [
     include_str!("../../../assets/uplot/uPlot.min.css"),
     include_str!("../../../assets/report/style.css"),
     include_str!("../../../assets/report/print.css"),
@@ -89,9 +90,7 @@ impl Page<'_> {
         let transport = fill(TRANSPORT, |name| (name == "exaggeration").then(|| exaggeration.clone()));
         fill(TEMPLATE, |name| {
             Some(match name {
-                "style" => STYLES.join("\n"),
-                "title" => escape(&self.title),
-                "lead" => escape(&self.lead),
+                "head" => head(&self.title, &self.lead, ""),
                 "headline" => tables::headline(self.runs),
                 "motion" => if_motion(MOTION),
                 "signals" => if_runs(SIGNALS),
@@ -126,6 +125,18 @@ impl Page<'_> {
         }
         format!("<dt>Files beside this one</dt><dd>{}.</dd>", links.join("; "))
     }
+}
+
+/// How every page begins: title, lead, style sheet. `style` is what a page has of its own.
+pub(crate) fn head(title: &str, lead: &str, style: &str) -> String {
+    fill(HEAD, |name| {
+        Some(match name {
+            "title" => escape(title),
+            "lead" => escape(lead),
+            "style" => STYLES.join("\n") + style,
+            _ => return None,
+        })
+    })
 }
 
 /// As the library's first line says: `/*! … (v1.6.32) */`.

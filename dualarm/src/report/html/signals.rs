@@ -2,46 +2,28 @@
 
 use std::collections::HashMap;
 
+use crate::report::figures::SIGNALS;
 use fmi2_cosim::record::Table;
 
-/// Signals that the picture or a chart of its own shows.
-const KNOWN: &[&str] = &[
-    "contact_force1",
-    "contact_force2",
-    "theta1",
-    "theta2",
+/// Signals that the picture or a chart of its own shows beside those of the [figures](SIGNALS).
+const MORE: [&str; 8] = [
     "y_object",
-    "tau1",
-    "tau2",
-    "u",
-    "tau1_cmd",
-    "tau2_cmd",
-    "u_cmd",
     "tau1_cmd_sent",
     "tau2_cmd_sent",
     "u_cmd_sent",
     "energy",
-    "theta1_d",
-    "theta2_d",
     "y_object_d",
-    "lambda2_d",
     "tip_deflection1",
     "tip_deflection2",
-    "m_hat",
-    "J1_hat",
-    "J2_hat",
-    "epsilon_hat",
-    "pi1_hat",
-    "pi2_hat",
-    "W_norm",
-    "U1_norm",
-    "U2_norm",
 ];
 
 /// Whether the page has a place of its own for a signal.
 #[must_use]
 pub fn is_known(signal: &str) -> bool {
-    KNOWN.contains(&signal) || signal.starts_with("deflection1[") || signal.starts_with("deflection2[")
+    SIGNALS.contains(&signal)
+        || MORE.contains(&signal)
+        || signal.starts_with("deflection1[")
+        || signal.starts_with("deflection2[")
 }
 
 /// Other tools write `system.plant.theta1` for what this one calls `theta1`. Gives such columns the plain name, where only one

@@ -1,6 +1,5 @@
 //! Where runs are made: the FMUs of a study, opened once.
 
-mod rows;
 mod setup;
 
 use std::collections::BTreeSet;
@@ -14,18 +13,15 @@ use super::figures::{Gauge, Wanted};
 use super::plan::Plan;
 use super::study::{Method, Source};
 use super::{Figure, Row, Status, SweepError};
+use crate::TOOL;
 use crate::grasp::matrix::Lab;
-use fmi2_cosim::record::Every;
+use fmi2_cosim::record::{Every, FileSink};
 use fmi2_cosim::run::Run;
 use fmi2_cosim::ssp::Package;
 use fmi2_cosim::ssp::package::{is_ssp, split_variant};
 use fmi2_cosim::system::{Located, System};
 use fmi2_import::Fmu;
-use rows::Rows;
 use setup::{case, check, track, wanted};
-
-/// What a file says about the program that wrote it.
-pub const TOOL: &str = concat!("dualarm ", env!("CARGO_PKG_VERSION"));
 
 /// The FMUs of a study and how they run.
 pub struct Bench {
@@ -197,7 +193,8 @@ impl Bench {
             master.apply(&item).map_err(|error| text(&error))?;
         }
         let columns = master.record(|name| trajectory.is_some() || self.wanted.needs(name));
-        let rows = trajectory.map(|path| Rows::new(path, &columns)).transpose().map_err(|error| text(&error))?;
+        let rows =
+            trajectory.map(|path| FileSink::new(path, &columns, TOOL)).transpose().map_err(|error| text(&error))?;
         let mut rows = rows.map(|rows| Every::new(how.interval, how.grid.stop(), rows));
         let mut gauge = Gauge::new(&self.wanted);
         let result = how.execute(system, &mut master, &columns, &mut rows, &mut gauge, &mut |_| ());

@@ -10,6 +10,7 @@ use crate::grasp::scenarios::BuiltIn;
 use crate::sweep::SweepError;
 use crate::sweep::figures::Wanted;
 use crate::sweep::plan::Plan;
+use fmi2_cosim::files::has_extension;
 use fmi2_cosim::master::Coupling;
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::record::Column;
@@ -20,7 +21,7 @@ use fmi2_cosim::system::{Located, RunOptions, System, SystemError};
 
 /// The scenario that a study means; its key is empty if it comes from a file.
 pub(super) fn case(path: &Path, name: &str) -> Result<Case, SweepError> {
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+    if has_extension(path, "toml") {
         return Ok(Case { key: String::new(), scenario: Scenario::read(path)?, text: String::new() });
     }
     // As `simulate` has it; cases of other names are known, too.

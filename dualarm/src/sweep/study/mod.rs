@@ -30,6 +30,7 @@ mod range;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use fmi2_cosim::files::read_text;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{Located, RunOptions, SourceLine};
 pub use range::{Range, Varied};
@@ -163,8 +164,7 @@ impl Study {
     /// # Errors
     /// When it cannot be read or is no study; says where and what.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
+        let text = read_text(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
         let study = Self::parse(&path.display().to_string(), &text)?;
         Ok(Self { folder: Some(path.parent().unwrap_or(Path::new("")).to_owned()), ..study })
     }

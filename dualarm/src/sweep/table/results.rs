@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use fmi2_cosim::files::{NewFile, WriteError};
+use fmi2_cosim::files::{NewFile, WriteError, has_extension};
 use parquet::basic::{Compression, ConvertedType, GzipLevel, Repetition, Type as PhysicalType};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType, Int64Type};
 use parquet::errors::{ParquetError, Result as ParquetResult};
@@ -15,7 +15,7 @@ use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
 use super::{Column, Field, Kind, unit};
-use crate::sweep::bench::TOOL;
+use crate::TOOL;
 
 /// A result under construction.
 pub enum Results {
@@ -40,7 +40,7 @@ impl Results {
     pub fn new(path: &Path, columns: &[Column]) -> Result<Self, WriteError> {
         let file = NewFile::create(path)?;
         let failure = |source| WriteError { path: path.to_owned(), source };
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet")) {
+        if has_extension(path, "parquet") {
             let parquet = Parquet::new(file, columns).map_err(|error| failure(io::Error::other(error)))?;
             return Ok(Self::Parquet(Box::new(parquet)));
         }

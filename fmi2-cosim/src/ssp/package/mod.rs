@@ -18,6 +18,7 @@ use super::parameters::{ParameterSet, ParameterValue};
 use super::read;
 use super::resolve::{Resolved, resolve};
 use super::structure::{DefaultExperiment, MappingEntry, SystemStructure};
+use crate::files::has_extension;
 use crate::system::{self, Connections, SourceLine, System};
 use documents::Documents;
 use fmi2_import::{Fmu, FmuError};
@@ -196,7 +197,7 @@ pub fn split_variant(path: &Path) -> (PathBuf, String) {
 /// Whether a file is an SSP by its name, or a variant of one.
 #[must_use]
 pub fn is_ssp(path: &Path) -> bool {
-    split_variant(path).0.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("ssp"))
+    has_extension(&split_variant(path).0, "ssp")
 }
 
 /// The bytes of an archive with these entries. The same content always gives the same bytes: entries carry no time of

@@ -8,7 +8,7 @@ mod stability;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use fmi2_cosim::files::FileSet;
+use fmi2_cosim::files::{FileSet, has_extension};
 use grasp_certify::settings::Settings;
 use serde::Serialize;
 
@@ -71,7 +71,7 @@ fn finish(request: &Request<'_>, chart: &impl Chart) -> Result<(), Failure> {
     if let Some(out) = request.out {
         let svg = chart.svg().ok_or_else(|| Failure::usage("--out: this map is a table, it has no figure"))?;
         let out: PathBuf = out.to_owned();
-        if out.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("svg")) {
+        if !has_extension(&out, "svg") {
             return Err(Failure::usage(format!(
                 "--out {}: the figure is an SVG, so its name ends in .svg",
                 out.display()

@@ -1,0 +1,9 @@
+//! What makes a search or a study this one: an object whose parts all have to be the same for it to go on.
+
+use serde_json::Value;
+
+/// The first part of two fingerprints that differs.
+pub(crate) fn difference(one: &Value, other: &Value) -> String {
+    let mut keys = other.as_object().into_iter().flatten().map(|(key, _)| key);
+    keys.find(|key| one.get(key.as_str()) != other.get(key.as_str())).map_or("content".into(), Clone::clone)
+}
