@@ -30,6 +30,10 @@
 //! Between communication points the plant is linear and its inputs are known (held, or ramped), so [`Plant::step`] is
 //! exact for every step size: accuracy does not depend on it. Results do not depend on the processor's vector units.
 //!
+//! # As differential equations
+//! [`Plant::derivatives`] and its neighbours give the same plant as an explicit system of ordinary differential equations in
+//! minimal coordinates, with event indicators and exact products of its Jacobian, for a solver of one's own.
+//!
 //! # Modules
 //! [`Plant`] is the entry point. Behind it: parameters and their tables, actuators, the beam operators (`beam`), their assembly
 //! (`dynamics`), the exponential, the propagator, and the kernel that every step comes down to.
@@ -60,7 +64,7 @@ pub use extended::LONGEST_STEP;
 pub use fields::{Fields, Node};
 /// Re-exported because a [`StateSpace`] holds its matrices.
 pub use nalgebra;
-pub use parameter_table::{Admissible, InvalidParameter, Parameter, Range};
+pub use parameter_table::{Admissible, InvalidParameter, Parameter, Range, StateVariable};
 pub use parameters::{ActuatorModel, Arm, Channel, ORDER_RANGE, Parameters, Start};
 pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};

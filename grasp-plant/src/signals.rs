@@ -91,7 +91,7 @@ pub struct Uncertainty {
     pub root_moment_dot: [f64; 2],
 }
 
-/// Time derivatives of all outputs.
+/// Time derivatives of all outputs, or their change along a direction of states and inputs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rates {
     /// Of the measured outputs.

@@ -1,8 +1,10 @@
 #![doc = include_str!("../README.md")]
 
 mod range;
+mod state;
 
 pub use range::{Admissible, InvalidParameter, Range};
+pub use state::StateVariable;
 
 /// A real parameter of an owner `T`, as a row of a table.
 ///

@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod bits;
+mod continuous;
 mod model;
 mod outputs;
 mod step;

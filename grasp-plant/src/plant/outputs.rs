@@ -119,7 +119,7 @@ impl Plant {
 }
 
 #[inline]
-fn measured(position: &[f64; 3], signals: &Signals) -> Measured {
+pub(super) fn measured(position: &[f64; 3], signals: &Signals) -> Measured {
     let both = |indices: [usize; 2]| indices.map(|index| signals[index]);
     Measured {
         theta: [position[0], position[1]],
@@ -132,7 +132,7 @@ fn measured(position: &[f64; 3], signals: &Signals) -> Measured {
     }
 }
 
-fn uncertainty(parameters: &Parameters, signals: &Signals) -> Uncertainty {
+pub(super) fn uncertainty(parameters: &Parameters, signals: &Signals) -> Uncertainty {
     let [delta_f1, delta_f2, delta_force] = builtin_forces(parameters, signals);
     Uncertainty {
         delta_f: [delta_f1, delta_f2],

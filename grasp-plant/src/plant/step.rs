@@ -169,7 +169,7 @@ const REACH: f64 = 1e208;
 
 /// Whether all numbers are so far from the ends of the floating-point numbers that every output made of them is finite. Several
 /// at a time: what is infinite, or no number, stays so in a sum.
-fn all_usable(numbers: &[f64]) -> bool {
+pub(super) fn all_usable(numbers: &[f64]) -> bool {
     let (chunks, rest) = numbers.as_chunks::<4>();
     let mut sums = [0.0; 4];
     for chunk in chunks {
