@@ -5,13 +5,15 @@
 //!
 //! * [`grasp`] names its parts, scenarios and systems, and judges a run;
 //! * [`mod@build`] makes the project's own FMUs and lays them out with their reference solutions;
-//! * [`report`] shows a comparison as tables, figures and a page;
+//! * [`comparison`] is the main job: runs, tables, figures, page;
+//! * [`report`] shows runs and matrices;
 //! * [`tune`] searches for gains, [`sweep`] makes many runs of one system;
 //! * [`mod@verify`] holds the FMUs against exact and independent solutions;
 //! * [`cli`] is the command line.
 
 pub mod build;
 pub mod cli;
+pub mod comparison;
 mod fingerprint;
 pub mod grasp;
 pub mod report;

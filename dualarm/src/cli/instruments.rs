@@ -20,24 +20,14 @@ pub struct InstrumentsChoice {
 }
 
 impl InstrumentsChoice {
-    /// Puts what the user wants into the system's loop, and leads signals through what it has of its own.
-    pub fn put_into(&self, system: &mut System, fmus: &Path) -> Result<(), Failure> {
-        let profiles: Vec<&Profile> = self.instruments.iter().filter_map(|key| Profile::find(key)).collect();
-        if profiles.is_empty() {
-            return instruments::connect(system).map_err(|error| InstrumentsError::from(error).into());
-        }
-        Ok(instruments::insert(system, &profiles, fmus)?)
+    /// What the user wants.
+    pub fn profiles(&self) -> Vec<&'static Profile> {
+        self.instruments.iter().filter_map(|key| Profile::find(key)).collect()
     }
 
-    /// What the report says of them.
-    pub fn sentence(&self) -> String {
-        match self.instruments.as_slice() {
-            [] => String::new(),
-            profiles => format!(
-                " Between plant and controller are GraspInstruments.fmu and GraspActuators.fmu: {}.",
-                profiles.join(", ")
-            ),
-        }
+    /// Puts it into the system's loop.
+    pub fn put_into(&self, system: &mut System, fmus: &Path) -> Result<(), Failure> {
+        Ok(instruments::put_into(system, &self.profiles(), fmus)?)
     }
 }
 

@@ -10,9 +10,6 @@ use super::{Failure, print_error};
 use crate::grasp::matrix::case::CaseError;
 use crate::grasp::matrix::contender::ContenderError;
 use crate::grasp::matrix::{Case, Contender, Lab, Matrix};
-use crate::report::figures::raster;
-use crate::report::matrix as report;
-use fmi2_cosim::files::FileSet;
 
 /// Which controllers run in which cases.
 #[derive(Debug, Clone, Default, Args)]
@@ -80,19 +77,6 @@ pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Mat
         }
     }
     Ok(Some(matrix))
-}
-
-/// Writes the files of the matrix.
-pub fn write(matrix: &Matrix, out: &Path, results: &FileSet) -> Result<(), Failure> {
-    let svg = report::figure::svg(matrix, true);
-    let png = raster::to_png(&svg).map_err(|reason| Failure::failed(format!("cannot draw matrix: {reason}")))?;
-    let json = serde_json::to_string_pretty(&report::documents(matrix)).map_err(Failure::failed)?;
-    results.write(out.join("matrix.csv"), report::csv(matrix))?;
-    results.write(out.join("matrix.md"), report::markdown(matrix))?;
-    results.write(out.join("matrix.json"), json + "\n")?;
-    results.write(out.join("matrix.svg"), svg)?;
-    results.write(out.join("matrix.png"), png)?;
-    Ok(())
 }
 
 impl From<CaseError> for Failure {

@@ -92,6 +92,25 @@ fn pairs(passage: Passage, description: &ModelDescription) -> impl Iterator<Item
 
 /// Puts sensors and actuators of these profiles into the system's loop, those that it does not have from the folder `fmus`.
 ///
+/// Puts instruments and actuators with these profiles into the system's loop; without any, leads signals through those that
+/// it has of its own.
+///
+/// # Errors
+/// When their FMUs are missing, or the system has no loop to put them into.
+pub fn put_into(system: &mut System, profiles: &[&Profile], fmus: &Path) -> Result<(), InstrumentsError> {
+    if profiles.is_empty() { Ok(connect(system)?) } else { insert(system, profiles, fmus) }
+}
+
+/// What a report says of them.
+#[must_use]
+pub fn sentence(profiles: &[&Profile]) -> String {
+    if profiles.is_empty() {
+        return String::new();
+    }
+    let keys: Vec<&str> = profiles.iter().map(|profile| profile.key).collect();
+    format!(" Between plant and controller are GraspInstruments.fmu and GraspActuators.fmu: {}.", keys.join(", "))
+}
+
 /// # Errors
 /// When an FMU cannot be opened, or there is no loop.
 pub fn insert(system: &mut System, profiles: &[&Profile], fmus: &Path) -> Result<(), InstrumentsError> {

@@ -12,7 +12,7 @@ use std::fmt::Write;
 use crate::grasp::matrix::Matrix;
 use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
 use crate::report::figures::text::number;
-use crate::report::figures::{NamedFigure, Outcome};
+use crate::report::figures::{NamedFigure, PaperRun};
 
 /// A table of texts: a header and rows.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -218,8 +218,8 @@ pub fn csv(rows: impl IntoIterator<Item = Vec<String>>) -> String {
 
 /// The metrics of a comparison as Markdown.
 #[must_use]
-pub fn metrics_markdown(outcomes: &[Outcome]) -> String {
-    let (forces, efforts) = tables(outcomes);
+pub fn metrics_markdown(runs: &[PaperRun]) -> String {
+    let (forces, efforts) = tables(runs);
     format!(
         "## Contact forces\n\n\
          Settling: time after which the force stays within the band around its target. Overshoot: in % of the way from \
@@ -234,16 +234,16 @@ pub fn metrics_markdown(outcomes: &[Outcome]) -> String {
 
 /// Force and effort table of a comparison.
 #[must_use]
-pub fn tables(outcomes: &[Outcome]) -> (TextTable, TextTable) {
-    let forces = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics, outcome.scenario.paper));
-    let efforts = outcomes.iter().map(|outcome| (outcome.scenario.title, &outcome.metrics));
+pub fn tables(runs: &[PaperRun]) -> (TextTable, TextTable) {
+    let forces = runs.iter().map(|run| (run.scenario.title, &run.metrics, run.scenario.paper));
+    let efforts = runs.iter().map(|run| (run.scenario.title, &run.metrics));
     (force_table(forces), effort_table(efforts))
 }
 
 /// The report: the matrix if there is one, how the paper's runs were made, their metrics, every figure. `setup` says how
 /// the runs were made.
 #[must_use]
-pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str, matrix: Option<&Matrix>) -> String {
+pub fn report(runs: &[PaperRun], figures: &[NamedFigure], setup: &str, matrix: Option<&Matrix>) -> String {
     let lead = matrix.map_or_else(String::new, |matrix| {
         format!(
             "## Who settles, and when\n\n![Settling times of all controllers in all cases](matrix.svg)\n\n{}\n## The paper's runs\n\n",
@@ -254,7 +254,7 @@ pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str, matrix
         "# Grasping with two flexible arms: NABFC, PDS and PD\n\n{lead}{setup}\n\n\
          [report.html](report.html) shows the same runs to play with: the arms in motion, curves to zoom into, the parameters \
          of every model.\n\n{}",
-        metrics_markdown(outcomes).replace("\n## ", "\n### ").replacen("## ", "### ", 1)
+        metrics_markdown(runs).replace("\n## ", "\n### ").replacen("## ", "### ", 1)
     );
     text += "\n## Figures\n\n\
              Numbers are those of the paper. Each figure is there as SVG and PNG. Where curves are bands, they vibrate: \
@@ -264,8 +264,8 @@ pub fn report(outcomes: &[Outcome], figures: &[NamedFigure], setup: &str, matrix
         let _ = write!(text, "\n### {caption}\n\n![{caption}](figures/{name}.svg)\n\n{note}\n");
     }
     text += "\n## Data\n\n";
-    for outcome in outcomes {
-        let (title, key) = (outcome.scenario.title, outcome.scenario.key);
+    for run in runs {
+        let (title, key) = (run.scenario.title, run.scenario.key);
         let _ = writeln!(text, "* [{key}.csv]({key}.csv): all outputs of plant and controller, {title}");
     }
     text += "* [metrics.csv](metrics.csv): the tables above in full digits\n";

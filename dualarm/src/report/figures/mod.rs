@@ -15,9 +15,9 @@ use crate::report::parameters::ModelParameters;
 use chart::Figure;
 use fmi2_cosim::record::Table;
 
-/// The result of one scenario, as figures and the report need it.
+/// One of the paper's runs, as figures and the report need it.
 #[derive(Debug, Clone)]
-pub struct Outcome {
+pub struct PaperRun {
     /// What was run.
     pub scenario: Controller,
     /// What was recorded.
@@ -69,8 +69,8 @@ pub const SIGNALS: &[&str] = &[
 
 /// All figures of a comparison, in the order of the report.
 #[must_use]
-pub fn all(outcomes: &[Outcome]) -> Vec<NamedFigure> {
-    let mut figures = overlay::figures(outcomes);
-    figures.extend(paper::figures(outcomes));
+pub fn all(runs: &[PaperRun]) -> Vec<NamedFigure> {
+    let mut figures = overlay::figures(runs);
+    figures.extend(paper::figures(runs));
     figures
 }

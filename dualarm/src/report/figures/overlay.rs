@@ -8,18 +8,18 @@ use super::paper::{
     with_close_up,
 };
 use super::text::number;
-use super::{NamedFigure, Outcome};
+use super::{NamedFigure, PaperRun};
 
 /// File name of the README's picture.
 pub const HERO: &str = "grasp";
 
-/// The overlays; none without outcomes.
+/// The overlays; none without runs.
 #[must_use]
-pub fn figures(outcomes: &[Outcome]) -> Vec<NamedFigure> {
-    if outcomes.is_empty() {
+pub fn figures(runs: &[PaperRun]) -> Vec<NamedFigure> {
+    if runs.is_empty() {
         return Vec::new();
     }
-    vec![hero(outcomes), forces(outcomes), angles(outcomes), controls(outcomes)]
+    vec![hero(runs), forces(runs), angles(runs), controls(runs)]
 }
 
 fn color(index: usize) -> RGBColor {
@@ -27,48 +27,46 @@ fn color(index: usize) -> RGBColor {
 }
 
 /// One curve per controller.
-fn curves(outcomes: &[Outcome], signal: &str, scale: f64) -> Vec<Curve> {
-    outcomes
-        .iter()
+fn curves(runs: &[PaperRun], signal: &str, scale: f64) -> Vec<Curve> {
+    runs.iter()
         .enumerate()
-        .map(|(index, outcome)| Curve {
-            name: outcome.scenario.title.into(),
+        .map(|(index, run)| Curve {
+            name: run.scenario.title.into(),
             color: color(index),
             wide: false,
-            points: points(&outcome.table, signal, scale),
+            points: points(&run.table, signal, scale),
         })
         .collect()
 }
 
 /// The span all runs cover, but no more calm than half of it.
-fn x_range(outcomes: &[Outcome]) -> (f64, f64) {
+fn x_range(runs: &[PaperRun]) -> (f64, f64) {
     let bound = |time: Option<&f64>| time.copied().unwrap_or(0.0);
-    let start = outcomes.iter().map(|outcome| bound(outcome.table.times().first())).fold(f64::INFINITY, f64::min);
-    let stop = outcomes.iter().map(|outcome| bound(outcome.table.times().last())).fold(0.0, f64::max);
-    let settled =
-        outcomes.iter().map(|outcome| outcome.metrics.settling_2().unwrap_or(f64::INFINITY)).fold(0.0, f64::max);
+    let start = runs.iter().map(|run| bound(run.table.times().first())).fold(f64::INFINITY, f64::min);
+    let stop = runs.iter().map(|run| bound(run.table.times().last())).fold(0.0, f64::max);
+    let settled = runs.iter().map(|run| run.metrics.settling_2().unwrap_or(f64::INFINITY)).fold(0.0, f64::max);
     (start, stop.min(start + (1.25 * settled).ceil()))
 }
 
 /// The contact forces of both arms side by side, with the moment each controller has settled.
-fn hero(outcomes: &[Outcome]) -> NamedFigure {
+fn hero(runs: &[PaperRun]) -> NamedFigure {
     let panel = |arm: usize| {
-        let table = &outcomes[0].table;
+        let table = &runs[0].table;
         let target = force_target(table).into_iter().map(|target| {
             // Only the right panel has room for labels.
             let labels = if arm == 2 { target.labels } else { Vec::new() };
             Target { labels, ..target }
         });
-        let marks = outcomes.iter().enumerate().filter_map(|(index, outcome)| {
-            let force = &outcome.metrics.forces[arm - 1];
+        let marks = runs.iter().enumerate().filter_map(|(index, run)| {
+            let force = &run.metrics.forces[arm - 1];
             let settling = force.settling_2?;
-            let start = outcome.table.times()[0];
-            let values = points(&outcome.table, &format!("contact_force{arm}"), 1.0);
+            let start = run.table.times()[0];
+            let values = points(&run.table, &format!("contact_force{arm}"), 1.0);
             let settled = values.iter().find(|(time, _)| *time >= start + settling)?;
             Some(Mark {
                 point: *settled,
                 color: color(index),
-                name: outcome.scenario.title.into(),
+                name: run.scenario.title.into(),
                 text: format!("{} s", number(settling, 2)),
             })
         });
@@ -76,10 +74,10 @@ fn hero(outcomes: &[Outcome]) -> NamedFigure {
             heading: Some(format!("Arm {arm}")),
             x_label: Some("Time (s)".into()),
             y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
-            x_range: x_range(outcomes),
-            y_include: vec![0.0, 1.3 * outcomes[0].metrics.forces[arm - 1].target],
+            x_range: x_range(runs),
+            y_include: vec![0.0, 1.3 * runs[0].metrics.forces[arm - 1].target],
             first_on_top: true,
-            curves: curves(outcomes, &format!("contact_force{arm}"), 1.0),
+            curves: curves(runs, &format!("contact_force{arm}"), 1.0),
             targets: target.collect(),
             marks: marks.collect(),
             ..Panel::default()
@@ -98,40 +96,40 @@ fn hero(outcomes: &[Outcome]) -> NamedFigure {
     }
 }
 
-fn forces(outcomes: &[Outcome]) -> NamedFigure {
+fn forces(runs: &[PaperRun]) -> NamedFigure {
     let panel = |arm: usize| Panel {
         y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
-        x_range: x_range(outcomes),
+        x_range: x_range(runs),
         y_include: vec![0.0],
         first_on_top: true,
-        curves: curves(outcomes, &format!("contact_force{arm}"), 1.0),
-        targets: force_target(&outcomes[0].table),
+        curves: curves(runs, &format!("contact_force{arm}"), 1.0),
+        targets: force_target(&runs[0].table),
         ..Panel::default()
     };
     stacked("overlay-forces", "Contact forces", vec![vec![panel(1)], vec![panel(2)]], 560, FORCE_NOTE)
 }
 
-fn angles(outcomes: &[Outcome]) -> NamedFigure {
+fn angles(runs: &[PaperRun]) -> NamedFigure {
     let panel = |arm: usize| Panel {
         y_label: format!("Hub angle θ{} (°)", SUBSCRIPTS[arm]),
-        x_range: x_range(outcomes),
+        x_range: x_range(runs),
         y_include: vec![0.0],
         first_on_top: true,
-        curves: curves(outcomes, &format!("theta{arm}"), 1_f64.to_degrees()),
-        targets: angle_target(&outcomes[0].table, arm),
+        curves: curves(runs, &format!("theta{arm}"), 1_f64.to_degrees()),
+        targets: angle_target(&runs[0].table, arm),
         ..Panel::default()
     };
     stacked("overlay-angles", "Hub angles", vec![vec![panel(1)], vec![panel(2)]], 560, ANGLE_NOTE)
 }
 
-fn controls(outcomes: &[Outcome]) -> NamedFigure {
+fn controls(runs: &[PaperRun]) -> NamedFigure {
     let row = |signal: &str| {
         with_close_up(Panel {
             y_label: control_label(signal),
-            x_range: x_range(outcomes),
+            x_range: x_range(runs),
             y_include: vec![0.0],
             first_on_top: true,
-            curves: curves(outcomes, signal, 1.0),
+            curves: curves(runs, signal, 1.0),
             ..Panel::default()
         })
     };

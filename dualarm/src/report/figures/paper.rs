@@ -1,7 +1,7 @@
 //! The paper's Figs. 2 to 18: for each scenario forces, angles, (estimates,) and control signals.
 
 use super::chart::{Chatter, Curve, Figure, Panel, Target, chatter, palette};
-use super::{NamedFigure, Outcome};
+use super::{NamedFigure, PaperRun};
 use fmi2_cosim::record::Table;
 
 /// Size of a figure in px.
@@ -51,19 +51,19 @@ const ENTRIES: [Entry; 17] = [
 
 /// Figs. 2 to 18, as far as their scenarios are there.
 #[must_use]
-pub fn figures(outcomes: &[Outcome]) -> Vec<NamedFigure> {
-    let find = |key| outcomes.iter().find(|outcome| outcome.scenario.key == key);
+pub fn figures(runs: &[PaperRun]) -> Vec<NamedFigure> {
+    let find = |key| runs.iter().find(|run| run.scenario.key == key);
     ENTRIES.iter().filter_map(|entry| Some(entry.figure(find(entry.scenario)?))).collect()
 }
 
 impl Entry {
-    fn figure(&self, outcome: &Outcome) -> NamedFigure {
-        let table = &outcome.table;
-        let range = window(outcome);
+    fn figure(&self, run: &PaperRun) -> NamedFigure {
+        let table = &run.table;
+        let range = window(run);
         let (subject, size, rows) = match self.kind {
             Kind::Force(arm) => (format!("Contact force, arm {arm}"), SIZE, single(force(table, arm, range))),
             Kind::Angle(arm) => (format!("Hub angle, arm {arm}"), SIZE, single(angle(table, arm, range))),
-            Kind::Estimates => ("Norms of the estimated parameters".into(), TALL, estimates(outcome, range)),
+            Kind::Estimates => ("Norms of the estimated parameters".into(), TALL, estimates(run, range)),
             Kind::Torques => {
                 let rows = vec![control(table, "tau1", range), control(table, "tau2", range)];
                 ("Torques at the roots".into(), TALL, below_each_other(rows))
@@ -74,7 +74,7 @@ impl Entry {
             }
         };
         let number = self.number;
-        let title = outcome.scenario.title;
+        let title = run.scenario.title;
         NamedFigure {
             name: format!("fig{number:02}"),
             caption: format!("Fig. {number} — {subject} ({title})"),
@@ -107,11 +107,11 @@ pub(super) const FORCE_NOTE: &str = "Horizontal line: the target, shaded: ±2 % 
 pub(super) const ANGLE_NOTE: &str = "Horizontal line: the target.";
 
 /// A round time span that shows the settling and some calm after it.
-fn window(outcome: &Outcome) -> (f64, f64) {
+fn window(run: &PaperRun) -> (f64, f64) {
     const ROUND: [f64; 10] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
-    let times = outcome.table.times();
+    let times = run.table.times();
     let (start, stop) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(1.0));
-    let wanted = outcome.metrics.settling_2().map_or(f64::INFINITY, |settling| 2.2 * settling);
+    let wanted = run.metrics.settling_2().map_or(f64::INFINITY, |settling| 2.2 * settling);
     let span = ROUND.into_iter().find(|span| *span >= wanted).unwrap_or(f64::INFINITY);
     (start, stop.min(start + span))
 }
@@ -253,8 +253,8 @@ pub(super) fn control_label(signal: &str) -> String {
 }
 
 /// Each estimate has its own unit, so each has its own panel; the two arms share one, the object has another colour.
-fn estimates(outcome: &Outcome, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
-    let plant = outcome.models.first();
+fn estimates(run: &PaperRun, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
+    let plant = run.models.first();
     let true_value = |names: &[&str]| names.iter().map(|name| plant?.real(name)).sum::<Option<f64>>();
     let mass = with_truth("mass", true_value(&["m1", "m2", "M"]), "kg");
     let inertias = [true_value(&["J1"]), true_value(&["J2"])];
@@ -267,7 +267,7 @@ fn estimates(outcome: &Outcome, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
             name: if is_object { "object".into() } else { format!("arm {}", arm + 1) },
             color,
             wide: !is_object && arm == 0, // the second arm's may lie on it
-            points: points(&outcome.table, signal, 1.0).into_iter().map(|(time, value)| (time, value.abs())).collect(),
+            points: points(&run.table, signal, 1.0).into_iter().map(|(time, value)| (time, value.abs())).collect(),
         });
         Panel {
             heading: Some(heading.into()),

@@ -1,0 +1,174 @@
+//! The main job: the paper's runs, one with each of its three controllers, and what is made of them and of the matrix.
+//!
+//! * [`Runs::simulate`] makes the runs;
+//! * [`files`] are the tables, figures and data of the results' folder;
+//! * [`page`] is `report.html`.
+
+pub mod files;
+pub mod page;
+mod run;
+
+use std::path::{Path, PathBuf};
+use std::thread;
+
+use crate::grasp::instruments::{InstrumentsError, Profile};
+use crate::grasp::matrix::Matrix;
+use crate::grasp::metrics::MetricsObstacle;
+use crate::grasp::scenarios::UnknownScenario;
+use crate::grasp::{self, PLANT};
+use crate::report::figures::{self, NamedFigure, PaperRun};
+use crate::report::html;
+use fmi2_cosim::files::{FileSet, WriteError};
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::{Coupling, Master, MasterError};
+use fmi2_cosim::record::Table;
+use fmi2_cosim::scenario::ScenarioError;
+use fmi2_cosim::system::SystemError;
+use fmi2_import::CallError;
+
+/// Between two rows of a run's CSV file \[s\]. Metrics and figures use every step.
+pub const CSV_INTERVAL: f64 = 1e-3;
+
+/// How the runs are made.
+#[derive(Debug, Clone)]
+pub struct Setup<'a> {
+    /// Folder of the FMUs.
+    pub fmus: &'a Path,
+    /// Folder of the results.
+    pub out: &'a Path,
+    /// Communication points.
+    pub grid: &'a TimeGrid,
+    /// How signals are exchanged.
+    pub coupling: Coupling,
+    /// What is between plant and controller; nothing if empty.
+    pub instruments: Vec<&'static Profile>,
+}
+
+/// Who hears how far something is.
+pub trait Progress: Sync {
+    /// Something of this length begins; the answer wants to know how much of it is done.
+    fn begins(&self, title: &str, length: u64) -> Box<dyn Fn(u64) + Send + Sync>;
+}
+
+/// Why there is no comparison.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ComparisonError {
+    /// A scenario is not there.
+    #[error(transparent)]
+    Unknown(#[from] UnknownScenario),
+    /// A scenario cannot be read, or lacks an FMU.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+    /// Its FMUs make no system.
+    #[error(transparent)]
+    System(#[from] SystemError),
+    /// Sensors and actuators do not fit.
+    #[error(transparent)]
+    Instruments(#[from] InstrumentsError),
+    /// The co-simulation failed.
+    #[error(transparent)]
+    Master(#[from] MasterError),
+    /// An FMU does not say its parameters.
+    #[error(transparent)]
+    Call(#[from] CallError),
+    /// A run cannot be judged.
+    #[error("{PLANT} with {controller}: {source}")]
+    Metrics {
+        /// File name of the controller.
+        controller: &'static str,
+        /// Why.
+        source: MetricsObstacle,
+    },
+    /// A figure cannot be turned into pixels or PDF.
+    #[error("cannot draw {name}: {reason}")]
+    Draw {
+        /// Which one.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}
+
+/// The paper's runs and what they show.
+pub struct Runs {
+    /// In the order of [`grasp::PAPER`].
+    pub runs: Vec<PaperRun>,
+    /// All figures.
+    pub figures: Vec<NamedFigure>,
+    /// The rows of the page, by run.
+    rows: Vec<Table>,
+    masters: Vec<Master>,
+}
+
+impl Runs {
+    /// Runs the paper's three scenarios, each in a thread of its own with its own instances. Their data go to `results` at once.
+    ///
+    /// # Errors
+    /// When an FMU is missing or refuses, or a file cannot be written.
+    pub fn simulate(setup: &Setup, results: &FileSet, progress: &impl Progress) -> Result<Self, ComparisonError> {
+        let bars = grasp::PAPER.map(|controller| progress.begins(controller.title, setup.grid.steps()));
+        let made: Result<Vec<run::Made>, ComparisonError> = thread::scope(|scope| {
+            let runs: Vec<_> = grasp::PAPER
+                .iter()
+                .zip(&bars)
+                .map(|(controller, bar)| scope.spawn(move || run::simulate(controller, setup, results, bar)))
+                .collect();
+            runs.into_iter().map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+        });
+        let (mut runs, mut rows, mut masters) = (Vec::new(), Vec::new(), Vec::new());
+        for made in made? {
+            runs.push(made.run);
+            rows.push(made.rows);
+            masters.push(made.master);
+        }
+        Ok(Self { figures: figures::all(&runs), runs, rows, masters })
+    }
+
+    /// Writes tables, figures and the page; they appear with the other `results`.
+    ///
+    /// # Errors
+    /// When a figure cannot be drawn or a file not be written.
+    pub fn write(
+        &mut self,
+        setup: &Setup,
+        matrix: Option<&Matrix>,
+        wanted: &Wanted,
+        results: &FileSet,
+        progress: &impl Progress,
+    ) -> Result<PathBuf, ComparisonError> {
+        let sentence = page::setup(setup);
+        files::write(setup.out, self, &sentence, matrix, results)?;
+        files::draw_all(&setup.out.join("figures"), &self.figures, wanted.untitled, results, progress)?;
+        let rows = std::mem::take(&mut self.rows);
+        let shown: Vec<html::Run> = self.runs.iter().zip(rows).map(|(run, rows)| page::shown(run, rows)).collect();
+        let beside = wanted.page.is_none();
+        let page = page::page(&shown, &self.figures, setup.grid, sentence, matrix, beside);
+        let path = wanted.page.clone().unwrap_or_else(|| setup.out.join("report.html"));
+        results.write(&path, page.to_html())?;
+        Ok(path)
+    }
+
+    /// Ends the FMUs.
+    ///
+    /// # Errors
+    /// When one of them refuses.
+    pub fn finish(self) -> Result<Vec<PaperRun>, ComparisonError> {
+        for master in self.masters {
+            master.finish()?;
+        }
+        Ok(self.runs)
+    }
+}
+
+/// What a user wants besides the usual files.
+#[derive(Debug, Clone, Default)]
+pub struct Wanted {
+    /// Where the page goes; `report.html` in the folder of the results without it.
+    pub page: Option<PathBuf>,
+    /// Also figures without titles.
+    pub untitled: bool,
+}
