@@ -5,14 +5,14 @@
 use dualarm::grasp;
 use dualarm::grasp::metrics::{Limits, Metrics};
 use dualarm::report::figures::text::{missing, width};
-use dualarm::report::figures::{self, Outcome, raster};
+use dualarm::report::figures::{self, PaperRun, raster};
 use dualarm::report::parameters::{ModelParameters, Parameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
 use roxmltree::{Document, Node};
 
 /// Second-order responses with the settling times known from the paper, a fast ripple on the force, clipped commands.
-fn outcome(scenario: grasp::Controller, pole: f64) -> Outcome {
+fn outcome(scenario: grasp::Controller, pole: f64) -> PaperRun {
     let columns = figures::SIGNALS.iter().map(|name| Column { name: (*name).into(), ..Column::default() }).collect();
     let mut table = Table::new(columns);
     for index in 0..=80_000_u32 {
@@ -44,7 +44,7 @@ fn outcome(scenario: grasp::Controller, pole: f64) -> Outcome {
     }
     let limit = |high: f64| Some(Limits { low: -high, high });
     let metrics = Metrics::of(&table, [limit(2.0), limit(2.0), limit(0.3)]).unwrap();
-    Outcome { scenario, table, metrics, models: vec![plant()] }
+    PaperRun { scenario, table, metrics, models: vec![plant()] }
 }
 
 /// The true values that Fig. 6 states.

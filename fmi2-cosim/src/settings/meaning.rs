@@ -1,115 +1,11 @@
-//! Values a user gives to variables by name: `name=value` or `Component.name=value`.
+//! Which variables a name means, and what is in the way of setting them.
 
-use std::fmt;
-use std::str::FromStr;
-
-use crate::names::{self, closest, suggestion};
+use super::fit::fitted;
+use super::{Setting, SettingError};
+use crate::names::closest;
 use crate::signal::Signal;
-use crate::units::{UnitMismatch, Units};
 use fmi2_import::description::BaseType;
-use fmi2_import::{CallError, Causality, Mismatch, ModelDescription, Value, Variability, Variable, VariableType};
-
-/// A value for a variable.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Setting {
-    /// `name` (in every component that has it) or `Component.name`.
-    pub target: String,
-    /// What it gets. A text from the command line stands for whatever the variable's type makes of it.
-    pub value: Value,
-}
-
-/// Why a setting cannot be applied.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SettingError {
-    /// No component has such a variable.
-    #[error("there is no variable \"{target}\" in {}{}", .components.join(" or "), suggestion(.similar))]
-    Unknown {
-        /// What the user wrote.
-        target: String,
-        /// The components that were searched.
-        components: Vec<String>,
-        /// Settable variables with similar names.
-        similar: Vec<String>,
-    },
-    /// What stands before the dot is no component.
-    #[error("there is no component \"{component}\"; the components are {}{}", .components.join(", "), suggestion(.similar))]
-    UnknownComponent {
-        /// What stands before the dot.
-        component: String,
-        /// All components.
-        components: Vec<String>,
-        /// What the user may have meant.
-        similar: Vec<String>,
-    },
-    /// The variable is not the user's to set.
-    #[error("{component}.{name} cannot be set: {reason}")]
-    NotSettable {
-        /// The component.
-        component: String,
-        /// The variable.
-        name: String,
-        /// Why.
-        reason: String,
-    },
-    /// The text is not a value of the variable's type.
-    #[error("{component}.{name} needs {expected}, not \"{value}\"")]
-    Value {
-        /// The component.
-        component: String,
-        /// The variable.
-        name: String,
-        /// What the user wrote.
-        value: String,
-        /// What is needed.
-        expected: String,
-    },
-    /// The value is outside the range that the FMU states.
-    #[error("{component}.{name} must be {range}, not {value}")]
-    Range {
-        /// The component.
-        component: String,
-        /// The variable.
-        name: String,
-        /// The range in words.
-        range: String,
-        /// What was given.
-        value: Value,
-    },
-    /// The FMU refused the value.
-    #[error("{setting} is refused: {source}")]
-    Refused {
-        /// The setting.
-        setting: Setting,
-        /// What the FMU says.
-        source: Box<CallError>,
-    },
-}
-
-impl Setting {
-    /// A setting.
-    #[must_use]
-    pub fn new(target: impl Into<String>, value: impl Into<Value>) -> Self {
-        Self { target: target.into(), value: value.into() }
-    }
-}
-
-impl FromStr for Setting {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once('=') {
-            Some((target, value)) if !target.trim().is_empty() => Ok(Self::new(target.trim(), value.trim())),
-            _ => Err("expected name=value or Component.name=value".into()),
-        }
-    }
-}
-
-impl fmt::Display for Setting {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}={}", self.target, self.value)
-    }
-}
+use fmi2_import::{Causality, ModelDescription, Value, Variability, Variable};
 
 /// A component as far as settings are concerned. It need not run yet: everything but the FMU's own refusal is known before.
 pub(crate) trait Target {
@@ -218,67 +114,6 @@ pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &
     }
 }
 
-/// A value as one of this variable's type, within its range.
-fn fitted<T: Target>(target: &T, index: usize, given: &Value) -> Result<Value, SettingError> {
-    let variable = &target.description().variables[index];
-    let wrong = |Mismatch { value, expected }| SettingError::Value {
-        component: target.name().to_owned(),
-        name: variable.name.clone(),
-        value,
-        expected,
-    };
-    let value = match variable.value(given) {
-        Ok(value) => value,
-        Err(mismatch) => match in_own_unit(given, variable, target.description()) {
-            Some(Ok(number)) => Value::Real(number),
-            Some(Err(error)) => {
-                let expected = format!("{} ({error})", mismatch.expected);
-                return Err(wrong(Mismatch { expected, ..mismatch }));
-            }
-            None => return Err(wrong(mismatch)),
-        },
-    };
-    match outside(variable, &value) {
-        None => Ok(value),
-        Some(range) => {
-            let (component, name) = (target.name().to_owned(), variable.name.clone());
-            Err(SettingError::Range { component, name, range, value })
-        }
-    }
-}
-
-/// The range of a variable in words, if a value lies outside.
-fn outside(variable: &Variable, value: &Value) -> Option<String> {
-    let (number, min, max) = match (&variable.kind, value) {
-        (VariableType::Real(real), Value::Real(number)) => (*number, real.min, real.max),
-        (VariableType::Integer { min, max, .. }, Value::Integer(number)) => {
-            (f64::from(*number), min.map(f64::from), max.map(f64::from))
-        }
-        _ => return None,
-    };
-    let unit = variable.unit().map(|unit| format!(" {unit}")).unwrap_or_default();
-    let is_outside = min.is_some_and(|min| number < min) || max.is_some_and(|max| number > max);
-    is_outside.then(|| match (min.map(names::number), max.map(names::number)) {
-        (Some(min), Some(max)) => format!("from {min} to {max}{unit}"),
-        (Some(min), None) => format!("at least {min}{unit}"),
-        (None, max) => format!("at most {}{unit}", max.unwrap_or_default()),
-    })
-}
-
-/// A number with its unit behind it, such as `3 deg`, as a value of a variable; `None` if it is none.
-fn in_own_unit(
-    value: &Value,
-    variable: &Variable,
-    description: &ModelDescription,
-) -> Option<Result<f64, UnitMismatch>> {
-    const LONGEST: usize = 100;
-    let Value::Text(text) = value else { return None };
-    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| !number.is_nan());
-    let ends = text.char_indices().map(|(at, _)| at).take(LONGEST).filter(|at| *at > 0);
-    let (number, unit) = ends.filter_map(|at| Some((number(&text[..at])?, text[at..].trim()))).last()?;
-    Units::of(description).value_for(variable, number, unit)
-}
-
 /// What to say about a name that no component has.
 fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
     let components: Vec<String> = targets.iter().map(|target| target.name().to_owned()).collect();
@@ -333,17 +168,4 @@ fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -
         }
     }
     names.into_iter().map(|name| format!("{prefix}{name}")).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn settings_are_split_at_the_first_equals_sign() {
-        assert_eq!("EI1=0.2".parse(), Ok(Setting::new("EI1", "0.2")));
-        assert_eq!(" a.b[1] = x=y ".parse(), Ok(Setting::new("a.b[1]", "x=y")));
-        assert!("EI1".parse::<Setting>().is_err());
-        assert!("=1".parse::<Setting>().is_err());
-    }
 }
