@@ -6,12 +6,13 @@
 #![allow(clippy::float_cmp)]
 
 pub mod blocks;
+pub mod continuous;
 mod law;
 pub mod laws;
 mod signals;
 mod target;
 
 pub use law::{CommandJacobian, Law, StepError, inner};
-pub use parameter_table::{InvalidParameter, Parameter, Range};
+pub use parameter_table::{InvalidParameter, Parameter, Range, StateVariable};
 pub use signals::{Commands, Errors, INPUT_NAMES, INPUTS, Inputs, Measurements, References};
 pub use target::{Arms, ErrorJacobian, TargetJacobian, Targets};

@@ -15,6 +15,10 @@
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
 
+mod continuous;
+
+pub(crate) use continuous::ObserverChange;
+
 use super::exponential::exp;
 use serde::{Deserialize, Serialize};
 
@@ -75,7 +79,14 @@ impl Observer {
     /// Time derivatives under the known `force`.
     #[must_use]
     pub fn derivative(&self, known: &Known, measured: Motion, force: f64) -> Self {
-        let Known { source, bandwidth: w, inertia, limit } = *known;
+        let free = self.free_derivative(known, measured, force);
+        let at_limit = self.disturbance.abs() >= known.limit && self.disturbance * free.disturbance > 0.0;
+        Self { disturbance: if at_limit { 0.0 } else { free.disturbance }, ..free }
+    }
+
+    /// Time derivatives as if the disturbance had no limit.
+    fn free_derivative(&self, known: &Known, measured: Motion, force: f64) -> Self {
+        let Known { source, bandwidth: w, inertia, .. } = *known;
         let model = (force + self.disturbance) / inertia;
         let (position, rate, disturbance) = match source {
             RateSource::Measured => {
@@ -87,8 +98,7 @@ impl Observer {
                 (self.rate + 3.0 * w * error, model + 3.0 * w * w * error, inertia * w * w * w * error)
             }
         };
-        let at_limit = self.disturbance.abs() >= limit && self.disturbance * disturbance > 0.0;
-        Self { position, rate, disturbance: if at_limit { 0.0 } else { disturbance } }
+        Self { position, rate, disturbance }
     }
 
     /// Advances by `h` \[s\] with everything held.

@@ -5,6 +5,10 @@
 //! strain follow from the rates of hubs and object, as for arms that bend as at rest, which is right below the first
 //! beam mode.
 
+mod continuous;
+
+pub(crate) use continuous::{observers, put_observers};
+
 use super::DIVISOR;
 use super::root_strain::{motions, quasi_static_shear_rates};
 use crate::blocks::observer::{Known, Observer, RateSource};

@@ -1,5 +1,7 @@
 //! PD, eqs. (97) and (98).
 
+mod continuous;
+
 use super::GAIN;
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::pds::{Pds, PdsGains};

@@ -1,5 +1,7 @@
 //! PD plus strain feedback, eqs. (95) and (96).
 
+mod continuous;
+
 use super::GAIN;
 use super::encoders::Actuation;
 use crate::law::{CommandJacobian, Law, StepError};

@@ -35,6 +35,7 @@ mod axis;
 mod basis;
 #[cfg(test)]
 mod bits;
+mod continuous;
 mod lanes;
 mod layout;
 mod network;
@@ -43,6 +44,7 @@ mod stored;
 mod tests;
 mod wide;
 
+pub(crate) use continuous::NetworkChange;
 pub use layout::{Layout, MAX_PER_AXIS};
 pub use network::Network;
 

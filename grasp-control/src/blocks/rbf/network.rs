@@ -133,14 +133,18 @@ impl<const D: usize> Network<D> {
     pub fn project(&mut self, radius: f64) {
         let norm = self.norm();
         if norm > radius {
-            let factor = radius / norm;
-            for lanes in &mut self.weights {
-                for weight in lanes {
-                    *weight *= factor;
-                }
-            }
-            self.output = None;
+            self.scale(radius / norm);
         }
+    }
+
+    /// Ŵ ← factor Ŵ.
+    pub(super) fn scale(&mut self, factor: f64) {
+        for lanes in &mut self.weights {
+            for weight in lanes {
+                *weight *= factor;
+            }
+        }
+        self.output = None;
     }
 
     /// d‖Ŵ‖/dt at the last activation, for weights that follow `law` with the forcing s Y: Ŵᵀ(dŴ/dt)/‖Ŵ‖, and from zero

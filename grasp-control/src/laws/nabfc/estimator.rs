@@ -3,6 +3,10 @@
 //! The object's loop and those of the posture learn alike: the inertia that they move, a bound on the error of their
 //! network, and the network's weights. Each of the three follows a leaky law with a forcing of its own.
 
+mod continuous;
+
+pub(crate) use continuous::{EstimatorChange, Scalars};
+
 use crate::blocks::adaptation::{HeldStep, LeakyLaw, Steps};
 use crate::blocks::rbf::Network;
 use serde::{Deserialize, Serialize};

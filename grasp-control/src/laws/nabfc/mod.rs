@@ -1,5 +1,6 @@
 //! Neuro-adaptive boundary force control, eqs. (31)–(39) and (49)–(57).
 
+mod continuous;
 mod estimator;
 mod gains;
 mod object_loop;

@@ -1,5 +1,7 @@
 //! Object-position loop, eqs. (31)–(39).
 
+mod continuous;
+
 use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, ObjectGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;

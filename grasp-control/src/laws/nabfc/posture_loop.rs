@@ -1,5 +1,7 @@
 //! Posture loop of one arm, eqs. (49)–(57).
 
+mod continuous;
+
 use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, PostureGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;

@@ -13,6 +13,8 @@
 //! It regresses acceleration on force, because force is the better known of the two. S forgets by excitation and not by
 //! time: without motion nothing is learnt and nothing forgotten.
 
+mod continuous;
+
 use crate::blocks::adaptation::phi1;
 use crate::blocks::exponential::{exp, exp_m1};
 use serde::{Deserialize, Serialize};

@@ -34,6 +34,7 @@
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
 
+mod continuous;
 mod gains;
 mod loops;
 mod mass;
@@ -333,25 +334,30 @@ impl RootStrain {
     /// A step of the networks with the inputs held at `mean`.
     fn step_networks(&mut self, h: f64, mean: &Inputs, known: &[Known; 3], forces: &[f64; 3]) {
         let at = self.point(mean);
-        let outcome = self.loops().at(&at);
-        let compliance = Compliance::of(&self.arms);
         let (_, shear_rate) = self.strain_rates(mean);
-        let RootStrainGains { object, hub, networks: gains, .. } = self.gains;
+        let seen = self.seen(&at, &self.loops().at(&at), mean.measured.tip_shear, shear_rate);
         let Some(networks) = &mut self.networks else { return };
-        let seen = Seen {
-            at: &at,
+        let motions = motions(mean);
+        let measured = std::array::from_fn(|i| (motions[i], forces[i]));
+        networks.step(h, &self.gains.networks, known, &seen, &mut self.observers, &measured);
+    }
+
+    /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm. Linear
+    /// in everything, so it also maps changes to changes.
+    fn seen<'a>(&self, at: &'a Point, outcome: &Outcome, shear: [f64; 2], shear_rate: [f64; 2]) -> Seen<'a> {
+        let compliance = Compliance::of(&self.arms);
+        let RootStrainGains { object, hub, .. } = &self.gains;
+        Seen {
+            at,
             surface: outcome.object,
             posture: outcome.posture,
             alpha_rate: -object.slope * at.v - object.strain * compliance.tip * at.shear_rate,
             posture_alpha_rate: std::array::from_fn(|i| {
                 -hub[i].slope * at.omega[i] - hub[i].strain * compliance.root[i] * at.moment_rate[i]
             }),
-            shear: mean.measured.tip_shear,
+            shear,
             shear_rate,
-        };
-        let motions = motions(mean);
-        let measured = std::array::from_fn(|i| (motions[i], forces[i]));
-        networks.step(h, &gains, known, &seen, &mut self.observers, &measured);
+        }
     }
 }
 

@@ -12,6 +12,10 @@
 //! changes as the observer's constant does; what the network adds is that it tells places apart. It is evaluated once per
 //! step, at the step's mean inputs.
 
+mod continuous;
+
+pub(super) use continuous::{NetworkDirection, Sight, SightChange};
+
 use super::loops::Point;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::exponential::{exp, tanh};
