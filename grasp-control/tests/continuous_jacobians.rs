@@ -4,10 +4,22 @@ mod common;
 mod continuous;
 
 use common::grasp_inputs;
-use continuous::{Case, cases};
-use grasp_control::Inputs;
-use grasp_control::continuous::{Direction, Regimes};
+use continuous::{Case, cases, networks, smooth};
+use grasp_control::blocks::observer::RateSource;
+use grasp_control::continuous::{Continuous, Direction, Regimes, nabfc_state_variables};
+use grasp_control::laws::encoders::{Actuation, Encoders};
+use grasp_control::laws::nabfc::{Estimates, Nabfc, RbfLayout, Surfaces};
+use grasp_control::laws::root_strain::{RootStrain, RootStrainGains};
+use grasp_control::{Arms, Inputs, Law};
 use proptest::prelude::*;
+
+fn flat(surfaces: &Surfaces, estimates: &Estimates) -> Vec<f64> {
+    let [s1, s2] = surfaces.posture;
+    let Estimates { m_hat, j_hat, epsilon_hat, pi_hat, w_norm, u_norm } = *estimates;
+    let mut all = vec![surfaces.object, s1, s2, m_hat, epsilon_hat, w_norm];
+    all.extend([j_hat, pi_hat, u_norm].concat());
+    all
+}
 
 /// Somewhere in the space of states, within what a grasp does; rates are zero where a law does not use a state.
 fn states(case: &Case, unit: &[f64]) -> Vec<f64> {
@@ -83,6 +95,55 @@ proptest! {
             let difference = (a - 8.0 * b + 8.0 * c - d) / (12.0 * h);
             let size = exact.abs().max(now[i].abs()).max(1.0);
             prop_assert!((difference - exact).abs() < 2e-7 * size, "{} {i}: {difference:e} {exact:e}", case.name);
+        }
+    }
+
+    /// Sliding variables and estimates, which are outputs too.
+    #[test]
+    fn changes_of_other_outputs_are_differences(
+        unit in prop::collection::vec(-1.0..1.0_f64, 67),
+        direction in prop::collection::vec(-1.0..1.0_f64, 71),
+        inputs in grasp_inputs(),
+        change in grasp_inputs(),
+        estimated in any::<bool>(),
+        with_networks in any::<bool>(),
+    ) {
+        let source = if estimated { RateSource::Estimated } else { RateSource::Measured };
+        let gains = if with_networks { networks() } else { RootStrainGains::default() };
+        let layout = RbfLayout::default();
+        let mut scales: Vec<_> = nabfc_state_variables(&layout).iter().map(|state| state.nominal).collect();
+        // Small beside what makes m̂.
+        scales[23..25].fill(1e-6);
+        let dx: Vec<_> = direction.iter().cycle().zip(&scales).map(|(unit, scale)| unit * scale).collect();
+        let paper = Nabfc::new(Arms::default(), smooth()).unwrap();
+        let mut paper = Encoders::new(paper, source, Actuation::default()).unwrap();
+        let mut strain = RootStrain::new(Arms::default(), gains, Actuation::default(), source, &layout).unwrap();
+        paper.initialize(&inputs);
+        strain.initialize(&inputs);
+        let mut start = vec![0.0; dx.len()];
+        strain.continuous_states(&mut start);
+        let x: Vec<_> = start.iter().zip(unit.iter().cycle()).zip(&scales).map(|((x, u), s)| x + 0.5 * u * s).collect();
+        let line = Line { x, dx, inputs, change };
+        let mut outputs = |t: f64| {
+            let (x, inputs) = line.at(t);
+            paper.set_continuous_states(&x).unwrap();
+            strain.set_continuous_states(&x).unwrap();
+            let mut all = flat(&paper.law().surfaces(&paper.seen(&inputs)), &paper.law().estimates());
+            all.extend(flat(&strain.surfaces(&inputs), &strain.estimates()));
+            all
+        };
+        let h = 1e-5;
+        let [a, b, c, d, _] = [-2.0, -1.0, 1.0, 2.0, 0.0].map(|t| outputs(t * h));
+        let along = Direction { states: &line.dx, inputs: &line.change };
+        let seen = paper.seen_change(along);
+        let mut exact = flat(
+            &paper.law().surface_change(Direction { inputs: &seen, ..along }),
+            &paper.law().estimate_change(&line.dx),
+        );
+        exact.extend(flat(&strain.surface_change(&line.inputs, along), &strain.estimate_change(&line.dx)));
+        for (i, exact) in exact.iter().enumerate() {
+            let difference = (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * h);
+            prop_assert!((difference - exact).abs() < 1e-7 * exact.abs().max(1.0), "{i}: {difference:e} {exact:e}");
         }
     }
 

@@ -2,7 +2,15 @@
 
 mod continuous;
 
-use continuous::{Loop, cases, share};
+use continuous::integrator::{System, integrate};
+use continuous::{Loop, cases, paper, pd, pds, root_strain, share};
+use grasp_control::References;
+use grasp_control::blocks::observer::RateSource;
+use grasp_control::continuous::LAYER;
+use grasp_control::laws::nabfc::Gains;
+use grasp_control::laws::pd::PdGains;
+use grasp_control::laws::pds::PdsGains;
+use grasp_control::laws::root_strain::RootStrainGains;
 use grasp_plant::Parameters;
 
 const NO_LOAD: grasp_plant::Inputs = grasp_plant::Inputs::ZERO;
@@ -23,7 +31,7 @@ fn the_sampled_loop_tends_to_the_equations() {
             Loop::new(cases().swap_remove(index), parameters, share(0.01), NO_LOAD)
         };
         let mut system = start();
-        let scales = integrator_scales(&system);
+        let scales = system.scales();
         let (exact, _) = system.run(end, 1e-12);
         let runs: Vec<_> = (0..levels).map(|level| start().sample(end, coarsest << level)).collect();
         let [.., coarse, fine] = &runs[..] else { unreachable!() };
@@ -44,6 +52,119 @@ fn the_sampled_loop_tends_to_the_equations() {
     }
 }
 
-fn integrator_scales(system: &Loop) -> Vec<f64> {
-    continuous::integrator::System::scales(system)
+/// The paper's laws with their own gains, unsaturated and saturated, against a solution with other matrices and laws, written
+/// in another language (`tests/oracle/monolith.py`, which `dualarm verify` reads too). The tolerance is 1e-9, or three times what
+/// the oracle's two solutions differ by: its forces are of the fastest motion.
+#[test]
+fn loops_agree_with_the_monolithic_solution() {
+    let document: serde_json::Value =
+        serde_json::from_str(include_str!("../../dualarm/data/verify/closed_loop.json")).unwrap();
+    for (name, solution) in document["cases"].as_object().unwrap() {
+        let number = |value: &serde_json::Value| value.as_f64().unwrap();
+        let case = match solution["controller"].as_str().unwrap() {
+            "PdController" => pd("pd", PdGains::default(), RateSource::Measured),
+            "PdsController" => pds("pds", PdsGains::default(), RateSource::Measured),
+            _ => paper("paper", &Gains::default(), RateSource::Measured),
+        };
+        let mut parameters = Parameters { order: 6, ..Parameters::default() };
+        for (setting, value) in solution["settings"].as_object().unwrap() {
+            let channels = (&mut parameters.torque_channel, &mut parameters.force_channel);
+            *match setting.as_str() {
+                "k_M1" => &mut channels.0.k_max,
+                "k_m1" => &mut channels.0.k_min,
+                "k_M2" => &mut channels.1.k_max,
+                "k_m2" => &mut channels.1.k_min,
+                other => panic!("{other}"),
+            } = number(value);
+        }
+        let reference =
+            References { lambda1_ref: number(&solution["lambda1_ref"]), theta1_ref: number(&solution["theta1_ref"]) };
+        let mut system = Loop::new(case, parameters, reference, NO_LOAD);
+        let (mut x, mut time) = (system.states(), 0.0);
+        // The first two of five times hold the transients and the saturation.
+        for row in &solution["at"].as_array().unwrap()[..2] {
+            let end = number(&row["t"]);
+            integrate(&mut system, &mut x, time, end, 1e-12);
+            time = end;
+            let inputs = system.put(&x);
+            let commands = system.case.law.present_commands(&inputs);
+            let contact = system.plant.direct(&system.driven(commands)).contact_force;
+            let m = inputs.measured;
+            for (output, found) in [
+                ("theta1", m.theta[0]),
+                ("theta2", m.theta[1]),
+                ("y_object", m.y_object),
+                ("root_moment1", m.root_moment[0]),
+                ("tip_shear1", m.tip_shear[0]),
+                ("contact_force1", contact[0]),
+                ("contact_force2", contact[1]),
+            ] {
+                let difference = (found - number(&row[output])).abs();
+                let tolerance = 3.0 * number(&solution["error"][output]);
+                assert!(difference < tolerance.max(1e-9), "{name} {output} at {end}: {difference:e}");
+            }
+        }
+    }
+}
+
+/// Integrals that stop while their commands are beyond the limits and would be pushed further; and networks whose learnt force
+/// slides along its limit, because forgetting brings it back inside.
+#[test]
+fn anti_windup_is_the_limit_of_the_sampled_one() {
+    let load = grasp_plant::Inputs { hub_disturbance: [2.5, 0.0], ..NO_LOAD };
+    // A hub against such a load needs all of its torque: the command slides along the limit.
+    let sliding = PdGains { kp_arm: [20.0; 2], ki_arm: [2e4; 2], ..PdGains::pid() };
+    for (name, start, end, load) in [
+        ("pid", (|| pd("pid", PdGains::pid(), RateSource::Measured)) as fn() -> _, 0.05, NO_LOAD),
+        ("sliding", || unreachable!(), 0.05, load),
+        ("networks", || root_strain("networks", continuous::networks(), RateSource::Measured), 0.012, load),
+    ] {
+        let start = || {
+            let case = if name == "sliding" { pd("sliding", sliding, RateSource::Measured) } else { start() };
+            Loop::new(case, Parameters { order: 4, ..Parameters::default() }, share(1.0), load)
+        };
+        let mut system = start();
+        let scales = system.scales();
+        let (exact, events) = system.run(end, 1e-9);
+        let [coarse, fine] = [4000, 16_000].map(|steps| distance(&start().sample(end, steps), &exact, &scales));
+        println!("{name}: {} events, {coarse:e} {fine:e}", events.len());
+        if name == "sliding" {
+            let inputs = system.put(&exact);
+            let torque = system.case.law.present_commands(&inputs).tau[0];
+            assert!((torque.abs() - 2.0).abs() <= 2.0 * LAYER, "{torque}");
+        }
+        assert!(!events.is_empty() && fine < 0.4 * coarse && fine < 1e-2, "{name}: {coarse:e} {fine:e}");
+    }
+}
+
+/// A disturbance of 3 N·m, half as much again as the motor gives: what is learnt stays at the limit while it lasts, by events and
+/// not by chance, and the sampled loop tends to the same.
+#[test]
+fn limits_hold_what_is_learnt() {
+    let load = grasp_plant::Inputs { hub_disturbance: [3.0, 0.0], object_disturbance: 0.5, ..NO_LOAD };
+    let end = 0.05;
+    for (name, start) in [
+        ("observers", (|| root_strain("observers", RootStrainGains::default(), RateSource::Measured)) as fn() -> _),
+        ("estimated", || root_strain("estimated", RootStrainGains::default(), RateSource::Estimated)),
+        ("pid, estimated", || pd("pid, estimated", PdGains::pid(), RateSource::Estimated)),
+        ("ball", || paper("ball", &in_ball(), RateSource::Measured)),
+    ] {
+        let start = || Loop::new(start(), Parameters { order: 4, ..Parameters::default() }, share(1.0), load);
+        let mut system = start();
+        let scales = system.scales();
+        let (exact, events) = system.run(end, 1e-11);
+        let held = [system.regimes.disturbance, system.regimes.weights].concat();
+        println!("{name}: {} changes, {} events, {held:?}", system.changes, events.len());
+        assert!(system.changes > 0, "{name}");
+        let [coarse, fine] = [4000, 16_000].map(|steps| distance(&start().sample(end, steps), &exact, &scales));
+        println!("{name}: {coarse:e} {fine:e}");
+        assert!(fine < 0.4 * coarse && fine < 1e-2, "{name}: {coarse:e} {fine:e}");
+    }
+}
+
+fn in_ball() -> Gains {
+    let mut gains = Gains::default();
+    gains.object.w_max = 0.01;
+    gains.posture.iter_mut().for_each(|posture| posture.u_max = 0.05);
+    gains
 }
