@@ -193,10 +193,21 @@ impl Networks {
         measured: &[(Motion, f64); 3],
     ) {
         for i in 0..2 {
-            let z = [seen.at.e[i], seen.posture[i], seen.posture_alpha_rate[i]];
-            let z = std::array::from_fn(|axis| z[axis] * self.hub_scales[axis]);
+            let z = self.z(seen, i);
             self.hubs[i].step(h, gains, &known[i], z, &mut observers[i], measured[i]);
         }
+        let x = self.x(seen);
+        self.object.step(h, gains, &known[2], x, &mut observers[2], measured[2]);
+    }
+
+    /// Normalised inputs of hub `i`, or their change.
+    fn z(&self, seen: &Seen<'_>, i: usize) -> [f64; 3] {
+        let z = [seen.at.e[i], seen.posture[i], seen.posture_alpha_rate[i]];
+        std::array::from_fn(|axis| z[axis] * self.hub_scales[axis])
+    }
+
+    /// Normalised inputs of the object's network, or their change.
+    fn x(&self, seen: &Seen<'_>) -> [f64; 7] {
         let [c1, c2] = self.compliance;
         let x = [
             seen.at.p,
@@ -207,8 +218,7 @@ impl Networks {
             seen.shear_rate[0] * c1,
             seen.shear_rate[1] * c2,
         ];
-        let x = std::array::from_fn(|axis| x[axis] * self.object_scales[axis]);
-        self.object.step(h, gains, &known[2], x, &mut observers[2], measured[2]);
+        std::array::from_fn(|axis| x[axis] * self.object_scales[axis])
     }
 
     /// Time derivatives of [`norms`](Self::norms), where the networks were evaluated last; `observers` change at `rates`.
