@@ -1,6 +1,8 @@
 //! Learning as differential equations: Ŵ˙ = a (φ Y − σ Ŵ), on its ball where that holds, and how it changes along a direction.
 
 use super::Network;
+use super::lanes::{LANES, groups};
+use super::layout::Layout;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::continuous::{Decision, Limit};
 
@@ -18,31 +20,95 @@ impl<const D: usize> Network<D> {
         self.layout.nodes(D)
     }
 
-    /// Writes the weights node by node.
-    pub(crate) fn put_weights(&self, out: &mut [f64]) {
-        for (out, weight) in out.iter_mut().zip(self.weights()) {
-            *out = weight;
+    /// Calls `visit` with each node, the row of its weight and the lane in it; lane by lane where there are rows.
+    fn places(&self, mut visit: impl FnMut(usize, usize, usize)) {
+        let nodes = self.nodes();
+        match self.layout {
+            Layout::Grid(rows) => {
+                let lanes = nodes / rows;
+                for lane in 0..lanes {
+                    for row in 0..rows {
+                        visit(row * lanes + lane, row, lane);
+                    }
+                }
+            }
+            Layout::Star(_) => {
+                for node in 0..nodes {
+                    let (row, lane) = self.layout.place(D, node);
+                    visit(node, row, lane);
+                }
+            }
         }
     }
 
-    /// Takes weights node by node.
-    pub(crate) fn take_weights(&mut self, weights: &[f64]) {
-        for (node, weight) in weights.iter().enumerate() {
-            self.set_weight(node, *weight);
+    /// Calls `visit` with each node, its weight and its activation.
+    fn each(&self, mut visit: impl FnMut(usize, f64, f64)) {
+        let (weights, inner, length) =
+            (self.weights.as_flattened(), self.inner.as_flattened(), LANES * self.inner.len());
+        self.places(|node, row, lane| visit(node, weights[row * length + lane], self.outer[row] * inner[lane]));
+    }
+
+    /// Calls `visit` with each node, its weight, its activation and the change of that for a change of the normalised input:
+    /// dY = −2 Y Σ (x − c) dx/b².
+    fn each_change(&self, x: [f64; D], mut visit: impl FnMut(usize, f64, f64, f64)) {
+        let (weights, inner, length) =
+            (self.weights.as_flattened(), self.inner.as_flattened(), LANES * self.inner.len());
+        let slope = 2.0 * self.axis.sharpness;
+        let common: f64 = self.point.iter().zip(x).map(|(point, dx)| -slope * point * dx).sum();
+        let (mut last, mut of_lane) = (usize::MAX, 0.0);
+        self.places(|node, row, lane| {
+            if lane != last {
+                (last, of_lane) = (lane, common + slope * self.lane_centre(lane, &x));
+            }
+            let of_row =
+                if matches!(self.layout, Layout::Grid(_)) { slope * x[0] * self.axis.centre(row) } else { 0.0 };
+            let y = self.outer[row] * inner[lane];
+            // A point so far out that the rest overflows activates nothing.
+            let dy = if y == 0.0 { 0.0 } else { y * (of_lane + of_row) };
+            visit(node, weights[row * length + lane], y, dy);
+        });
+    }
+
+    /// Σ c dx of the axes that a lane stands for.
+    fn lane_centre(&self, lane: usize, x: &[f64; D]) -> f64 {
+        match self.layout {
+            Layout::Grid(n) => {
+                let (mut index, mut sum) = (lane, 0.0);
+                for dx in x[1..].iter().rev() {
+                    sum += dx * self.axis.centre(index % n);
+                    index /= n;
+                }
+                sum
+            }
+            Layout::Star(rings) => lane.checked_sub(LANES).map_or(0.0, |index| {
+                let position = index / (LANES * groups(D));
+                let axis = index % (LANES * groups(D));
+                x[axis] * self.axis.centre(position + usize::from(position >= rings))
+            }),
         }
+    }
+
+    /// Writes the weights node by node.
+    pub(crate) fn put_weights(&self, out: &mut [f64]) {
+        self.each(|node, weight, _| out[node] = weight);
+    }
+
+    /// Takes weights node by node.
+    pub(crate) fn take_weights(&mut self, new: &[f64]) {
+        let length = LANES * self.inner.len();
+        let mut weights = std::mem::take(&mut self.weights);
+        self.places(|node, row, lane| weights.as_flattened_mut()[row * length + lane] = new[node]);
+        self.weights = weights;
         self.output = None;
     }
 
     /// Ŵ˙ at the last activation, with the weights `held` on their ball or not.
     pub(crate) fn put_rates(&self, law: &LeakyLaw, forcing: f64, held: bool, out: &mut [f64]) {
-        for (out, (weight, y)) in out.iter_mut().zip(self.weights().zip(self.activations())) {
-            *out = law.rate(weight, forcing * y);
-        }
+        self.each(|node, weight, y| out[node] = law.rate(weight, forcing * y));
         if held {
-            let share = dot(self.weights(), &*out) / self.norm().powi(2);
-            for (out, weight) in out.iter_mut().zip(self.weights()) {
-                *out -= share * weight;
-            }
+            let (mut square, mut along) = (0.0, 0.0);
+            self.each(|node, weight, _| (square, along) = (square + weight * weight, along + weight * out[node]));
+            self.each(|node, weight, _| out[node] -= along / square * weight);
         }
     }
 
@@ -55,45 +121,37 @@ impl<const D: usize> Network<D> {
         by: &NetworkChange<'_, D>,
         out: &mut [f64],
     ) {
-        let changes = self.activation_changes(by.x).zip(self.activations());
-        for (out, ((dy, y), dw)) in out.iter_mut().zip(changes.zip(by.weights)) {
-            *out = law.rate(*dw, by.forcing * y + forcing * dy);
-        }
+        self.each_change(by.x, |node, _, y, dy| {
+            out[node] = law.rate(by.weights[node], by.forcing * y + forcing * dy);
+        });
         if held {
-            let rates = || self.weights().zip(self.activations()).map(|(weight, y)| law.rate(weight, forcing * y));
-            let (square, along) = (self.norm().powi(2), self.weights().zip(rates()).map(|(a, b)| a * b).sum::<f64>());
-            let square_change = 2.0 * dot(self.weights(), by.weights);
-            let along_change = dot(self.weights(), &*out) + dot(rates(), by.weights);
+            let (mut square, mut along) = (0.0, 0.0);
+            let (mut square_change, mut along_change) = (0.0, 0.0);
+            self.each(|node, weight, y| {
+                let (rate, change) = (law.rate(weight, forcing * y), by.weights[node]);
+                square += weight * weight;
+                along += weight * rate;
+                square_change += 2.0 * weight * change;
+                along_change += weight * out[node] + change * rate;
+            });
             let share = along / square;
             let share_change = (along_change - share * square_change) / square;
-            for (out, (weight, dw)) in out.iter_mut().zip(self.weights().zip(by.weights)) {
-                *out -= share_change * weight + share * dw;
-            }
+            self.each(|node, weight, _| out[node] -= share_change * weight + share * by.weights[node]);
         }
     }
 
-    /// Change of Y along a change of the normalised input, node by node.
-    fn activation_changes(&self, x: [f64; D]) -> impl Iterator<Item = f64> {
-        self.activations().enumerate().map(move |(node, y)| {
-            // A point so far out that the rest overflows activates nothing.
-            if y == 0.0 {
-                return 0.0;
-            }
-            let centre = self.centre(node);
-            let inner: f64 = (0..D).map(|axis| (self.point[axis] - centre[axis]) * x[axis]).sum();
-            -2.0 * self.axis.sharpness * y * inner
-        })
-    }
-
-    /// Change of Ŵᵀ Y by that of the weights alone.
-    pub(crate) fn output_change(&self, weights: &[f64]) -> f64 {
-        dot(self.activations(), weights)
+    /// Change of Ŵᵀ Y for a change of the weights and of the normalised input.
+    pub(crate) fn output_change(&self, weights: &[f64], x: [f64; D]) -> f64 {
+        let mut sum = 0.0;
+        self.each_change(x, |node, weight, y, dy| sum += y * weights[node] + dy * weight);
+        sum
     }
 
     /// Change of ‖Ŵ‖.
     pub(crate) fn norm_change(&self, weights: &[f64]) -> f64 {
-        let norm = self.norm();
-        if norm > 0.0 { dot(self.weights(), weights) / norm } else { 0.0 }
+        let (norm, mut sum) = (self.norm(), 0.0);
+        self.each(|node, weight, _| sum += weight * weights[node]);
+        if norm > 0.0 { sum / norm } else { 0.0 }
     }
 
     /// The norm of the weights and the radius of their ball.
@@ -115,8 +173,4 @@ impl<const D: usize> Network<D> {
             self.scale(factor);
         }
     }
-}
-
-fn dot<'a>(a: impl Iterator<Item = f64>, b: impl IntoIterator<Item = &'a f64>) -> f64 {
-    a.zip(b).map(|(a, b)| a * b).sum()
 }

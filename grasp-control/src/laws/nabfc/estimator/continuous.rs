@@ -68,9 +68,9 @@ impl<const D: usize> Estimator<D> {
         }
     }
 
-    /// Change of the network's output by that of its weights.
-    pub fn output_change(&self, weights: &[f64]) -> f64 {
-        if self.has_network { self.network.output_change(weights) } else { 0.0 }
+    /// Change of the network's output by that of its weights and of its normalised input.
+    pub fn output_change(&self, weights: &[f64], x: [f64; D]) -> f64 {
+        if self.has_network { self.network.output_change(weights, x) } else { 0.0 }
     }
 
     /// The weights' ball, if there is one.

@@ -1,14 +1,38 @@
 //! The object's loop as differential equations.
 
-use super::{ObjectInputs, ObjectLoop, Point};
+use super::{ObjectInputs, ObjectLoop};
+use crate::blocks::sat::sat_slope;
 use crate::continuous::Decision;
 use crate::laws::nabfc::estimator::{Drive, EstimatorChange, Scalars};
+
+/// Change of what the loop computes from its inputs.
+struct SignalChange {
+    s: f64,
+    regressor: f64,
+    /// Normalised input of the network.
+    x: [f64; 7],
+}
 
 impl ObjectLoop {
     /// Time derivatives of the estimates; those of the weights into `weights`.
     pub fn derivatives(&mut self, inputs: &ObjectInputs, held: bool, weights: &mut [f64]) -> Scalars {
         let drive = self.at(inputs).drive();
         self.estimator.derivatives(&drive, held, weights)
+    }
+
+    /// Change of the signals for a change of the inputs: they are linear.
+    fn signal_change(&self, by: &ObjectInputs) -> SignalChange {
+        let [c1, c2] = self.settings.compliance;
+        let s = self.surface(by);
+        let w_dot = [by.shear_dot[0] * c1, by.shear_dot[1] * c2];
+        let shear_rate = w_dot[0] + w_dot[1];
+        let alpha_dot = -self.settings.gains.c1 * by.z1_dot - shear_rate;
+        let x = [by.z1, s, alpha_dot, by.shear[0] * c1, by.shear[1] * c2, w_dot[0], w_dot[1]];
+        SignalChange {
+            s,
+            regressor: self.slope() * by.z1_dot + shear_rate,
+            x: std::array::from_fn(|axis| x[axis] * self.settings.inverse_scales[axis]),
+        }
     }
 
     /// Exact change of [`derivatives`](Self::derivatives) for a change `by` of the inputs and of the estimates.
@@ -20,27 +44,15 @@ impl ObjectLoop {
         (scalars, weights): (Scalars, &[f64]),
         out: &mut [f64],
     ) -> Scalars {
-        let Point { s, tanh, regressor, .. } = self.at(inputs);
-        let drive = self.at(inputs).drive();
-        let [c1, c2] = self.settings.compliance;
-        let gains = &self.settings.gains;
-        // The surface is linear in the inputs.
-        let ds = self.surface(by);
-        let w_dot = [by.shear_dot[0] * c1, by.shear_dot[1] * c2];
-        let shear_rate = w_dot[0] + w_dot[1];
-        let alpha_dot = -gains.c1 * by.z1_dot - shear_rate;
-        let x = [by.z1, ds, alpha_dot, by.shear[0] * c1, by.shear[1] * c2, w_dot[0], w_dot[1]];
-        let change = EstimatorChange {
-            scalars,
-            weights,
-            drive: Drive {
-                s: ds,
-                bound: ds * (tanh + s * (1.0 - tanh * tanh) / gains.epsilon1),
-                inertia: ds * regressor + s * (self.slope() * by.z1_dot + shear_rate),
-            },
-            x: std::array::from_fn(|axis| x[axis] * self.settings.inverse_scales[axis]),
+        let point = self.at(inputs);
+        let SignalChange { s: ds, regressor, x } = self.signal_change(by);
+        let tanh_slope = (1.0 - point.tanh * point.tanh) / self.settings.gains.epsilon1;
+        let drive = Drive {
+            s: ds,
+            bound: ds * (point.tanh + point.s * tanh_slope),
+            inertia: ds * point.regressor + point.s * regressor,
         };
-        self.estimator.derivative_change(&drive, held, &change, out)
+        self.estimator.derivative_change(&point.drive(), held, &EstimatorChange { scalars, weights, drive, x }, out)
     }
 
     /// Exact change of the force for a change `by` of the inputs and of the estimates.
@@ -50,13 +62,16 @@ impl ObjectLoop {
         by: &ObjectInputs,
         (scalars, weights): (Scalars, &[f64]),
     ) -> f64 {
-        let partials = self.partials(inputs);
-        let Point { tanh, regressor, .. } = self.at(inputs);
-        let arms: f64 = (0..2).map(|i| partials.shear[i] * by.shear[i] + partials.shear_dot[i] * by.shear_dot[i]).sum();
-        partials.z1 * by.z1 + partials.z1_dot * by.z1_dot + partials.lambda1 * by.lambda1 + arms
-            - self.estimator.output_change(weights)
-            - scalars.bound * tanh
-            - scalars.inertia * regressor
+        let point = self.at(inputs);
+        let SignalChange { s: ds, regressor, x } = self.signal_change(by);
+        let gains = &self.settings.gains;
+        let tanh_change = (1.0 - point.tanh * point.tanh) * ds / gains.epsilon1;
+        -gains.eta * sat_slope(point.s, self.settings.sat_limit) * ds - gains.k * ds - by.z1 + by.shear[0] + by.shear[1]
+            - self.estimator.output_change(weights, x)
+            - scalars.bound * point.tanh
+            - self.estimator.bound * tanh_change
+            - scalars.inertia * point.regressor
+            - self.estimator.inertia * regressor
     }
 
     /// Distance of s from the corners of sat, and what the ball of the weights tells.

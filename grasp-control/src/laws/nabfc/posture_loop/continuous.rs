@@ -1,6 +1,7 @@
 //! A hub's loop as differential equations.
 
-use super::{Point, PostureLoop};
+use super::PostureLoop;
+use crate::blocks::sat::sat_slope;
 use crate::continuous::Decision;
 use crate::laws::nabfc::estimator::{Drive, EstimatorChange, Scalars};
 
@@ -9,6 +10,12 @@ impl PostureLoop {
     pub fn derivatives(&mut self, (e, e_dot): (f64, f64), held: bool, weights: &mut [f64]) -> Scalars {
         let drive = self.at(e, e_dot).drive();
         self.estimator.derivatives(&drive, held, weights)
+    }
+
+    /// Normalised input of the network for a change of (e, ė, s).
+    fn input_change(&self, (e, e_dot): (f64, f64), s: f64) -> [f64; 3] {
+        let [angle, surface, alpha] = self.settings.inverse_scales;
+        [e * angle, s * surface, -self.settings.gains.c3 * e_dot * alpha]
     }
 
     /// Exact change of [`derivatives`](Self::derivatives) for a change `by` of (e, ė) and of the estimates.
@@ -21,21 +28,15 @@ impl PostureLoop {
         out: &mut [f64],
     ) -> Scalars {
         let point = self.at(e, e_dot);
-        let Point { s, tanh, regressor, .. } = point;
-        let gains = &self.settings.gains;
-        let [angle, surface, alpha] = self.settings.inverse_scales;
         // The surface is linear.
         let ds = self.surface(by.0, by.1);
-        let change = EstimatorChange {
-            scalars,
-            weights,
-            drive: Drive {
-                s: ds,
-                bound: ds * (tanh + s * (1.0 - tanh * tanh) / gains.epsilon2),
-                inertia: ds * regressor + s * by.1 * self.slope(),
-            },
-            x: [by.0 * angle, ds * surface, -gains.c3 * by.1 * alpha],
+        let tanh_slope = (1.0 - point.tanh * point.tanh) / self.settings.gains.epsilon2;
+        let drive = Drive {
+            s: ds,
+            bound: ds * (point.tanh + point.s * tanh_slope),
+            inertia: ds * point.regressor + point.s * by.1 * self.slope(),
         };
+        let change = EstimatorChange { scalars, weights, drive, x: self.input_change(by, ds) };
         self.estimator.derivative_change(&point.drive(), held, &change, out)
     }
 
@@ -46,12 +47,18 @@ impl PostureLoop {
         by: (f64, f64),
         (scalars, weights): (Scalars, &[f64]),
     ) -> f64 {
-        let partials = self.partials(e, e_dot);
-        let Point { tanh, regressor, .. } = self.at(e, e_dot);
-        partials.e * by.0 + partials.e_dot * by.1
-            - self.estimator.output_change(weights)
-            - scalars.bound * tanh
-            - scalars.inertia * regressor
+        let point = self.at(e, e_dot);
+        let ds = self.surface(by.0, by.1);
+        let gains = &self.settings.gains;
+        let tanh_change = (1.0 - point.tanh * point.tanh) * ds / gains.epsilon2;
+        -gains.xi * sat_slope(point.s, self.settings.sat_limit) * ds
+            - gains.k * ds
+            - by.0
+            - self.estimator.output_change(weights, self.input_change(by, ds))
+            - scalars.bound * point.tanh
+            - self.estimator.bound * tanh_change
+            - scalars.inertia * point.regressor
+            - self.estimator.inertia * by.1 * self.slope()
     }
 
     /// Distance of s from the corners of sat, and what the ball of the weights tells.

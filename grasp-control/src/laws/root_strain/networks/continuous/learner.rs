@@ -83,7 +83,7 @@ impl<const D: usize> Approximator<D> {
     }
 
     fn raw_change(&self, learning: &Learning, sight: &Sight, by: &Change<'_, D>) -> f64 {
-        let network = self.network.output_change(by.weights) + inner(&self.network.gradient(), &by.x);
+        let network = self.network.output_change(by.weights, by.x);
         network + by.bound * learning.sign + self.bound * sign_change(learning, sight, &by.sight)
     }
 
@@ -145,10 +145,6 @@ pub(super) struct Change<'a, const D: usize> {
     /// Normalised input.
     pub x: [f64; D],
     pub sight: SightChange,
-}
-
-fn inner<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Change of ẽ.
