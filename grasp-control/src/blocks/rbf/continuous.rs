@@ -53,23 +53,32 @@ impl<const D: usize> Network<D> {
     fn each_change(&self, x: [f64; D], mut visit: impl FnMut(usize, f64, f64, f64)) {
         let (weights, inner, length) =
             (self.weights.as_flattened(), self.inner.as_flattened(), LANES * self.inner.len());
+        // Most directions that a solver asks for are single weights.
+        let moves = x.iter().any(|dx| *dx != 0.0);
         let slope = 2.0 * self.axis.sharpness;
         let common: f64 = self.point.iter().zip(x).map(|(point, dx)| -slope * point * dx).sum();
         let (mut last, mut of_lane) = (usize::MAX, 0.0);
         self.places(|node, row, lane| {
-            if lane != last {
-                (last, of_lane) = (lane, common + slope * self.lane_centre(lane, &x));
-            }
-            let of_row =
-                if matches!(self.layout, Layout::Grid(_)) { slope * x[0] * self.axis.centre(row) } else { 0.0 };
             let y = self.outer[row] * inner[lane];
             // A point so far out that the rest overflows activates nothing.
-            let dy = if y == 0.0 { 0.0 } else { y * (of_lane + of_row) };
+            let dy = if moves && y != 0.0 {
+                if lane != last {
+                    (last, of_lane) = (lane, common + slope * self.lane_centre(lane, &x));
+                }
+                y * (of_lane + slope * self.row_centre(row, &x))
+            } else {
+                0.0
+            };
             visit(node, weights[row * length + lane], y, dy);
         });
     }
 
-    /// Σ c dx of the axes that a lane stands for.
+    /// c dx of the axis that a row stands for.
+    fn row_centre(&self, row: usize, x: &[f64; D]) -> f64 {
+        if matches!(self.layout, Layout::Grid(_)) { x[0] * self.axis.centre(row) } else { 0.0 }
+    }
+
+    /// Σ c dx of the other axes, which a lane stands for.
     fn lane_centre(&self, lane: usize, x: &[f64; D]) -> f64 {
         match self.layout {
             Layout::Grid(n) => {
