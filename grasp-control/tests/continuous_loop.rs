@@ -107,6 +107,41 @@ fn loops_agree_with_the_monolithic_solution() {
     }
 }
 
+/// The Jacobian of the loop with PD and PDS has the eigenvalues that the dynamic stiffness of the beams gives without any
+/// discretisation (`tests/oracle`, unsaturated). 1e-9, absolute below 1/s: rounding of an eigenvalue
+/// problem whose largest one is a million times as large.
+#[test]
+fn the_jacobian_has_the_exact_eigenvalues() {
+    let with_pd = [
+        (-0.575_784_236_421_5, 0.0),
+        (-1.087_654_806_108, 0.0),
+        (-1.091_373_110_256, 0.0),
+        (-35.952_565_158_46, 0.0),
+        (-0.083_947_068_356, 561.340_888_192_2),
+        (-86.753_323_903_7, 576.140_665_429_7),
+    ];
+    let with_pds = [
+        (-1.022_864_913_719, 0.0),
+        (-3.123_915_537_211, 0.0),
+        (-3.449_517_830_929, 0.0),
+        (-95.583_728_685_28, 0.0),
+        (-1.734_320_429_731, 558.727_469_393_3),
+        (-91.692_755_221_6, 564.510_140_039_8),
+    ];
+    for (case, exact) in [
+        (pd("pd", PdGains::default(), RateSource::Measured), with_pd),
+        (pds("pds", PdsGains::default(), RateSource::Measured), with_pds),
+    ] {
+        let parameters = Parameters { order: 12, ..Parameters::default() };
+        let mut system = Loop::new(case, parameters, share(0.01), NO_LOAD);
+        let found = system.jacobian().complex_eigenvalues();
+        for (re, im) in exact {
+            let distance = found.iter().map(|z| (z.re - re).hypot(z.im - im)).fold(f64::INFINITY, f64::min);
+            assert!(distance < 1e-9 * re.hypot(im).max(1.0), "{} {re} {im}: {distance:e}", system.case.name);
+        }
+    }
+}
+
 /// Integrals that stop while their commands are beyond the limits and would be pushed further; and networks whose learnt force
 /// slides along its limit, because forgetting brings it back inside.
 #[test]

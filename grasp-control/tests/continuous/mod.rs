@@ -7,7 +7,7 @@ pub mod integrator;
 
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::continuous::{
-    Continuous, NABFC_INDICATORS, PDS_INDICATORS, PDS_STATES, Regimes, nabfc_state_variables, nabfc_states,
+    Continuous, Direction, NABFC_INDICATORS, PDS_INDICATORS, PDS_STATES, Regimes, nabfc_state_variables, nabfc_states,
     pds_state_variables,
 };
 use grasp_control::laws::encoders::{Actuation, Encoders};
@@ -18,6 +18,7 @@ use grasp_control::laws::root_strain::{Learner, RootStrain, RootStrainGains};
 use grasp_control::{Arms, Inputs, Measurements, References};
 use grasp_plant::{Measured, Parameters, Plant};
 use integrator::{System, integrate};
+use nalgebra::DMatrix;
 
 /// A law with its numbers of states and indicators.
 pub struct Case {
@@ -103,19 +104,13 @@ pub fn cases() -> Vec<Case> {
 
 /// What the plant measures, as a law reads it.
 pub fn read(plant: &Plant, reference: References) -> Inputs {
-    let Measured { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } = plant.measured();
-    let root_moment_dot = plant.uncertainty().root_moment_dot;
-    let measured = Measurements {
-        theta,
-        theta_dot,
-        y_object,
-        y_object_dot,
-        root_moment,
-        tip_shear,
-        tip_shear_dot,
-        root_moment_dot,
-    };
+    let measured = measurements(&plant.measured(), plant.uncertainty().root_moment_dot);
     Inputs { measured, reference }
+}
+
+fn measurements(measured: &Measured, root_moment_dot: [f64; 2]) -> Measurements {
+    let Measured { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } = *measured;
+    Measurements { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot, root_moment_dot }
 }
 
 /// What the paper asks for, or a small part of it that leaves all limits alone.
@@ -165,6 +160,37 @@ impl Loop {
 
     pub fn driven(&self, commands: grasp_control::Commands) -> grasp_plant::Inputs {
         grasp_plant::Inputs { torque_command: commands.tau, force_command: commands.u, ..self.load }
+    }
+
+    /// The Jacobian of the whole system where it is, from the exact products of its parts.
+    pub fn jacobian(&mut self) -> DMatrix<f64> {
+        let inputs = read(&self.plant, self.reference);
+        let commands = self.case.law.present_commands(&inputs);
+        let driven = self.driven(commands);
+        let (n, size) = (self.plant.state_count(), self.plant.state_count() + self.case.states);
+        let mut jacobian = DMatrix::zeros(size, size);
+        for column in 0..size {
+            let mut unit = vec![0.0; size];
+            unit[column] = 1.0;
+            let (plant, law) = unit.split_at(n);
+            let outputs = self.plant.output_change(&driven, plant, &grasp_plant::Inputs::ZERO);
+            let measured = measurements(&outputs.measured, outputs.uncertainty.root_moment_dot);
+            let reference = References { lambda1_ref: 0.0, theta1_ref: 0.0 };
+            let seen = Inputs { measured, reference };
+            let along = Direction { states: law, inputs: &seen };
+            let commands = self.case.law.command_change(&inputs, along);
+            let change = grasp_plant::Inputs {
+                torque_command: commands.tau,
+                force_command: commands.u,
+                ..grasp_plant::Inputs::ZERO
+            };
+            let mut rates = vec![0.0; size];
+            let (plant_rates, law_rates) = rates.split_at_mut(n);
+            self.plant.derivative_change(&driven, plant, &change, plant_rates);
+            self.case.law.derivative_change(&inputs, &self.regimes, along, law_rates);
+            jacobian.column_mut(column).copy_from_slice(&rates);
+        }
+        jacobian
     }
 
     /// The state at `end`, and when something happened.
