@@ -24,7 +24,7 @@ fn distance(a: &[f64], b: &[f64], scales: &[f64]) -> f64 {
 /// solution of the differential equations is halved (inputs are held), and extrapolated to zero it is none.
 #[test]
 fn the_sampled_loop_tends_to_the_equations() {
-    let (end, coarsest, levels) = (0.02, 400, 6);
+    let (end, coarsest, levels) = (0.01, 200, 6);
     for index in 0..cases().len() {
         let start = || {
             let parameters = Parameters { order: 4, ..Parameters::default() };
