@@ -20,6 +20,9 @@
 //! EI (w'' + κ ẇ''): in the beam, on the hub, on the object and in λ_i. The outputs named root moment and tip shear stay
 //! the elastic EI w''(0) and EI w'''(l).
 //!
+//! With [`Parameters::contact_model`] the tips can be made to leave the object ([`ContactModel`]): then (12) holds only where they
+//! touch it, the gap between them is an output, and coming back is an impact.
+//!
 //! # Discretisation
 //! Bending moment and absolute velocity are the two unknown fields of each arm, polynomials of degree k and k−2 over its
 //! whole length (k is [`Parameters::order`]). In energy coordinates the free plant is exactly skew-symmetric, so energy is
@@ -28,7 +31,8 @@
 //!
 //! # Time stepping
 //! Between communication points the plant is linear and its inputs are known (held, or ramped), so [`Plant::step`] is
-//! exact for every step size: accuracy does not depend on it. Results do not depend on the processor's vector units.
+//! exact for every step size: accuracy does not depend on it. Where contacts open and close, it is exact from one switch to the
+//! next, wherever in a step that is. Results do not depend on the processor's vector units.
 //!
 //! # As differential equations
 //! [`Plant::derivatives`] and its neighbours give the same plant as an explicit system of ordinary differential equations in
@@ -36,7 +40,8 @@
 //!
 //! # Modules
 //! [`Plant`] is the entry point. Behind it: parameters and their tables, actuators, the beam operators (`beam`), their assembly
-//! (`dynamics`), the exponential, the propagator, and the kernel that every step comes down to.
+//! (`dynamics`), the exponential, the propagator, and the kernel that every step comes down to; what can open
+//! has a module of its own (`contact`).
 #![doc = include_str!("../README.md")]
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
@@ -44,6 +49,7 @@
 mod actuator;
 mod basis;
 mod beam;
+mod contact;
 mod dynamics;
 mod exponential;
 mod extended;
@@ -60,12 +66,13 @@ mod step_sizes;
 
 pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
+pub use contact::{Contact, ContactState};
 pub use extended::LONGEST_STEP;
 pub use fields::{Fields, Node};
 /// Re-exported because a [`StateSpace`] holds its matrices.
 pub use nalgebra;
 pub use parameter_table::{Admissible, InvalidParameter, Parameter, Range, StateVariable};
-pub use parameters::{ActuatorModel, Arm, Channel, ORDER_RANGE, Parameters, Start};
+pub use parameters::{ActuatorModel, Arm, Channel, ContactModel, Face, ORDER_RANGE, Parameters, Start};
 pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};
 pub use state::{State, StateError, StepError};

@@ -110,4 +110,6 @@ pub struct Rates {
     pub energy: f64,
     /// Of the supplied energy \[W\]: the power of actuators and external disturbances.
     pub supplied_energy: f64,
+    /// Of the contacts.
+    pub contact: crate::Contact,
 }

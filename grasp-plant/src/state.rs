@@ -1,5 +1,6 @@
 //! What moves, and why a step or a state is refused.
 
+use crate::contact::ContactState;
 use crate::dynamics::{Dynamics, FORCES};
 use crate::initial;
 use crate::parameters::Parameters;
@@ -9,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Everything that changes while the plant moves. Together with [`Parameters`] it determines all that follows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Energy coordinates x \[√J\], 4k + 1 of them: ½|x|² is the total energy.
+    /// Energy coordinates x \[√J\]: ½|x|² is the total energy. 4k + 1 of them, or 4k + 5 where the grasp can open.
     pub coordinates: Vec<f64>,
     /// θ_1 \[rad\], θ_2 \[rad\], `y_M` \[m\].
     pub position: [f64; 3],
@@ -20,6 +21,8 @@ pub struct State {
     pub supplied_energy: f64,
     /// The step sizes so far, which decide how the next step is computed.
     pub sizes: StepSizes,
+    /// The contacts, where they can open.
+    pub contact: Option<Box<ContactState>>,
 }
 
 impl State {
@@ -32,6 +35,7 @@ impl State {
             carry: [0.0; 3],
             supplied_energy: 0.0,
             sizes: StepSizes::default(),
+            contact: None,
         }
     }
 
@@ -70,6 +74,14 @@ pub enum StepError {
     /// The state, or the outputs that follow from it, would leave the range of floating-point numbers.
     #[error("the state would overflow")]
     Overflow,
+    /// The contacts switch too often, or too often at one instant.
+    #[error("a step of {h:e} s cannot be resolved: the contacts switch more than {switches} times; take a shorter one")]
+    Unresolved {
+        /// The step size \[s\].
+        h: f64,
+        /// Switches that were resolved.
+        switches: u32,
+    },
 }
 
 /// Why a [`State`] was refused. The plant is as it was before.
@@ -87,4 +99,7 @@ pub enum StateError {
     /// A number in the state is infinite or not a number.
     #[error("the state has an entry that is not finite")]
     NotFinite,
+    /// The state is one of a grasp that can open, and this one cannot, or the other way round.
+    #[error("the state belongs to another contact model")]
+    Contact,
 }

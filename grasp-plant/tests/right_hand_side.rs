@@ -4,7 +4,7 @@
 
 mod integrator;
 
-use grasp_plant::{ActuatorModel, Arm, Inputs, Parameters, Plant, Rates, Start, StateError};
+use grasp_plant::{ActuatorModel, Arm, Contact, Inputs, Parameters, Plant, Rates, Start, StateError};
 use integrator::{System, integrate};
 use proptest::prelude::*;
 
@@ -182,6 +182,7 @@ fn outputs(plant: &Plant, inputs: &Inputs) -> Vec<f64> {
         constraint: plant.constraint(),
         energy: plant.energy(),
         supplied_energy: plant.supplied_energy(),
+        contact: Contact::default(),
     })
 }
 

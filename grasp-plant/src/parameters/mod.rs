@@ -65,8 +65,38 @@ pub enum ActuatorModel {
     Raw,
 }
 
+/// What holds the tips to the object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ContactModel {
+    /// The constraint (12), whatever the sign of the contact force: the paper's grasp.
+    #[default]
+    Bilateral,
+    /// Rigid faces that push and do not pull: a tip leaves the object when the force on it would become tensile, and comes back
+    /// with an impact.
+    Unilateral,
+    /// Kelvin–Voigt faces that push and do not pull: a soft or fragile object.
+    Compliant,
+}
+
+/// One face of a compliant object: a spring and a damper side by side, without mass. Names, units and ranges:
+/// [`Face::PARAMETERS`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Face {
+    /// Stiffness k \[N/m\].
+    pub stiffness: f64,
+    /// Damping c \[N·s/m\].
+    pub damping: f64,
+}
+
+impl Default for Face {
+    fn default() -> Self {
+        Self { stiffness: 1000.0, damping: 10.0 }
+    }
+}
+
 /// Start values. Any are consistent: the deflections start as the static cubics of (16) scaled to satisfy (12), and their
-/// rates as the same cubics scaled to satisfy its time derivative. Names: [`Start::ANGLES`], [`Start::OBJECT`].
+/// rates as the same cubics scaled to satisfy its time derivative. Where the grasp can open, an arm that does not reach the
+/// object starts straight, with a gap. Names: [`Start::ANGLES`], [`Start::OBJECT`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Start {
     /// Hub angles θ_i(0) \[rad\].
@@ -118,6 +148,14 @@ pub struct Parameters {
     pub force_channel: Channel,
     /// Which actuator model turns commands into forces.
     pub actuator_model: ActuatorModel,
+    /// What holds the tips to the object.
+    pub contact_model: ContactModel,
+    /// The object's faces, if compliant.
+    pub faces: [Face; 2],
+    /// Newton's coefficient of restitution e of impacts on rigid faces: the gap opens with e times the speed at which it closed.
+    pub restitution: f64,
+    /// Impacts slower than this are plastic whatever the restitution \[m/s\]: here bounces that accumulate end in contact.
+    pub plastic_speed: f64,
     /// Polynomial degree k of the moment field, in [`ORDER_RANGE`].
     pub order: usize,
     /// Start values.
@@ -137,6 +175,10 @@ impl Default for Parameters {
             torque_channel: Channel::TORQUE,
             force_channel: Channel::FORCE,
             actuator_model: ActuatorModel::default(),
+            contact_model: ContactModel::default(),
+            faces: [Face::default(); 2],
+            restitution: 0.0,
+            plastic_speed: 1e-6,
             order: 8,
             start: Start::default(),
         }

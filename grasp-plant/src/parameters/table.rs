@@ -1,6 +1,6 @@
 //! The parameters by name, with unit and range: what is declared and what is checked.
 
-use super::{Arm, Channel, ORDER_RANGE, Parameters, Start};
+use super::{Arm, Channel, Face, ORDER_RANGE, Parameters, Start};
 use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
 
 /// The largest magnitude of any parameter, in its SI unit: far beyond anything physical.
@@ -17,6 +17,26 @@ impl Arm {
         parameter!("rho{}", "kg/m", POSITIVE, "Mass per length of arm {}", rho),
         parameter!("m{}", "kg", POSITIVE, "Point mass at the tip of arm {}", tip_mass),
         parameter!("J{}", "kg.m2", POSITIVE, "Moment of inertia of hub {}", hub_inertia),
+    ];
+}
+
+impl Face {
+    /// The parameters of each face of a compliant object.
+    pub const PARAMETERS: [Parameter<Self>; 2] = [
+        parameter!(
+            "contact_stiffness{}",
+            "N/m",
+            POSITIVE,
+            "Stiffness of the object's face at tip {}, with contact_model = compliant",
+            stiffness
+        ),
+        parameter!(
+            "contact_damping{}",
+            "N.s/m",
+            NOT_NEGATIVE,
+            "Damping of the object's face at tip {}, with contact_model = compliant",
+            damping
+        ),
     ];
 }
 
@@ -82,7 +102,7 @@ impl Start {
 
 impl Parameters {
     /// The parameters of the plant as a whole. The rest: [`order`](Self::order) in [`ORDER_RANGE`], and the tables of
-    /// [`Arm`], [`Channel`] and [`Start`].
+    /// [`Arm`], [`Face`], [`Channel`] and [`Start`].
     pub const COMMON: [Parameter<Self>; 6] = [
         parameter!("l", "m", POSITIVE, "Length of each arm", length),
         parameter!(
@@ -116,6 +136,24 @@ impl Parameters {
         ),
     ];
 
+    /// The parameters of impacts on rigid faces that can open.
+    pub const IMPACT: [Parameter<Self>; 2] = [
+        parameter!(
+            "restitution",
+            "1",
+            Range::new(0.0, 1.0),
+            "Coefficient of restitution of impacts, with contact_model = unilateral; 0 = plastic, 1 = elastic",
+            restitution
+        ),
+        parameter!(
+            "plastic_speed",
+            "m/s",
+            POSITIVE,
+            "Impacts slower than this are plastic whatever the restitution, so that bounces end in contact",
+            plastic_speed
+        ),
+    ];
+
     /// Checks every parameter against its range.
     ///
     /// # Errors
@@ -123,6 +161,8 @@ impl Parameters {
     pub fn validate(&self) -> Result<(), InvalidParameter> {
         check_family(&Arm::PARAMETERS, &self.arms)?;
         check(&Self::COMMON, self)?;
+        check_family(&Face::PARAMETERS, &self.faces)?;
+        check(&Self::IMPACT, self)?;
         let (least, greatest) = (*ORDER_RANGE.start() as f64, *ORDER_RANGE.end() as f64);
         Admissible::Within(Range::new(least, greatest)).check("order", self.order as f64)?;
         self.torque_channel.check(&Channel::TORQUE_PARAMETERS)?;
@@ -140,7 +180,7 @@ mod tests {
     #[test]
     fn every_parameter_is_checked_by_name() {
         type Spoil = fn(&mut Parameters, f64);
-        let spoilers: [(&str, Spoil, &[f64]); 32] = [
+        let spoilers: [(&str, Spoil, &[f64]); 38] = [
             ("EI1", |p, v| p.arms[0].ei = v, &[0.0, -1.0]),
             ("EI2", |p, v| p.arms[1].ei = v, &[0.0, -1.0]),
             ("rho1", |p, v| p.arms[0].rho = v, &[0.0, -1.0]),
@@ -155,6 +195,12 @@ mod tests {
             ("root_uncertainty", |p, v| p.root_uncertainty = v, &[-1e-3]),
             ("tip_uncertainty", |p, v| p.tip_uncertainty = v, &[-1e-3]),
             ("kelvin_voigt", |p, v| p.kelvin_voigt = v, &[-1e-3]),
+            ("contact_stiffness1", |p, v| p.faces[0].stiffness = v, &[0.0, -1.0]),
+            ("contact_stiffness2", |p, v| p.faces[1].stiffness = v, &[0.0, -1.0]),
+            ("contact_damping1", |p, v| p.faces[0].damping = v, &[-1e-3]),
+            ("contact_damping2", |p, v| p.faces[1].damping = v, &[-1e-3]),
+            ("restitution", |p, v| p.restitution = v, &[-0.1, 1.1]),
+            ("plastic_speed", |p, v| p.plastic_speed = v, &[0.0, -1.0]),
             ("k_M1", |p, v| p.torque_channel.k_max = v, &[0.1, -1.0]),
             ("k_m1", |p, v| p.torque_channel.k_min = v, &[-0.1, 1.0]),
             ("m_r1", |p, v| p.torque_channel.m_r = v, &[-0.1]),

@@ -2,7 +2,7 @@
 
 use super::Plant;
 use crate::kernel::narrow::narrowly;
-use crate::parameters::{ActuatorModel, Arm, Parameters};
+use crate::parameters::{ActuatorModel, Arm, ContactModel, Parameters};
 use crate::propagator::Propagator;
 use crate::signals::Inputs;
 
@@ -10,13 +10,15 @@ const STEP: f64 = 1e-3;
 const STEPS: usize = 200;
 
 /// Plants that take every branch of the set-up: skew and damped, equal and unequal arms, one panel of rows and several.
-fn plants() -> [Parameters; 4] {
+fn plants() -> [Parameters; 6] {
     let conservative = Parameters { root_uncertainty: 0.0, tip_uncertainty: 0.0, ..Parameters::default() };
     let stiff = Arm { ei: 0.4, hub_inertia: 0.01, ..Arm::default() };
     [
         Parameters::default(),
         Parameters { order: 4, ..conservative.clone() },
         Parameters { order: 15, arms: [Arm::default(), stiff], ..conservative },
+        Parameters { contact_model: ContactModel::Unilateral, ..Parameters::default() },
+        Parameters { contact_model: ContactModel::Compliant, ..Parameters::default() },
         Parameters { order: 24, kelvin_voigt: 1e-3, actuator_model: ActuatorModel::Ideal, ..Parameters::default() },
     ]
 }
@@ -49,6 +51,7 @@ fn numbers(parameters: &Parameters) -> Vec<u64> {
         numbers.extend([state.supplied_energy, plant.energy()]);
         numbers.extend(plant.deflection().as_flattened());
         numbers.extend(plant.constraint());
+        numbers.extend(plant.contact().gap.iter().chain(&plant.contact().indentation).chain([&plant.contact().loss]));
     }
     numbers.into_iter().map(f64::to_bits).collect()
 }

@@ -7,7 +7,8 @@
 //! θ_i = (w_i(l) + y_M − L/2)/l,    ẋ = A x + B g(u),    ẏ_M = v,    Ė_supplied = gᵀ Bᵀ x,
 //! ```
 //!
-//! so the constraint holds to rounding whatever a solver's error. ½|x|² is the total energy: all x have one scale.
+//! so the constraint holds to rounding whatever a solver's error. ½|x|² is the total energy: all x have one scale. A grasp that
+//! can open ([`Plant::can_open`]) has no such form.
 
 use super::Plant;
 use super::model::Model;
@@ -74,12 +75,15 @@ impl Plant {
     /// Puts the plant into these continuous states; the hub angles follow from (12).
     ///
     /// # Errors
-    /// If the number of states is another one, or a state is not finite or so large that outputs are not; the plant is
+    /// If the grasp can open, the number of states is another one, or a state is not finite or so large that outputs are not; the plant is
     /// then as it was before.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), StateError> {
         let (found, expected) = (states.len(), self.state_count());
         if found != expected {
             return Err(StateError::Length { found, expected });
+        }
+        if self.can_open() {
+            return Err(StateError::Contact);
         }
         let (coordinates, others) = self.split(states);
         let signals = self.model.dynamics.signals(coordinates);
@@ -148,6 +152,7 @@ impl Plant {
             constraint: [0.0; 2],
             energy: dot(&self.state.coordinates, x),
             supplied_energy: supplied,
+            contact: crate::Contact::default(),
         }
     }
 

@@ -7,15 +7,17 @@ mod model;
 mod outputs;
 mod step;
 
+use crate::contact::Contacts;
 use crate::dynamics::Signals;
 use crate::kernel::LANES;
 use crate::parameters::Parameters;
 use crate::propagator::Cache;
 use crate::state::{State, StateError};
 use crate::state_space::StateSpace;
-use model::Model;
+pub(crate) use model::{MAX_KINK_TIMES, Model};
 use parameter_table::InvalidParameter;
 use std::sync::Arc;
+pub(crate) use step::{all_usable, at, flush};
 
 /// Into how many parts a step is divided at most, if it is too long for one piece: seconds of computing time.
 const MOST_PARTS: u32 = 1 << 22;
@@ -43,6 +45,8 @@ pub struct Plant {
     signals: Signals,
     cache: Cache,
     work: Workspace,
+    /// What takes over where the grasp can open.
+    contacts: Option<Box<Contacts>>,
 }
 
 /// Buffers of a step, so that it does not allocate.
@@ -63,26 +67,46 @@ impl Plant {
     pub fn new(parameters: Parameters) -> Result<Self, InvalidParameter> {
         parameters.validate()?;
         let model = Model::new(parameters);
-        let state = State::start(&model.parameters, &model.dynamics);
+        let (contacts, state) = match Contacts::new(&model.parameters, model.dynamics.tip_compliance) {
+            Some((contacts, state)) => (Some(Box::new(contacts)), state),
+            None => (None, State::start(&model.parameters, &model.dynamics)),
+        };
         let size = model.extended.layout.size();
         let work = Workspace {
             drive: vec![0.0; size],
             increment: vec![[0.0; LANES]; size.div_ceil(LANES)],
             next: state.clone(),
         };
-        Ok(Self {
-            signals: model.dynamics.signals(&state.coordinates),
+        let mut plant = Self {
+            signals: Signals::default(),
             model: Arc::new(model),
             state,
             cache: Cache::default(),
             work,
-        })
+            contacts,
+        };
+        plant.read_signals();
+        Ok(plant)
+    }
+
+    /// Makes the signals those of the state.
+    fn read_signals(&mut self) {
+        self.signals = match &self.contacts {
+            None => self.model.dynamics.signals(&self.state.coordinates),
+            Some(contacts) => contacts.signals(&self.state.coordinates),
+        };
     }
 
     /// The parameters.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.model.parameters
+    }
+
+    /// Whether tips can leave the object: then it is [`step`](Self::step) alone that moves the plant, from switch to switch.
+    #[must_use]
+    pub fn can_open(&self) -> bool {
+        self.contacts.is_some()
     }
 
     /// The state.
@@ -105,19 +129,30 @@ impl Plant {
         if !values.all(|value| value.is_finite()) {
             return Err(StateError::NotFinite);
         }
+        if self.contacts.is_some() {
+            Contacts::check(state)?;
+        } else if state.contact.is_some() {
+            return Err(StateError::Contact);
+        }
+        if let (Some(own), Some(contact)) = (&mut self.state.contact, &state.contact) {
+            **own = **contact;
+        }
         self.state.coordinates.copy_from_slice(&state.coordinates);
         self.state.position = state.position;
         self.state.carry = state.carry;
         self.state.supplied_energy = state.supplied_energy;
         self.state.sizes = state.sizes;
-        self.signals = self.model.dynamics.signals(&self.state.coordinates);
+        self.read_signals();
         Ok(())
     }
 
     /// Returns to the start. What was computed for the step sizes in use is kept.
     pub fn reset(&mut self) {
-        self.state = State::start(&self.model.parameters, &self.model.dynamics);
-        self.signals = self.model.dynamics.signals(&self.state.coordinates);
+        self.state = match &self.contacts {
+            None => State::start(&self.model.parameters, &self.model.dynamics),
+            Some(contacts) => contacts.start(&self.model.parameters),
+        };
+        self.read_signals();
     }
 
     /// The longest step this plant takes \[s\]: [`LONGEST_STEP`](crate::LONGEST_STEP) at the default parameters of every
@@ -130,17 +165,19 @@ impl Plant {
     /// The longest step done in one piece \[s\].
     #[must_use]
     pub fn longest_part(&self) -> f64 {
-        self.model.extended.longest_step
+        self.contacts.as_ref().map_or(self.model.extended.longest_step, |contacts| contacts.longest_part())
     }
 
     /// Coefficients of the velocity fields, then √J_i θ̇_i and √m ẏ_M, from the velocity coordinates of the state.
     pub(crate) fn physical_velocities(&self, coordinates: &[f64]) -> Vec<f64> {
         let mut velocities = coordinates.to_vec();
-        self.model.dynamics.reflect(&mut velocities);
+        if self.contacts.is_none() {
+            self.model.dynamics.reflect(&mut velocities);
+        }
         velocities
     }
 
-    /// The plant as a linear system.
+    /// The plant as a linear system, both tips held to the object.
     #[must_use]
     pub fn state_space(&self) -> StateSpace {
         StateSpace::new(&self.model.dynamics)

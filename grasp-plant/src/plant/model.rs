@@ -8,7 +8,7 @@ use crate::signals::{Direct, Inputs};
 
 /// What follows from the parameters alone.
 #[derive(Debug)]
-pub(super) struct Model {
+pub(crate) struct Model {
     pub parameters: Parameters,
     pub dynamics: Dynamics,
     pub extended: Extended,
@@ -16,7 +16,7 @@ pub(super) struct Model {
 }
 
 /// Most kinks that three ramps can meet.
-pub(super) const MAX_KINK_TIMES: usize = FORCES * Actuator::MAX_KINKS;
+pub(crate) const MAX_KINK_TIMES: usize = FORCES * Actuator::MAX_KINKS;
 
 impl Model {
     /// Assembles the plant of valid parameters.

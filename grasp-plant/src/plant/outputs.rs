@@ -3,6 +3,7 @@
 use super::Plant;
 use super::model::Model;
 use crate::beam::DEFLECTION_POINTS;
+use crate::contact::{Contact, ContactState, Contacts};
 use crate::dynamics::{
     FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, Signals, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY, builtin_forces,
 };
@@ -25,7 +26,16 @@ impl Plant {
     pub fn direct(&self, inputs: &Inputs) -> Direct {
         let commands = inputs.commands();
         let applied = std::array::from_fn(|i| self.model.actuators[i].output(commands[i]));
+        if let Some(contacts) = &self.contacts {
+            return opening_direct(&applied, contacts.force(&self.state, &self.model.forces(inputs)));
+        }
         self.model.direct(&self.signals, &applied, &inputs.disturbances())
+    }
+
+    /// The contacts: closed gaps and no losses, unless the grasp can open.
+    #[must_use]
+    pub fn contact(&self) -> Contact {
+        self.contacts.as_ref().map_or_else(Contact::default, |contacts| contacts.contact(&self.state))
     }
 
     /// Whether the actuators are at their limits with these commands: those of the hubs, that of the object.
@@ -41,13 +51,18 @@ impl Plant {
     #[must_use]
     pub fn direct_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Direct {
         let applied = self.model.command_response(inputs, direction);
+        if let Some(contacts) = &self.contacts {
+            let change = self.model.force_rates(inputs, direction);
+            let force = contacts.force_derivative(&self.state, &self.model.forces(inputs), &change);
+            return opening_direct(&applied, force);
+        }
         self.model.direct(&Signals::default(), &applied, &direction.disturbances())
     }
 
     /// The built-in uncertainties at this moment.
     #[must_use]
     pub fn uncertainty(&self) -> Uncertainty {
-        uncertainty(&self.model.parameters, &self.signals)
+        held(self.state.contact.as_deref(), uncertainty(&self.model.parameters, &self.signals))
     }
 
     /// Deflections w_i at eleven equally spaced points x = 0 … l \[m\], by arm.
@@ -89,6 +104,9 @@ impl Plant {
     /// Time derivatives of all outputs for inputs that change with the given rates: analytic, from ẋ = A x + B g.
     #[must_use]
     pub fn rates(&self, inputs: &Inputs, input_rates: &Inputs) -> Rates {
+        if let Some(contacts) = &self.contacts {
+            return self.opening_rates(contacts, inputs, input_rates);
+        }
         let Model { dynamics, parameters, .. } = &*self.model;
         let n = self.state.coordinates.len();
         let x = &self.state.coordinates[..];
@@ -114,7 +132,44 @@ impl Plant {
             constraint: self.model.constraint(rate, &velocity),
             energy: dot(x, rate),
             supplied_energy: dot(&forces, &velocity),
+            contact: Contact::default(),
         }
+    }
+
+    /// [`Self::rates`] where the grasp can open.
+    fn opening_rates(&self, contacts: &Contacts, inputs: &Inputs, input_rates: &Inputs) -> Rates {
+        let Model { dynamics, parameters, .. } = &*self.model;
+        let x = &self.state.coordinates[..];
+        let (forces, force_rates) = (self.model.forces(inputs), self.model.force_rates(inputs, input_rates));
+        let moment = contacts.moment(&self.state, &forces, &force_rates);
+        let rate = &moment.coordinates.as_flattened()[..x.len()];
+        let signals = contacts.signals(rate);
+        let velocity = VELOCITY.map(|index| self.signals[index]);
+        Rates {
+            measured: measured(&velocity, &signals),
+            direct: opening_direct(&self.model.command_response(inputs, input_rates), moment.force),
+            uncertainty: held(self.state.contact.as_deref(), uncertainty(parameters, &signals)),
+            deflection: [0, 1].map(|arm| dynamics.deflection(arm, rate)),
+            tip_deflection: self.model.tip_deflection(rate),
+            constraint: self.model.constraint(rate, &velocity),
+            energy: dot(x, rate),
+            supplied_energy: dot(&forces, &velocity),
+            contact: moment.contact,
+        }
+    }
+}
+
+/// Direct outputs from contact forces.
+fn opening_direct(applied: &[f64; FORCES], contact_force: [f64; 2]) -> Direct {
+    let lambda = Contacts::lambda(contact_force);
+    Direct { torque: [applied[0], applied[1]], force: applied[2], lambda, contact_force }
+}
+
+/// The built-in ΔF is there while both tips touch.
+fn held(contact: Option<&ContactState>, uncertainty: Uncertainty) -> Uncertainty {
+    match contact {
+        Some(contact) if contact.touching != [true; 2] => Uncertainty { delta_force: 0.0, ..uncertainty },
+        _ => uncertainty,
     }
 }
 

@@ -33,6 +33,9 @@ impl Plant {
         if !(inputs.is_finite() && rates.is_finite()) {
             return Err(StepError::InputNotFinite);
         }
+        if let Some(contacts) = &mut self.contacts {
+            return contacts.step(&self.model, &mut self.state, &mut self.signals, h, inputs, rates);
+        }
         if h > self.longest_part() {
             return self.long_step(h, inputs, rates);
         }
@@ -157,7 +160,7 @@ impl Plant {
 }
 
 /// Makes what is [`NEGLIGIBLE`] zero.
-fn flush(coordinates: &mut [f64]) {
+pub(crate) fn flush(coordinates: &mut [f64]) {
     for x in coordinates {
         *x = if x.abs() < NEGLIGIBLE { 0.0 } else { *x };
     }
@@ -169,7 +172,7 @@ const REACH: f64 = 1e208;
 
 /// Whether all numbers are so far from the ends of the floating-point numbers that every output made of them is finite. Several
 /// at a time: what is infinite, or no number, stays so in a sum.
-pub(super) fn all_usable(numbers: &[f64]) -> bool {
+pub(crate) fn all_usable(numbers: &[f64]) -> bool {
     let (chunks, rest) = numbers.as_chunks::<4>();
     let mut sums = [0.0; 4];
     for chunk in chunks {
@@ -182,7 +185,7 @@ pub(super) fn all_usable(numbers: &[f64]) -> bool {
 }
 
 /// Inputs at time t of a ramp.
-fn at(inputs: &Inputs, rates: &Inputs, t: f64) -> Inputs {
+pub(crate) fn at(inputs: &Inputs, rates: &Inputs, t: f64) -> Inputs {
     let pair = |value: [f64; 2], rate: [f64; 2]| [value[0] + rate[0] * t, value[1] + rate[1] * t];
     Inputs {
         torque_command: pair(inputs.torque_command, rates.torque_command),

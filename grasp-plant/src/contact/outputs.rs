@@ -1,0 +1,114 @@
+//! Outputs of a grasp that can open, and their derivatives.
+
+use super::Contacts;
+use super::layout::SIGN;
+use super::mode::Mode;
+use crate::dynamics::FORCES;
+use crate::kernel::LANES;
+use crate::state::State;
+
+/// The contacts (or their time derivatives).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Contact {
+    /// Distance between each tip and the face of the object \[m\]: zero while they touch.
+    pub gap: [f64; 2],
+    /// How far each face of a compliant object is pressed in \[m\].
+    pub indentation: [f64; 2],
+    /// Energy lost in impacts and in the object's faces since the start \[J\].
+    pub loss: f64,
+}
+
+/// The rates of everything that moves, at one moment.
+pub(crate) struct Moment {
+    /// Of the coordinates, then padding.
+    pub coordinates: super::mode::Scratch,
+    /// Of the contact forces.
+    pub force: [f64; 2],
+    /// Of the contacts.
+    pub contact: Contact,
+}
+
+impl Contacts {
+    /// The contact forces with g applied, and the mode that follows.
+    fn pushing(&self, state: &State, forces: &[f64; FORCES]) -> ([f64; 2], &Mode) {
+        let (modes, x) = (&*self.modes, &state.coordinates[..]);
+        let touching = state.contact.as_deref().map_or([false; 2], |contact| contact.touching);
+        if modes.rigid {
+            let (force, pushing) = modes.pushing(x, forces, touching, modes.magnitude(x, forces));
+            return (force, modes.mode(pushing));
+        }
+        let mode = modes.mode(touching);
+        ([0, 1].map(|side| mode.force(side, x, forces).max(0.0)), mode)
+    }
+
+    /// The contact forces with g applied \[N\]: positive in compression, zero where nothing touches.
+    pub fn force(&self, state: &State, forces: &[f64; FORCES]) -> [f64; 2] {
+        self.pushing(state, forces).0
+    }
+
+    /// Their change with a change of the forces.
+    pub fn force_derivative(&self, state: &State, forces: &[f64; FORCES], change: &[f64; FORCES]) -> [f64; 2] {
+        let mode = self.pushing(state, forces).1;
+        [0, 1].map(|side| mode.force(side, &[], change))
+    }
+
+    /// Gaps, faces, losses.
+    pub fn contact(&self, state: &State) -> Contact {
+        let Some(contact) = state.contact.as_deref() else { return Contact::default() };
+        let indentation = self.indentation(&state.coordinates);
+        let gap = [0, 1].map(|side| {
+            if contact.touching[side] { 0.0 } else { (contact.clearance[side] + indentation[side]).max(0.0) }
+        });
+        Contact { gap, indentation, loss: contact.loss }
+    }
+
+    fn indentation(&self, x: &[f64]) -> [f64; 2] {
+        if self.modes.rigid {
+            return [0.0; 2];
+        }
+        [0, 1].map(|side| x[self.modes.layout.face(side)] / self.modes.faces[side].stiffness.sqrt())
+    }
+
+    /// The rates with g applied and changing at r.
+    pub fn moment(&self, state: &State, forces: &[f64; FORCES], force_rates: &[f64; FORCES]) -> Moment {
+        let (modes, layout) = (&*self.modes, self.modes.layout);
+        let (n, x) = (layout.size(), &state.coordinates[..]);
+        let contact = state.contact.as_deref().copied().unwrap_or_default();
+        let mode = self.pushing(state, forces).1;
+        let mut z = [[0.0; LANES]; super::layout::Layout::MOST_PANELS];
+        let flat = z.as_flattened_mut();
+        flat[..n].copy_from_slice(x);
+        flat[layout.force()..layout.force_rate()].copy_from_slice(forces);
+        let mut coordinates = [[0.0; LANES]; super::layout::Layout::MOST_PANELS];
+        mode.panels.multiply(&z.as_flattened()[..layout.extended()], &mut coordinates);
+        let rates = coordinates.as_flattened_mut();
+        rates[n..].fill(0.0);
+        let mut of_contact = Contact::default();
+        for side in 0..2 {
+            let opening = modes.opening_rate(x, side);
+            let place = layout.face(side);
+            let touching = if modes.rigid { mode.touching[side] } else { contact.touching[side] };
+            if !modes.rigid {
+                let face = &modes.faces[side];
+                if touching {
+                    of_contact.loss += face.damping * opening * opening;
+                } else if x[place] != 0.0 {
+                    rates[place] = -modes.relaxation[side] * x[place];
+                    of_contact.loss -= x[place] * rates[place];
+                }
+                of_contact.indentation[side] = rates[place] / face.stiffness.sqrt();
+            }
+            if !touching {
+                of_contact.gap[side] = opening + of_contact.indentation[side];
+            }
+        }
+        let force = [0, 1].map(|side| mode.force(side, &rates[..n], force_rates));
+        Moment { coordinates, force, contact: of_contact }
+    }
+
+    /// λ_i of contact forces.
+    pub fn lambda(force: [f64; 2]) -> [f64; 2] {
+        // No negative zeros.
+        [0, 1].map(|side| 0.0 + SIGN[side] * force[side])
+    }
+}
