@@ -199,14 +199,24 @@ def test_native_run_is_that_of_the_fmus(title: str, coupling: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("variant", "scenario"), [("Preload", "preload"), ("Fast", "nabfc-r-fast"), ("Paper", "nabfc"), ("Driven", "nabfc-r")]
+    ("title", "variant", "scenario"),
+    [
+        ("NABFC", "Preload", "preload"),
+        ("NABFC", "Fast", "nabfc-r-fast"),
+        ("NABFC", "Certified", "nabfc-r-certified"),
+        ("NABFC", "Paper", "nabfc"),
+        ("NABFC", "Driven", "nabfc-r"),
+        ("PDS", "Tuned", "pds-tuned"),
+        ("PD", "Tuned", "pd-tuned"),
+        ("PD", "Integral", "pid"),
+    ],
 )
-def test_variants_are_the_scenarios(variant: str, scenario: str) -> None:
-    packaged = run(f"{ssp('NABFC')}#{variant}.ssd", "--stop", "0.05")
-    plain = run(scenario, "--stop", "0.05")
-    assert different(packaged, plain) == []
+def test_variants_are_the_scenarios(title: str, variant: str, scenario: str) -> None:
+    times = ("--stop", "0.05", "--step", "1e-4")
+    packaged = run(f"{ssp(title)}#{variant}.ssd", *times)
+    assert different(packaged, run(scenario, *times)) == []
     if variant != "Driven":
-        assert different(packaged, run("nabfc-r", "--stop", "0.05")) != []
+        assert different(packaged, run({"NABFC": "nabfc-r"}.get(title, title.lower()), *times)) != []
 
 
 def test_driven_variant_takes_references_and_disturbances() -> None:

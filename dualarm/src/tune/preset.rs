@@ -26,7 +26,9 @@ pub fn toml(task: &Task, best: &Best, command: &str) -> String {
         task.seed,
         cases.join(", ")
     );
-    for setting in &task.contender.settings {
+    // What is set and varied only says where the search began.
+    let varied = |name: &String| task.dimensions.iter().any(|dimension| dimension.names.contains(name));
+    for setting in task.contender.settings.iter().filter(|setting| !varied(&setting.target)) {
         let value = match &setting.value {
             // A JSON string is a TOML string.
             Value::Text(text) => serde_json::Value::from(text.as_str()).to_string(),

@@ -53,12 +53,27 @@ pub const GRASPS: [Grasp; 3] = [
     Grasp {
         controller: grasp::NABFC,
         step: 1e-4,
-        presets: &[(PRELOAD, "preload"), ("Fast", "nabfc-r-fast"), ("Paper", "nabfc")],
+        presets: &[
+            (PRELOAD, "preload"),
+            ("Fast", "nabfc-r-fast"),
+            ("Certified", "nabfc-r-certified"),
+            ("Paper", "nabfc"),
+        ],
         instrumented: grasp::NABFC_R,
     },
-    Grasp { controller: grasp::PDS, step: 1e-4, presets: &[(PRELOAD, "preload")], instrumented: grasp::PDS_TUNED },
+    Grasp {
+        controller: grasp::PDS,
+        step: 1e-4,
+        presets: &[(PRELOAD, "preload"), ("Tuned", "pds-tuned")],
+        instrumented: grasp::PDS_TUNED,
+    },
     // With 0.1 ms and a delay, the hub gain excites the arms' higher bending modes.
-    Grasp { controller: grasp::PD, step: 5e-5, presets: &[(PRELOAD, "preload")], instrumented: grasp::PD_TUNED },
+    Grasp {
+        controller: grasp::PD,
+        step: 5e-5,
+        presets: &[(PRELOAD, "preload"), ("Tuned", "pd-tuned"), ("Integral", "pid")],
+        instrumented: grasp::PD_TUNED,
+    },
 ];
 
 /// The variant with references and disturbances as inputs of the system and contact forces as outputs.
