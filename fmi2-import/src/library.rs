@@ -240,6 +240,10 @@ fn open(path: &Path) -> Result<Library, LibraryError> {
 #[cfg(windows)]
 fn open(path: &Path) -> Result<Library, LibraryError> {
     use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library as WindowsLibrary};
+    // The loader takes paths of 260 characters and more in their canonical form only. Short ones it gets as they are, since
+    // libraries that look for their own folder may not know that form.
+    let canonical = (path.as_os_str().len() >= 260).then(|| path.canonicalize().ok()).flatten();
+    let path = canonical.as_deref().unwrap_or(path);
     // SAFETY: loading runs the library's initialisers; the user asked for this FMU to be run.
     unsafe { WindowsLibrary::load_with_flags(path, LOAD_WITH_ALTERED_SEARCH_PATH) }
         .map(Into::into)

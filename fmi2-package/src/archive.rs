@@ -48,12 +48,9 @@ impl Archive {
             _ => Path::new("."),
         };
         let write = || {
-            let mut builder = tempfile::Builder::new();
+            let builder = tempfile::Builder::new();
             #[cfg(unix)]
-            {
-                use std::os::unix::fs::PermissionsExt;
-                builder.permissions(std::fs::Permissions::from_mode(0o666));
-            }
+            let builder = readable_by_others(builder);
             let mut file = builder.tempfile_in(folder)?;
             file.write_all(&bytes)?;
             file.as_file().sync_all()?;
@@ -80,6 +77,14 @@ impl Archive {
         }
         Ok(zip.finish()?.into_inner())
     }
+}
+
+/// With the permissions of any other new file; a temporary one is the user's alone.
+#[cfg(unix)]
+fn readable_by_others(mut builder: tempfile::Builder<'static, 'static>) -> tempfile::Builder<'static, 'static> {
+    use std::os::unix::fs::PermissionsExt;
+    builder.permissions(std::fs::Permissions::from_mode(0o666));
+    builder
 }
 
 /// An archive that is written, and not yet at its place. Dropped, it leaves no trace.

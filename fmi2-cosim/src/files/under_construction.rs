@@ -236,6 +236,9 @@ fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTemp
         let mode = existing.map_or(0o666, |existing| existing.permissions().mode() & 0o666);
         builder.permissions(fs::Permissions::from_mode(mode));
     }
+    // Elsewhere a new file has the permissions of its folder.
+    #[cfg(not(unix))]
+    let _ = existing;
     usual_permissions();
     let (file, path) = builder.tempfile_in(folder)?.into_parts();
     Ok(NamedTempFile::from_parts(out_of_the_way(file), path))
