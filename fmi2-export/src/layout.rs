@@ -91,15 +91,21 @@ pub struct DeclarationError {
 impl<M: Model> Layout<M> {
     /// Checks the declarations and builds the tables.
     pub fn build() -> Result<Self, DeclarationError> {
-        let mut declared = Variables::new();
-        M::variables(&mut declared);
-        let Variables { list, evaluations } = declared;
-
-        let problems = problems(&M::INFO, &list, evaluations.len());
+        let declared = declared::<M>();
+        let problems = problems(&M::INFO, &declared.list, declared.evaluations.len());
         if !problems.is_empty() {
             return Err(DeclarationError { model: M::INFO.name, problems });
         }
+        Ok(Self::of(declared))
+    }
 
+    /// Builds the tables of declarations that were checked when the model was packaged.
+    pub fn of_packaged() -> Self {
+        Self::of(declared())
+    }
+
+    fn of(declared: Variables<M>) -> Self {
+        let Variables { list, evaluations } = declared;
         let mut layout = Self {
             references: Vec::with_capacity(list.len()),
             variables: Vec::new(),
@@ -116,7 +122,7 @@ impl<M: Model> Layout<M> {
             layout.add(index, variable);
         }
         layout.variables = list;
-        Ok(layout)
+        layout
     }
 
     fn add(&mut self, index: u32, variable: &Variable<M>) {
@@ -181,6 +187,12 @@ impl<M: Model> Layout<M> {
     pub fn has_rates(&self) -> bool {
         self.reals.iter().any(|real| real.rate.is_some())
     }
+}
+
+fn declared<M: Model>() -> Variables<M> {
+    let mut variables = Variables::new();
+    M::variables(&mut variables);
+    variables
 }
 
 fn length<T>(list: &[T]) -> u32 {

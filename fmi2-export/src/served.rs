@@ -28,16 +28,20 @@ pub trait Serve: Sync {
 
 /// A model of a library: see [`export!`](crate::export).
 pub struct Exported<M> {
-    identity: Identity,
+    identity: Identity<M>,
     layout: Mutex<Weak<Layout<M>>>,
 }
 
 /// Where a model's GUID is from. A function is named only where it is needed, since what a static names is linked.
-enum Identity {
-    /// The packaging had it compiled in.
+enum Identity<M> {
+    /// The packaging had it compiled in, and has checked the declarations.
     Fixed(&'static str),
     /// The library was built by itself: from the description, when it is first asked for.
-    Computed { describe: fn() -> Result<Description, DeclarationError>, guid: OnceLock<[u8; GUID_LENGTH]> },
+    Computed {
+        layout: fn() -> Result<Layout<M>, DeclarationError>,
+        describe: fn() -> Result<Description, DeclarationError>,
+        guid: OnceLock<[u8; GUID_LENGTH]>,
+    },
 }
 
 impl<M: Model> Exported<M> {
@@ -46,7 +50,7 @@ impl<M: Model> Exported<M> {
     pub const fn new(guid: Option<&'static str>) -> Self {
         let identity = match guid {
             Some(guid) => Identity::Fixed(guid),
-            None => Identity::Computed { describe: describe::<M>, guid: OnceLock::new() },
+            None => Identity::Computed { layout: Layout::build, describe: describe::<M>, guid: OnceLock::new() },
         };
         Self { identity, layout: Mutex::new(Weak::new()) }
     }
@@ -56,7 +60,10 @@ impl<M: Model> Exported<M> {
         if let Some(layout) = shared.upgrade() {
             return Ok(layout);
         }
-        let layout = Arc::new(Layout::build()?);
+        let layout = Arc::new(match &self.identity {
+            Identity::Fixed(_) => Layout::of_packaged(),
+            Identity::Computed { layout, .. } => layout()?,
+        });
         *shared = Arc::downgrade(&layout);
         Ok(layout)
     }
@@ -66,7 +73,7 @@ impl<M: Model> Serve for Exported<M> {
     fn guid(&'static self) -> Result<&'static str, DeclarationError> {
         let (describe, guid) = match &self.identity {
             Identity::Fixed(guid) => return Ok(guid),
-            Identity::Computed { describe, guid } => (describe, guid),
+            Identity::Computed { describe, guid, .. } => (describe, guid),
         };
         let bytes = if let Some(bytes) = guid.get() {
             bytes

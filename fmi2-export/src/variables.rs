@@ -193,7 +193,7 @@ impl<M: 'static> Variables<M> {
         let part = Arc::new(part);
         for row in table {
             let part = Arc::clone(&part);
-            self.row(row, owner, None, move |model| (row.field)(part(model)));
+            self.row(&row, owner, None, f64::access(move |model| (row.field)(part(model))));
         }
         self.since(first)
     }
@@ -214,7 +214,8 @@ impl<M: 'static> Variables<M> {
             let number = (i + 1).to_string();
             for row in table.iter().copied() {
                 let parts = Arc::clone(&parts);
-                self.row(row, Owner::named(&number), Some(i + 1), move |model| (row.field)(&mut parts(model)[i]));
+                let access = f64::access(move |model| (row.field)(&mut parts(model)[i]));
+                self.row(&row, Owner::named(&number), Some(i + 1), access);
             }
         }
         self.since(first)
@@ -226,9 +227,7 @@ impl<M: 'static> Variables<M> {
         role: Role,
         field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        let first = self.list.len();
-        self.add(name.into(), None, role, T::access(field));
-        self.since(first)
+        self.add(name, None, role, T::access(field))
     }
 
     fn array<T: Scalar>(
@@ -251,31 +250,33 @@ impl<M: 'static> Variables<M> {
         self.since(first)
     }
 
-    /// One row of a table, for one part of the model.
-    fn row<T>(
-        &mut self,
-        row: Parameter<T>,
-        owner: Owner<'_>,
-        number: Option<usize>,
-        field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static,
-    ) {
-        let first = self.list.len();
-        self.add(row.name_of(owner), number, Role::PARAMETER, f64::access(field));
-        let builder = self.since(first).range(row.range.min, row.range.max).description(&row.description_of(owner));
+    /// One row of a table, for one part of the model. Not inlined, and without the closure that leads to the field: the
+    /// declarations of a model are many such calls.
+    #[inline(never)]
+    fn row<T>(&mut self, row: &Parameter<T>, owner: Owner<'_>, number: Option<usize>, access: Access<M>) {
+        let builder = self.add(row.name_of(owner), number, Role::PARAMETER, access);
+        let builder = builder.range(row.range.min, row.range.max).description(&row.description_of(owner));
         if !row.unit.is_empty() {
             builder.unit(&row.unit_of(owner));
         }
     }
 
     #[inline(never)]
-    fn add(&mut self, name: String, number: Option<usize>, role: Role, access: Access<M>) {
+    fn add(
+        &mut self,
+        name: impl Into<String>,
+        number: Option<usize>,
+        role: Role,
+        access: Access<M>,
+    ) -> VariableBuilder<'_, M> {
         let variability = match (role.variability, &access) {
             (Variability::Continuous, Access::Real(_)) => Variability::Continuous,
             (Variability::Continuous, _) => Variability::Discrete,
             (other, _) => other,
         };
+        let first = self.list.len();
         self.list.push(Variable {
-            name,
+            name: name.into(),
             number,
             description: String::new(),
             causality: role.causality,
@@ -293,6 +294,7 @@ impl<M: 'static> Variables<M> {
             rate: None,
             mistakes: Vec::new(),
         });
+        self.since(first)
     }
 
     /// What has been declared since there were `first` variables.

@@ -2,7 +2,7 @@
 
 use super::Network;
 use super::axis::NEGLIGIBLE;
-use super::lanes::{LANES, MAX_GROUPS, groups, total};
+use super::lanes::{LANES, Lanes, MAX_GROUPS, groups, total};
 use super::layout::Layout;
 use crate::blocks::exponential::exp_all;
 
@@ -33,31 +33,41 @@ impl<const D: usize> Network<D> {
     #[inline(always)]
     pub(super) fn activate_here(&mut self, x: [f64; D]) {
         self.output = None;
-        // Known sizes let the compiler unroll.
+        self.point = x;
+        // The exponentials come first, once for all sizes: they are most of the code. Known sizes let the compiler unroll the rest.
         match self.layout {
-            Layout::Grid(1) => self.fill_grid::<1>(x),
-            Layout::Grid(2) => self.fill_grid::<2>(x),
-            Layout::Grid(3) => self.fill_grid::<3>(x),
-            Layout::Grid(4) => self.fill_grid::<4>(x),
-            Layout::Grid(5) => self.fill_grid::<5>(x),
-            Layout::Grid(6) => self.fill_grid::<6>(x),
-            Layout::Grid(7) => self.fill_grid::<7>(x),
-            Layout::Grid(8) => self.fill_grid::<8>(x),
-            Layout::Grid(_) => self.fill_grid::<9>(x),
-            Layout::Star(0) => self.fill_star::<1>(x),
-            Layout::Star(1) => self.fill_star::<3>(x),
-            Layout::Star(2) => self.fill_star::<5>(x),
-            Layout::Star(3) => self.fill_star::<7>(x),
-            Layout::Star(_) => self.fill_star::<9>(x),
+            Layout::Grid(nodes) => {
+                let exponentials = self.grid_exponentials(x);
+                match nodes {
+                    1 => self.fill_grid::<1>(&exponentials),
+                    2 => self.fill_grid::<2>(&exponentials),
+                    3 => self.fill_grid::<3>(&exponentials),
+                    4 => self.fill_grid::<4>(&exponentials),
+                    5 => self.fill_grid::<5>(&exponentials),
+                    6 => self.fill_grid::<6>(&exponentials),
+                    7 => self.fill_grid::<7>(&exponentials),
+                    8 => self.fill_grid::<8>(&exponentials),
+                    _ => self.fill_grid::<9>(&exponentials),
+                }
+            }
+            Layout::Star(rings) => {
+                let exponentials = self.star_exponentials(x);
+                match rings {
+                    0 => self.fill_star::<1>(&exponentials),
+                    1 => self.fill_star::<3>(&exponentials),
+                    2 => self.fill_star::<5>(&exponentials),
+                    3 => self.fill_star::<7>(&exponentials),
+                    _ => self.fill_star::<9>(&exponentials),
+                }
+            }
         }
     }
 
-    /// Tensor product of all axes but the first, the last one running fastest; `N` nodes per axis.
+    /// exp(−x²/b²) of each axis, then exp(xΔ/b²): all at once.
     #[inline(always)]
-    fn fill_grid<const N: usize>(&mut self, x: [f64; D]) {
+    fn grid_exponentials(&self, x: [f64; D]) -> [Lanes; 2 * MAX_GROUPS] {
         let axis = &self.axis;
         let groups = groups(D);
-        // exp(−x²/b²), then exp(xΔ/b²): all at once.
         let mut exponentials = [[0.0; LANES]; 2 * MAX_GROUPS];
         for (group, x) in axis.clamped(x).iter().enumerate().take(groups) {
             for lane in 0..LANES {
@@ -66,6 +76,37 @@ impl<const D: usize> Network<D> {
             }
         }
         exp_all(exponentials[..2 * groups].as_flattened_mut());
+        exponentials
+    }
+
+    /// exp(xΔ/b²) of each axis, then exp(−‖x‖²/b²): all at once.
+    #[inline(always)]
+    fn star_exponentials(&self, x: [f64; D]) -> [Lanes; MAX_GROUPS] {
+        let axis = &self.axis;
+        let groups = groups(D);
+        let clamped = axis.clamped(x);
+        let mut squares = [0.0; LANES];
+        for x in clamped {
+            for lane in 0..LANES {
+                squares[lane] += x[lane] * x[lane];
+            }
+        }
+        let mut exponentials = [[0.0; LANES]; MAX_GROUPS];
+        for group in 0..groups {
+            for lane in 0..LANES {
+                exponentials[group][lane] = clamped[group][lane] * axis.spacing * axis.sharpness;
+            }
+        }
+        exponentials[D / LANES][D % LANES] = -total(squares) * axis.sharpness;
+        exp_all(exponentials[..groups].as_flattened_mut());
+        exponentials
+    }
+
+    /// Tensor product of all axes but the first, the last one running fastest; `N` nodes per axis.
+    #[inline(always)]
+    fn fill_grid<const N: usize>(&mut self, exponentials: &[Lanes; 2 * MAX_GROUPS]) {
+        let axis = &self.axis;
+        let groups = groups(D);
         let mut values = [[[0.0; LANES]; N]; MAX_GROUPS];
         for group in 0..groups {
             values[group] = axis.values::<N>(exponentials[group], exponentials[groups + group]);
@@ -91,30 +132,13 @@ impl<const D: usize> Network<D> {
             }
             filled *= N;
         }
-        self.point = x;
     }
 
     /// The origin, then the positions from −1 to 1 without the origin; `N` nodes per axis.
     #[inline(always)]
-    fn fill_star<const N: usize>(&mut self, x: [f64; D]) {
+    fn fill_star<const N: usize>(&mut self, exponentials: &[Lanes; MAX_GROUPS]) {
         let axis = &self.axis;
         let groups = groups(D);
-        let clamped = axis.clamped(x);
-        let mut squares = [0.0; LANES];
-        for x in clamped {
-            for lane in 0..LANES {
-                squares[lane] += x[lane] * x[lane];
-            }
-        }
-        // exp(xΔ/b²) of each axis, then exp(−‖x‖²/b²): all at once.
-        let mut exponentials = [[0.0; LANES]; MAX_GROUPS];
-        for group in 0..groups {
-            for lane in 0..LANES {
-                exponentials[group][lane] = clamped[group][lane] * axis.spacing * axis.sharpness;
-            }
-        }
-        exponentials[D / LANES][D % LANES] = -total(squares) * axis.sharpness;
-        exp_all(exponentials[..groups].as_flattened_mut());
         // One axis alone makes ‖x‖²/b² at most 370. So where it is 460, the other axes leave nothing of any node.
         let common = exponentials[D / LANES][D % LANES];
         let common = if common > NOTHING_IS_NEAR { common } else { 0.0 };
@@ -134,6 +158,5 @@ impl<const D: usize> Network<D> {
                 nodes[(middle + position) * groups + group] = values[middle + 1 + position];
             }
         }
-        self.point = x;
     }
 }
