@@ -1,7 +1,10 @@
-"""What a release offers besides the FMUs: the tool with the FMUs as one archive, the Python wheel, checksums.
+"""What a release offers besides the FMUs: the tool with the FMUs as one archive, the Python wheel, notes, checksums.
 
     python downloads.py wheel --fmus dist --tool target/release/dualarm --platform linux64 --out FOLDER
     python downloads.py archive --fmus dist --tool target/release/dualarm --platform linux64 --out FOLDER
+    python downloads.py glibc FOLDER
+    python downloads.py tested RECORD FILE...
+    python downloads.py notes FOLDER RECORD...
     python downloads.py checksums FOLDER
 
 The wheel is made by hand, since nothing in it is compiled by Python's tools: a zip archive with a table of its files
@@ -14,6 +17,8 @@ import argparse
 import base64
 import hashlib
 import re
+import subprocess
+import tempfile
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +34,17 @@ TAGS = {
     "darwin64": "macosx_10_12_x86_64",
     "aarch64-darwin": "macosx_11_0_arm64",
 }
+
+
+#: What a platform's libraries and programs are run on where this machine is another one.
+STAND_INS = {
+    "linux64": "with the C library of Debian 11 (glibc 2.31)",
+    "aarch64-linux": "under qemu",
+    "win64": "under wine",
+}
+
+#: The glibc that libraries and programs for Linux are linked for.
+OLDEST_GLIBC = (2, 17)
 
 
 def version() -> str:
@@ -112,6 +128,92 @@ def archive(fmus: Path, tool: Path, platform: str, out: Path) -> Path:
     return path
 
 
+def programs(file: Path) -> dict[str, bytes]:
+    """Libraries and programs by their names in an FMU, in an archive of the tool, or alone."""
+    if file.suffix not in (".fmu", ".zip"):
+        return {file.name: file.read_bytes()}
+    with zipfile.ZipFile(file) as archive:
+        names = [name for name in archive.namelist() if re.search(r"(^|/)binaries/|(^|/)dualarm(\.exe)?$", name)]
+        return {name: archive.read(name) for name in names}
+
+
+def released(folder: Path) -> Iterator[tuple[str, str, bytes]]:
+    """What runs of a release: the platform, what it is, its bytes."""
+    for fmu in sorted((folder / "fmus").glob("*.fmu")):
+        for name, content in programs(fmu).items():
+            yield name.split("/")[1], "library", content
+    for packed in sorted(folder.glob("dualarm-*.zip")):
+        platform = packed.stem.removeprefix(f"dualarm-{version()}-")
+        for content in programs(packed).values():
+            yield platform, "tool", content
+
+
+def check_glibc(folder: Path) -> None:
+    """Has `objdump` say which glibc the libraries and programs for Linux want, and holds the FMUs' own words to that."""
+    oldest = ".".join(map(str, OLDEST_GLIBC))
+    counted = 0
+    for platform, what, content in released(folder):
+        if not platform.endswith(("linux64", "-linux")):
+            continue
+        with tempfile.TemporaryDirectory() as place:
+            file = Path(place) / "file"
+            file.write_bytes(content)
+            text = subprocess.run(["objdump", "-T", file], capture_output=True, text=True, check=True).stdout
+        versions = {tuple(map(int, found.split("."))) for found in re.findall(r"GLIBC_([\d.]+)", text)}
+        if not versions or max(versions) > OLDEST_GLIBC:
+            newest = ".".join(map(str, max(versions, default=("?",))))
+            raise SystemExit(f"a {what} for {platform} wants glibc {newest}, newer than {oldest}")
+        counted += 1
+    for fmu in sorted((folder / "fmus").glob("*.fmu")):
+        with zipfile.ZipFile(fmu) as archive:
+            text = archive.read("documentation/externalDependencies.txt").decode()
+        for said in re.findall(r"glibc ([\d.]+) or newer", text):
+            if tuple(map(int, said.split("."))) > OLDEST_GLIBC:
+                raise SystemExit(f"{fmu.name} says that it needs glibc {said}")
+    print(f"{counted} libraries and programs for Linux want glibc {oldest} or older")
+
+
+def tested(record: Path, files: list[Path]) -> None:
+    """Notes which libraries and programs of a platform, after which the record is named, have passed their tests."""
+    of_platform = f"binaries/{record.stem}/"
+    lines = {
+        f"{hashlib.sha256(content).hexdigest()}  {Path(name).name}\n"
+        for file in files
+        for name, content in programs(file).items()
+        if name == file.name or name.startswith(of_platform)
+    }
+    record.parent.mkdir(parents=True, exist_ok=True)
+    record.write_text("".join(sorted(lines)), "utf-8", newline="\n")
+
+
+def notes(folder: Path, records: list[Path]) -> None:
+    """`NOTES.md`: what the changelog says of the newest version, and what was run of what is here."""
+    _, _, rest = (ROOT / "CHANGELOG.md").read_text("utf-8").partition("\n## ")
+    _, _, section = rest.split("\n## ")[0].partition("\n")
+    passed = {
+        (record.stem, line.split()[0]): "in its wheel" if record.parent.name == "wheel" else STAND_INS[record.stem]
+        for record in records
+        if record.is_file()
+        for line in record.read_text("utf-8").splitlines()
+    }
+    kinds: dict[tuple[str, str], set[str]] = {}
+    for platform, what, content in released(folder):
+        how = passed.get((platform, hashlib.sha256(content).hexdigest()), "")
+        kinds.setdefault((platform, what), set()).add(how)
+    lines = [
+        f"| `{platform}` | {'libraries in the FMUs' if what == 'library' else 'tool'} | "
+        + ("built, run by nobody: **unverified**" if "" in ways else f"tested {' and '.join(sorted(ways))}")
+        + " |\n"
+        for (platform, what), ways in sorted(kinds.items())
+    ]
+    table = "| platform | what | |\n|:--|:--|:--|\n" + "".join(lines)
+    needs = "What each library needs is in `documentation/externalDependencies.txt` of its FMU.\n"
+    (folder / "NOTES.md").write_text(
+        f"{section.strip()}\n\n### Platforms\n{table}\n{needs}", "utf-8", newline="\n"
+    )
+    print(folder / "NOTES.md")
+
+
 def checksums(folder: Path) -> None:
     """`SHA256SUMS`, which `sha256sum --check` reads."""
     files = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != "SHA256SUMS")
@@ -132,9 +234,24 @@ def main() -> None:
         command.add_argument("--tool", type=Path, required=True, help="the program dualarm for the platform")
         command.add_argument("--platform", choices=TAGS, required=True)
         command.add_argument("--out", type=Path, required=True)
-    commands.add_parser("checksums").add_argument("folder", type=Path)
+    for name in ("glibc", "checksums"):
+        commands.add_parser(name).add_argument("folder", type=Path)
+    command = commands.add_parser("tested")
+    command.add_argument("record", type=Path)
+    command.add_argument("files", type=Path, nargs="+")
+    command = commands.add_parser("notes")
+    command.add_argument("folder", type=Path)
+    command.add_argument("records", type=Path, nargs="*", help="what `tested` has written")
     options = vars(parser.parse_args())
-    {"wheel": wheel, "archive": archive, "checksums": checksums}[options.pop("command")](**options)
+    functions = {
+        "wheel": wheel,
+        "archive": archive,
+        "glibc": check_glibc,
+        "tested": tested,
+        "notes": notes,
+        "checksums": checksums,
+    }
+    functions[options.pop("command")](**options)
 
 
 if __name__ == "__main__":

@@ -47,7 +47,9 @@ def downloads() -> ModuleType:
 def installed(downloads: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of programs of a clean environment that has the wheel."""
     folder = tmp_path_factory.mktemp("clean environment")
-    wheel = downloads.wheel(DIST, TOOL, PLATFORM, folder)
+    # `cargo xtask release` has one to look at.
+    given = os.environ.get("DUALARM_WHEEL")
+    wheel = Path(given) if given else downloads.wheel(DIST, TOOL, PLATFORM, folder)
     # A pip of its own takes longer to install than all the rest; from 22.3 on another one's can do it.
     has_own = tuple(int(part) for part in version("pip").split(".")[:2]) < (22, 3)
     venv.create(folder / "venv", with_pip=has_own)
@@ -115,3 +117,33 @@ def test_archive_is_unpacked_and_started(downloads: ModuleType, tmp_path: Path) 
     downloads.checksums(tmp_path)
     sums = dict(line.split("  ")[::-1] for line in (tmp_path / "SHA256SUMS").read_text("utf-8").splitlines())
     assert sums[packed.name] == hashlib.sha256(packed.read_bytes()).hexdigest()
+
+
+def test_notes_say_what_was_run(downloads: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What has passed its tests is known by its bytes: a library built anew, or another platform's, has not."""
+    monkeypatch.setattr(downloads, "ROOT", tmp_path)
+    monkeypatch.setattr(downloads, "version", lambda: "1.0.0")
+    (tmp_path / "CHANGELOG.md").write_text("# Changelog\n\n## [Unreleased]\n\n- new\n\n## [1.0.0]\n\n- old\n")
+    (tmp_path / "fmus").mkdir()
+    fmu = tmp_path / "fmus" / "Model.fmu"
+    records = [tmp_path / "win64.sha256", tmp_path / "linux64.sha256"]
+
+    def packed(**libraries: str) -> None:
+        with zipfile.ZipFile(fmu, "w") as archive:
+            for platform, content in libraries.items():
+                archive.writestr(f"binaries/{platform}/Model", content)
+
+    def said() -> str:
+        downloads.notes(tmp_path, records)
+        return (tmp_path / "NOTES.md").read_text("utf-8")
+
+    packed(win64="a", linux64="b")
+    assert said().count("**unverified**") == 2
+    downloads.tested(records[0], [fmu])
+    text = said()
+    assert text.startswith("- new\n\n### Platforms\n")
+    assert "old" not in text
+    assert "| `win64` | libraries in the FMUs | tested under wine |" in text
+    assert "| `linux64` | libraries in the FMUs | built, run by nobody: **unverified** |" in text
+    packed(win64="another", linux64="b")
+    assert said().count("**unverified**") == 2

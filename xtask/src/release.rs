@@ -9,7 +9,7 @@ use std::process::Command;
 use crate::platforms::{self, Compiler};
 use crate::python;
 use crate::steps::{Outcome, Runner, run};
-use crate::tree::Tree;
+use crate::tree::{Tree, works};
 
 /// Platforms besides this machine's that FMUs get libraries for where their compilers are there.
 const OTHERS: [&str; 2] = ["win64", "aarch64-linux"];
@@ -62,22 +62,67 @@ pub fn add(steps: &mut Runner, tree: &Tree, out: &Path, merged: &[PathBuf]) {
         }
         Outcome::Passed
     });
+    // The tool that has passed the tests of its wheel: that of this machine, which is the last.
+    let of_wheel = tree.target.join("platforms").join("wheel").join(format!("{}.sha256", platforms::here()));
+    steps.step("Oldest glibc", || check_glibc(tree, &out));
+    steps.step("Wheel", || {
+        let Some(wheel) = wheel(&out) else { return Outcome::Failed("there is none for this machine".into()) };
+        let mut command = python::command(tree, &["-m", "pytest", "tests/test_wheel.py"]);
+        command.env("DUALARM_WHEEL", wheel);
+        let mut note = python::command(tree, &["python/downloads.py", "tested"]);
+        note.arg(&of_wheel).args(tools.last().map(|(_, tool)| tool));
+        let _ = fs::remove_file(&of_wheel);
+        match run(command) {
+            Outcome::Passed => run(note),
+            other => other,
+        }
+    });
     steps.step("Notes and checksums", || {
-        let changelog = fs::read_to_string(tree.root.join("CHANGELOG.md")).map_err(|error| error.to_string());
-        let notes = changelog.and_then(|text| notes(&text).ok_or_else(|| "CHANGELOG.md has no section".into()));
-        match notes.and_then(|text| fs::write(out.join("NOTES.md"), text).map_err(|error| error.to_string())) {
-            Ok(()) => {
-                let mut command = python::command(tree, &["python/downloads.py", "checksums"]);
-                command.arg(&out);
-                run(command)
-            }
-            Err(problem) => Outcome::Failed(problem),
+        let mut notes = python::command(tree, &["python/downloads.py", "notes"]);
+        notes.arg(&out).args(platforms::records(tree)).arg(&of_wheel);
+        let mut checksums = python::command(tree, &["python/downloads.py", "checksums"]);
+        checksums.arg(&out);
+        match run(notes) {
+            Outcome::Passed => run(checksums),
+            other => other,
         }
     });
 }
 
+/// That what is for Linux needs no newer glibc than we say.
+fn check_glibc(tree: &Tree, out: &Path) -> Outcome {
+    if platforms::here() != "linux64" {
+        return Outcome::Skipped("nothing is built for Linux here".into());
+    }
+    if let Err(missing) = platforms::zigbuild(tree) {
+        return Outcome::Skipped(format!("what is for linux64 needs the glibc of this machine, since {missing}"));
+    }
+    let mut objdump = Command::new("objdump");
+    objdump.arg("--version");
+    if !works(objdump) {
+        return Outcome::Skipped("no objdump (Debian: binutils)".into());
+    }
+    let mut command = python::command(tree, &["python/downloads.py", "glibc"]);
+    command.arg(out);
+    run(command)
+}
+
+/// The wheel for this machine in a folder.
+fn wheel(folder: &Path) -> Option<PathBuf> {
+    let tag = match platforms::here() {
+        "win64" => "win",
+        "darwin64" | "aarch64-darwin" => "macosx",
+        _ => "manylinux",
+    };
+    let mut files = fs::read_dir(folder).ok()?.flatten().map(|entry| entry.path());
+    files.find(|path| {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        path.extension() == Some(OsStr::new("whl")) && name.contains(tag)
+    })
+}
+
 /// How many steps [`add`] adds.
-pub const COUNT: usize = 6 + OTHERS.len();
+pub const COUNT: usize = 8 + OTHERS.len();
 
 fn emptied(folder: &Path) -> std::io::Result<()> {
     if folder.exists() {
@@ -121,29 +166,4 @@ fn with_zig(tree: &Tree, mut command: Command) -> Command {
         command.env("PATH", std::env::join_paths(folders).unwrap_or(path.clone()));
     }
     command
-}
-
-/// What the changelog says of the newest version, and of what nobody has run.
-fn notes(changelog: &str) -> Option<String> {
-    let (_, rest) = changelog.split_once("\n## ")?;
-    let section = rest.split("\n## ").next()?;
-    let (_, text) = section.split_once('\n')?;
-    Some(format!(
-        "{}\n\n### Platforms\nThe libraries for linux64 and win64 are tested; those for aarch64-linux run under emulation. \
-         darwin64 and aarch64-darwin, where they are in the FMUs, were built and not run: **unverified**. What each needs is in \
-         `documentation/externalDependencies.txt` of the FMU.\n",
-        text.trim()
-    ))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn notes_are_those_of_the_newest_version() {
-        let text = notes("# Changelog\n\n## [Unreleased]\n\n### Added\n- new\n\n## [1.0.0]\n\n- old\n").unwrap();
-        assert!(text.starts_with("### Added\n- new\n\n### Platforms\n") && !text.contains("old"), "{text}");
-        assert_eq!(notes("# Changelog\n"), None);
-    }
 }

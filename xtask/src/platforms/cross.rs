@@ -67,6 +67,8 @@ impl Compiler {
             }
             _ => {
                 compiler.target = "x86_64-unknown-linux-gnu";
+                // By the compiler of this machine, and so beside what `dualarm package` builds with zig.
+                compiler.folder.clone_from(&tree.target);
                 compiler.by_zig(tree)?;
             }
         }
@@ -116,8 +118,9 @@ impl Compiler {
 
     /// Builds the tool.
     pub fn program(&self) -> Command {
-        let mut command = self.command(if self.linked_for.is_some() { "zigbuild" } else { "build" });
-        command.args(["--release", "--package", "dualarm", "--bin", "dualarm"]);
+        let mut command = self.command("rustc");
+        // Without names of functions, which are a third of it.
+        command.args(["--release", "--package", "dualarm", "--bin", "dualarm", "--", "-C", "strip=symbols"]);
         command
     }
 

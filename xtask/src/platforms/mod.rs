@@ -55,10 +55,34 @@ fn check(tree: &Tree, platform: &'static str, emulator: &Result<Emulator, String
         Ok(compiler) => compiler,
         Err(missing) => return Outcome::Skipped(format!("{platform}: {missing}")),
     };
+    // What passed before is not what will be built now.
+    let _ = fs::remove_file(record(tree, platform));
     match build(tree, &compiler) {
-        Ok(built) => run(pytest(tree, platform, emulator, &built)),
+        Ok(built) => match run(pytest(tree, platform, emulator, &built)) {
+            Outcome::Passed => run(note(tree, platform, &built)),
+            other => other,
+        },
         Err(outcome) => outcome,
     }
+}
+
+/// Where it stands which libraries and programs of a platform have passed their tests.
+fn record(tree: &Tree, platform: &str) -> PathBuf {
+    tree.target.join("platforms").join(format!("{platform}.sha256"))
+}
+
+/// What [`check`] has left of each platform.
+pub fn records(tree: &Tree) -> Vec<PathBuf> {
+    ["win64", "aarch64-linux", "linux64"].iter().map(|platform| record(tree, platform)).collect()
+}
+
+/// Notes what has passed.
+fn note(tree: &Tree, platform: &str, built: &Built) -> Command {
+    let mut command = python::command(tree, &["python/downloads.py", "tested"]);
+    command.arg(record(tree, platform)).args(&built.tool);
+    let fmus = fs::read_dir(&built.fmus).into_iter().flatten().flatten().map(|entry| entry.path());
+    command.args(fmus.filter(|path| path.extension().is_some_and(|extension| extension == "fmu")));
+    command
 }
 
 /// The platform of this machine, as the tool names it.
