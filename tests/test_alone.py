@@ -84,9 +84,9 @@ def test_outputs_follow_exactly_the_declared_inputs_at_once(name: str, fmus: dic
 
 
 def direct_dependencies(fmu: Fmu) -> dict[str, set[str]]:
-    """What ModelStructure/Outputs says."""
+    """What ModelStructure/Outputs says of inputs."""
     return {
-        unknown.variable.name: {dependency.name for dependency in unknown.dependencies}
+        unknown.variable.name: {known.name for known in unknown.dependencies if known.causality == "input"}
         for unknown in fmu.description.outputs
     }
 

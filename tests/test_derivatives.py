@@ -361,6 +361,7 @@ def test_every_initial_dependency_has_its_derivative(name: str, fmus: dict[str, 
     listed = {
         unknown.variable.name: {known.name for known in unknown.dependencies}
         for unknown in fmu.description.initialUnknowns
+        if unknown.variable.causality == "output"
     }
     knowns = [v.name for v in variables.values() if v.type == "Real" and v.causality in ("input", "parameter")]
     knowns = [known for known in knowns if not known.endswith("_lsb")]

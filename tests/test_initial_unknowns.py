@@ -28,6 +28,7 @@ def test_what_changes_an_output_is_among_its_dependencies(name: str, fmus: dict[
     dependencies = {
         unknown.variable.name: {known.name for known in unknown.dependencies}
         for unknown in fmu.description.initialUnknowns
+        if unknown.variable.causality == "output"
     }
     # Away from rest, with a mass to estimate, so that no dependency hides behind a factor of zero.
     inputs = [v.name for v in variables if v.causality == "input"]

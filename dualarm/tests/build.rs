@@ -76,7 +76,7 @@ fn in_a_child_process() {
     let mut said = Vec::new();
     // One platform: what else could be built for here does not matter.
     let platforms = Platforms { wanted: vec![Platform::here().unwrap()], ..Platforms::default() };
-    let mut run = || package(&root, &out, &platforms, true, &mut |doing| said.push(doing.to_owned()));
+    let mut run = || package(&root, &out, &platforms, None, true, &mut |doing| said.push(doing.to_owned()));
 
     let fmus = run().unwrap().fmus;
     let made = ["controller-fmu.fmu", "instruments-fmu.fmu", "plant-fmu.fmu"];

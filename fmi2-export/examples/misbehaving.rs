@@ -1,7 +1,9 @@
 //! A model that fails in whatever way it is told to, with a variable of every kind: for testing how the C interface
 //! behaves then, and nothing to learn from.
 
-use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{
+    Completed, Declare, EventUpdate, Experiment, Failure, Info, Model, ModelExchange, Moment, Step, Variables,
+};
 use serde::{Deserialize, Serialize, Serializer};
 
 fmi2_export::enumeration! {
@@ -29,6 +31,19 @@ fmi2_export::enumeration! {
         RestorePanics = "restore panics": "A serialised state makes it panic",
         DropPanics = "drop panics": "Its destructor panics",
         PayloadPanics = "payload panics": "A step panics with something whose destructor panics",
+        DerivativesAreNan = "derivatives are NaN": "The state's time derivative is not a number",
+        DerivativesPanic = "derivatives panic": "Computing the state's time derivative panics",
+        IndicatorsAreInfinite = "indicators are infinite": "The event indicators are",
+        IndicatorsPanic = "indicators panic": "Computing the event indicators panics",
+        StatesAreRefused = "states are refused": "The state cannot be what the host sets",
+        StatesPanic = "states panic": "Setting the state panics",
+        UpdateFails = "update fails": "The discrete states cannot be updated",
+        UpdatePanics = "update panics": "Updating the discrete states panics",
+        UpdateNeverEnds = "update never ends": "It wants to be repeated forever, and the simulation to end",
+        CompletedFails = "completed fails": "A completed step is not taken well",
+        CompletedPanics = "completed panics": "A completed step makes it panic",
+        CompletedEnds = "completed ends": "After a completed step it wants the simulation to end",
+        JacobianPanics = "jacobian panics": "The directional derivative with respect to the state panics",
     }
 }
 
@@ -46,6 +61,11 @@ struct Misbehaving {
     limited: f64,
     limited_slope: f64,
     x: f64,
+    #[serde(skip)]
+    x_dot: f64,
+    #[serde(skip)]
+    indicators: [f64; 2],
+    updates: i32,
 }
 
 /// A variable of each causality and variability.
@@ -77,6 +97,7 @@ impl Clone for Misbehaving {
         let mut clone = Self::default();
         (clone.fault, clone.slope, clone.rate, clone.local) = (self.fault, self.slope, self.rate, self.local);
         (clone.x, clone.limited, clone.limited_slope) = (self.x, self.limited, self.limited_slope);
+        (clone.x_dot, clone.indicators, clone.updates) = (self.x_dot, self.indicators, self.updates);
         (clone.real, clone.integer) = (self.real.clone(), self.integer.clone());
         (clone.boolean, clone.string) = (self.boolean.clone(), self.string.clone());
         clone
@@ -101,6 +122,18 @@ impl Misbehaving {
         self.integer.output = self.integer.input.wrapping_add(self.integer.tunable);
         self.boolean.output = self.boolean.input ^ self.boolean.tunable;
         self.string.output = format!("{}{}", self.string.input, self.string.tunable);
+    }
+
+    fn rates(&mut self) {
+        assert!(self.fault != Fault::DerivativesPanic, "derivatives");
+        let nothing = if self.fault == Fault::DerivativesAreNan { f64::NAN } else { 0.0 };
+        self.x_dot = self.real.input - self.x + nothing;
+    }
+
+    fn indicators(&mut self) {
+        assert!(self.fault != Fault::IndicatorsPanic, "indicators");
+        let second = if self.fault == Fault::IndicatorsAreInfinite { f64::INFINITY } else { 1.0 };
+        self.indicators = [self.x - self.real.input, second];
     }
 }
 
@@ -150,6 +183,15 @@ impl Declare for Misbehaving {
             .output("string.output", outputs, |m| &mut m.string.output)
             .depends_on(["string.input"])
             .description("A string output");
+        let (state, rates) = (variables.evaluation(|_| {}), variables.evaluation(Self::rates));
+        variables.local("state", state, |m| &mut m.x).state().nominal(-2.0).description("The continuous state");
+        variables
+            .local("der(state)", rates, |m| &mut m.x_dot)
+            .derivative_of("state")
+            .depends_on(["real.input"])
+            .description("Its rate");
+        let indicators = variables.evaluation(Self::indicators);
+        variables.event_indicators(indicators, |m| &mut m.indicators);
     }
 }
 
@@ -203,6 +245,51 @@ impl Model for Misbehaving {
     fn directional_derivative(&mut self, direction: &mut Self) {
         assert!(self.fault != Fault::DerivativePanics, "derivative");
         direction.real.output = direction.real.input * self.real.tunable;
+    }
+}
+
+impl ModelExchange for Misbehaving {
+    const COMPLETES_STEPS: bool = true;
+
+    fn states_set(&mut self) -> Result<(), Failure> {
+        match self.fault {
+            Fault::StatesAreRefused => Err(Failure::error("states")),
+            Fault::StatesPanic => panic!("states"),
+            _ => Ok(()),
+        }
+    }
+
+    fn new_discrete_states(&mut self, moment: &mut Moment<'_>) -> Result<EventUpdate, Failure> {
+        self.updates = self.updates.wrapping_add(1);
+        match self.fault {
+            Fault::UpdateFails => Err(Failure::discard("update")),
+            Fault::UpdatePanics => panic!("update"),
+            Fault::UpdateNeverEnds => Ok(EventUpdate { again: true, terminate: true, next_time: None }),
+            Fault::StepWarns => {
+                moment.warn(format_args!("100 %s of #r1#"));
+                Ok(EventUpdate { next_time: Some(moment.time + 1.0), ..EventUpdate::default() })
+            }
+            Fault::StepGivesNan => {
+                self.x = f64::NAN;
+                Ok(EventUpdate::default())
+            }
+            _ => Ok(EventUpdate::default()),
+        }
+    }
+
+    fn step_completed(&mut self, _: &mut Moment<'_>) -> Result<Completed, Failure> {
+        match self.fault {
+            Fault::CompletedFails => Err(Failure::error("completed")),
+            Fault::CompletedPanics => panic!("completed"),
+            Fault::CompletedEnds => Ok(Completed::Terminate),
+            _ => Ok(if self.x > self.real.input { Completed::EnterEventMode } else { Completed::Continue }),
+        }
+    }
+
+    fn jacobian_product(&mut self, direction: &mut Self) {
+        assert!(self.fault != Fault::JacobianPanics, "jacobian");
+        direction.real.output = direction.x + direction.real.input * self.real.tunable;
+        direction.x_dot = direction.real.input - direction.x;
     }
 }
 

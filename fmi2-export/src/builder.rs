@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::access::Lens;
+use crate::exchange::{Exchange, ModelExchange};
 use crate::unit::{DisplayUnit, Unit};
 use crate::variable::{Causality, DependencyKind, Variability, Variable};
 use crate::variables::{Evaluation, numbered};
@@ -10,6 +11,8 @@ use crate::variables::{Evaluation, numbered};
 /// Says more about a variable, or about all elements of an array.
 pub struct VariableBuilder<'a, M> {
     pub(crate) variables: &'a mut [Variable<M>],
+    /// Of the whole model.
+    pub(crate) exchange: &'a mut Option<Exchange<M>>,
 }
 
 // Builder methods return the builder for chaining; ending a chain anywhere is fine. They are not inlined: declarations are long
@@ -141,6 +144,20 @@ impl<M: 'static> VariableBuilder<'_, M> {
         })
     }
 
+    /// The continuous states an output, or the time derivative of a state, depends on directly. Without this, all of them. For an
+    /// array, `{}` stands for the element's number, counted from 1.
+    pub fn depends_on_states<S: Into<String>>(self, states: impl IntoIterator<Item = S>) -> Self {
+        self.depends_states(&states.into_iter().map(Into::into).collect::<Vec<String>>())
+    }
+
+    #[inline(never)]
+    fn depends_states(self, states: &[String]) -> Self {
+        self.each(|v| {
+            let its: Vec<_> = states.iter().map(|state| v.numbered(state)).collect();
+            v.depends_on_states.get_or_insert_default().extend(its);
+        })
+    }
+
     /// The field from which the model reads the slope of an input (its unit per second). The host sets it with
     /// `fmi2SetRealInputDerivatives` for the next step; after that step the input stands at the ramp's end and the slope
     /// is zero again.
@@ -195,6 +212,29 @@ impl<M: 'static> VariableBuilder<'_, M> {
             }
         }
         self
+    }
+}
+
+// For models that a host can integrate.
+#[allow(clippy::return_self_not_must_use, clippy::must_use_candidate)]
+impl<M: ModelExchange> VariableBuilder<'_, M> {
+    /// Says that an output or a local variable is a continuous state: the host of a model exchange sets it, and integrates the
+    /// variable that is its [time derivative](Self::derivative_of). States are in the order of their declaration.
+    ///
+    /// Where the state is kept in another form, the field is filled in by the variable's evaluation, and read by
+    /// [`ModelExchange::states_set`].
+    pub fn state(self) -> Self {
+        *self.exchange = Some(Exchange::of());
+        self.each(|v| v.is_state = true)
+    }
+
+    /// Says of which continuous state this output or local variable is the time derivative. For an array, `{}` stands for the
+    /// element's number, counted from 1.
+    ///
+    /// It depends on all inputs and all states, unless [`depends_on`](Self::depends_on) and
+    /// [`depends_on_states`](Self::depends_on_states) say less.
+    pub fn derivative_of(self, state: &str) -> Self {
+        self.each(|v| v.derivative_of = Some(v.numbered(state)))
     }
 }
 

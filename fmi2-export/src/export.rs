@@ -1,6 +1,6 @@
 //! The macro that turns a crate into an FMU's library.
 
-/// Defines the C functions of FMI 2.0 for co-simulation in the crate it is used in, which must be a `cdylib`, and a
+/// Defines the C functions of FMI 2.0, for co-simulation and model exchange, in the crate it is used in, which must be a `cdylib`, and a
 /// static `FMUS` that tells the packaging program which models there are.
 ///
 /// Use it once, with one model or several: they share the library, and `fmi2Instantiate` tells them apart by their GUIDs.
@@ -120,6 +120,18 @@ macro_rules! export_c_functions {
                 fmi2GetBooleanStatus(c: Component, kind: c_int, value: *mut Boolean) -> Status = get_boolean_status;
                 fmi2GetStringStatus(c: Component, kind: c_int, value: *mut *const c_char) -> Status
                     = get_string_status;
+                fmi2EnterEventMode(c: Component) -> Status = enter_event_mode;
+                fmi2NewDiscreteStates(c: Component, info: *mut EventInfo) -> Status = new_discrete_states;
+                fmi2EnterContinuousTimeMode(c: Component) -> Status = enter_continuous_time_mode;
+                fmi2CompletedIntegratorStep(c: Component, no_set_state_before: Boolean, enter_event_mode: *mut Boolean,
+                    terminate_simulation: *mut Boolean) -> Status = completed_integrator_step;
+                fmi2SetTime(c: Component, time: f64) -> Status = set_time;
+                fmi2SetContinuousStates(c: Component, x: *const f64, n: usize) -> Status = set_continuous_states;
+                fmi2GetDerivatives(c: Component, derivatives: *mut f64, n: usize) -> Status = get_derivatives;
+                fmi2GetEventIndicators(c: Component, indicators: *mut f64, n: usize) -> Status = get_event_indicators;
+                fmi2GetContinuousStates(c: Component, x: *mut f64, n: usize) -> Status = get_continuous_states;
+                fmi2GetNominalsOfContinuousStates(c: Component, nominals: *mut f64, n: usize) -> Status
+                    = get_nominals_of_continuous_states;
             }
         }
     };

@@ -21,6 +21,19 @@ pub struct Interface {
     pub interpolates_inputs: bool,
     /// Some outputs have time derivatives.
     pub has_rates: bool,
+    /// What it offers a host that integrates, if anything.
+    pub exchange: Option<ExchangeFacts>,
+}
+
+/// What there is to say about a model that a host can integrate.
+#[derive(Debug)]
+pub struct ExchangeFacts {
+    /// Places among the variables of the continuous states, in their order, each with that of its time derivative.
+    pub states: Vec<(usize, usize)>,
+    /// How many event indicators there are.
+    pub event_indicators: usize,
+    /// The host need not say when a step is completed.
+    pub completed_step_not_needed: bool,
 }
 
 /// What there is to say about a variable.
@@ -53,6 +66,12 @@ pub struct VariableFacts {
     pub depends_on: Vec<(String, DependencyKind)>,
     /// Inputs that its initial value follows from besides.
     pub starts_from: Vec<String>,
+    /// It is a continuous state.
+    pub is_state: bool,
+    /// The state whose time derivative it is.
+    pub derivative_of: Option<String>,
+    /// States it follows at once, if they are not all of them.
+    pub depends_on_states: Option<Vec<String>>,
 }
 
 /// The type of a variable.
@@ -73,6 +92,7 @@ pub enum Kind {
 impl Interface {
     pub(crate) fn of<M: Model>(layout: &Layout<M>) -> Self {
         let mut model = M::default();
+        let place = |reference: u32| layout.reals[reference as usize].slot.variable as usize;
         let facts = |(variable, reference): (&Variable<M>, &Reference)| facts(variable, *reference, &mut model);
         Self {
             info: M::INFO,
@@ -80,6 +100,11 @@ impl Interface {
             enumerations: layout.enumerations.clone(),
             interpolates_inputs: !layout.ramps.is_empty(),
             has_rates: layout.has_rates(),
+            exchange: layout.continuous.as_ref().map(|continuous| ExchangeFacts {
+                states: continuous.states.iter().map(|slot| (place(slot.state), place(slot.derivative))).collect(),
+                event_indicators: continuous.indicator_count,
+                completed_step_not_needed: !continuous.exchange.completes_steps,
+            }),
         }
     }
 }
@@ -108,6 +133,9 @@ fn facts<M>(variable: &Variable<M>, reference: Reference, model: &mut M) -> Vari
         start: is_given.then_some(start),
         depends_on: variable.depends_on.clone(),
         starts_from: variable.starts_from.clone(),
+        is_state: variable.is_state,
+        derivative_of: variable.derivative_of.clone(),
+        depends_on_states: variable.depends_on_states.clone(),
     }
 }
 

@@ -1,18 +1,25 @@
 //! The declared variables, checked and indexed by value reference.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::access::{Access, EnumerationKind, Lens};
+use crate::exchange::Exchange;
 use crate::model::Model;
 use crate::problems::problems;
 use crate::variable::{Causality, Variability, Variable};
-use crate::variables::Variables;
+use crate::variables::{Indicators, Variables};
 
 /// When the host may set a variable: one bit per phase.
 pub(crate) mod settable {
     pub const INSTANTIATED: u8 = 1;
     pub const INITIALIZATION: u8 = 2;
+    /// Between communication steps.
     pub const STEPPING: u8 = 4;
+    /// In event mode of a model exchange.
+    pub const EVENT: u8 = 8;
+    /// In continuous-time mode of a model exchange.
+    pub const CONTINUOUS: u8 = 16;
 }
 
 /// What is the same for a variable of any base type.
@@ -76,6 +83,34 @@ pub(crate) struct Layout<M> {
     /// Value references of the inputs that can be ramps.
     pub ramps: Vec<u32>,
     pub enumerations: Vec<EnumerationKind>,
+    /// What a host that integrates deals with, if the model offers it.
+    pub continuous: Option<Continuous<M>>,
+    /// Where the model reads the time from.
+    pub time: Option<Lens<M, f64>>,
+}
+
+/// The continuous states and the event indicators of a model, and what is called for them.
+pub(crate) struct Continuous<M> {
+    pub exchange: Exchange<M>,
+    /// In the order in which the host has them.
+    pub states: Vec<StateSlot>,
+    /// The evaluations that fill in the states.
+    pub state_evaluations: u64,
+    /// Those that fill in their time derivatives.
+    pub derivative_evaluations: u64,
+    /// What fills in the event indicators, as a bit, and where they are.
+    pub indicators: Option<(u64, Lens<M, [f64]>)>,
+    /// How many there are.
+    pub indicator_count: usize,
+}
+
+/// Value references of a continuous state.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StateSlot {
+    pub state: u32,
+    pub derivative: u32,
+    /// Its order of magnitude, positive.
+    pub nominal: f64,
 }
 
 /// A mistake in a model's declarations. Found when the description is generated or the model instantiated.
@@ -92,7 +127,11 @@ impl<M: Model> Layout<M> {
     /// Checks the declarations and builds the tables.
     pub fn build() -> Result<Self, DeclarationError> {
         let declared = declared::<M>();
-        let problems = problems(&M::INFO, &declared.list, declared.evaluations.len());
+        let mut problems = problems(&M::INFO, &declared.list, declared.evaluations.len());
+        let evaluations = declared.evaluations.len();
+        if declared.indicators.as_ref().is_some_and(|indicators| indicators.evaluation.0 >= evaluations) {
+            problems.push("the event indicators name an evaluation of another model".into());
+        }
         if !problems.is_empty() {
             return Err(DeclarationError { model: M::INFO.name, problems });
         }
@@ -105,7 +144,7 @@ impl<M: Model> Layout<M> {
     }
 
     fn of(declared: Variables<M>) -> Self {
-        let Variables { list, evaluations } = declared;
+        let Variables { list, evaluations, exchange, indicators, time } = declared;
         let mut layout = Self {
             references: Vec::with_capacity(list.len()),
             variables: Vec::new(),
@@ -117,12 +156,52 @@ impl<M: Model> Layout<M> {
             ramps: Vec::new(),
             enumerations: Vec::new(),
             evaluations,
+            continuous: None,
+            time,
         };
         for (index, variable) in (0..).zip(&list) {
             layout.add(index, variable);
         }
         layout.variables = list;
+        if let Some(exchange) = exchange {
+            layout.add_continuous(exchange, indicators);
+        }
         layout
+    }
+
+    fn add_continuous(&mut self, exchange: Exchange<M>, indicators: Option<Indicators<M>>) {
+        let indicators = indicators.map(|indicators| (1 << indicators.evaluation.0, indicators.lens));
+        let count = |(_, lens): &(u64, Lens<M, [f64]>)| lens(&mut M::default()).len();
+        let mut continuous = Continuous {
+            exchange,
+            states: Vec::new(),
+            state_evaluations: 0,
+            derivative_evaluations: 0,
+            indicator_count: indicators.as_ref().map_or(0, count),
+            indicators,
+        };
+        let derivatives: HashMap<&str, u32> = self
+            .variables
+            .iter()
+            .zip(&self.references)
+            .filter_map(|(variable, reference)| Some((variable.derivative_of.as_deref()?, reference.index)))
+            .collect();
+        for (variable, reference) in self.variables.iter().zip(&self.references).filter(|(v, _)| v.is_state) {
+            // Each has one: see `problems`.
+            let Some(derivative) = derivatives.get(variable.name.as_str()) else { continue };
+            let state = reference.index;
+            continuous.states.push(StateSlot {
+                state,
+                derivative: *derivative,
+                nominal: variable.nominal.map_or(1.0, f64::abs),
+            });
+            continuous.state_evaluations |= self.reals[state as usize].slot.evaluation;
+            continuous.derivative_evaluations |= self.reals[*derivative as usize].slot.evaluation;
+        }
+        // Whatever an input is to them, it is not said for each.
+        self.input_dependent |= continuous.derivative_evaluations;
+        self.input_dependent |= continuous.indicators.as_ref().map_or(0, |(evaluation, _)| *evaluation);
+        self.continuous = Some(continuous);
     }
 
     fn add(&mut self, index: u32, variable: &Variable<M>) {
@@ -201,10 +280,14 @@ fn length<T>(list: &[T]) -> u32 {
 
 /// Condition columns 1, 3 and 6 of the table in FMI 2.0.4, section 4.2.4, but inputs may also be set before
 /// initialization: the standard's own example sets "all variable start values" there, and hosts do.
+///
+/// In model exchange columns 1, 3, 4 and 5 of the table in section 3.2.3: in continuous-time mode nothing may jump.
 fn when_settable<M>(variable: &Variable<M>) -> u8 {
     let before_stepping = settable::INSTANTIATED | settable::INITIALIZATION;
+    let running = before_stepping | settable::STEPPING | settable::EVENT;
     match (variable.causality, variable.variability) {
-        (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => before_stepping | settable::STEPPING,
+        (Causality::Input, Variability::Continuous) => running | settable::CONTINUOUS,
+        (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => running,
         (Causality::Parameter, _) => before_stepping,
         (Causality::Output | Causality::Local, _) => 0,
     }

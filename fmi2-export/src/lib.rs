@@ -9,12 +9,16 @@ mod builder;
 mod categories;
 mod difference;
 mod enumeration;
+mod exchange;
+mod exchange_phase;
 mod export;
 #[doc(hidden)]
 pub mod ffi;
 mod handles;
 mod identity;
 mod info;
+#[doc(hidden)]
+pub mod integration;
 mod interface;
 mod layout;
 mod library;
@@ -29,6 +33,7 @@ mod resources;
 mod served;
 mod slave;
 mod snapshot;
+mod states;
 mod status;
 mod unit;
 mod variable;
@@ -38,6 +43,7 @@ mod xml;
 pub use access::Scalar;
 pub use builder::VariableBuilder;
 pub use enumeration::Enumeration;
+pub use exchange::{Completed, EventUpdate, ModelExchange, Moment};
 pub use fmi2_export_derive::{Declare, model};
 #[doc(hidden)]
 pub use identity::fixed as fixed_guid;
@@ -47,8 +53,8 @@ pub use layout::DeclarationError;
 pub use library::Described;
 pub use library::{ExportedModel, Library};
 pub use model::{Declare, Experiment, Failure, Model, Step};
-/// Tables of parameters, which a crate of equations can have without this one.
-pub use parameter_table::{self, Owner, Parameter, Range, parameter};
+/// Tables of parameters and states, which a crate of equations can have without this one.
+pub use parameter_table::{self, Owner, Parameter, Range, StateVariable, parameter};
 pub use resources::Resources;
 #[doc(hidden)]
 pub use serde;

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use crate::interface::Interface;
 use crate::layout::{DeclarationError, Layout};
 use crate::model::Model;
+use crate::phase::Kind;
 use crate::resources::Resources;
 use crate::served::Served;
 use crate::slave::{AnySlave, Slave};
@@ -60,7 +61,7 @@ impl<M: Model> sealed::Internal for Described<M> {
     fn instantiate(&self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
         let layout = Layout::build().map_err(|error| Refusal::error(error.to_string()))?;
         // The GUID guards states that are read from bytes; the packaging reads none.
-        Ok(Box::new(Slave::<M>::new(Arc::new(layout), "", resources.clone())?))
+        Ok(Box::new(Slave::<M>::new(Arc::new(layout), "", Kind::CoSimulation, resources.clone())?))
     }
 }
 

@@ -18,7 +18,8 @@ pub trait Declare: Sized {
     fn variables(variables: &mut Variables<Self>);
 }
 
-/// A model that can be exported as an FMI 2.0 co-simulation slave.
+/// A model that can be exported as an FMI 2.0 co-simulation slave, and for model exchange, if it is a
+/// [`ModelExchange`](crate::ModelExchange), too.
 ///
 /// The struct holds everything: inputs, parameters, outputs and state. Its [`Default`] value is the start value of every
 /// variable. Variables are declared once, in [`Declare::variables`], by giving each a name and the field it lives in; the
@@ -73,7 +74,7 @@ pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send
         Ok(())
     }
 
-    /// Called after the host has changed a tunable parameter while stepping. If it fails, the old value is put back and
+    /// Called after the host has changed a tunable parameter while stepping, or in event mode. If it fails, the old value is put back and
     /// `retuned` is called once more.
     ///
     /// # Errors
@@ -129,12 +130,16 @@ pub struct Step<'a> {
     /// Its size (s), positive and finite.
     pub size: f64,
     pub(crate) warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>),
+    /// The layout of the model's variables, if a host makes the step.
+    pub(crate) layout: Option<&'a dyn std::any::Any>,
+    /// Relative tolerance, if the host has named one.
+    pub(crate) tolerance: Option<f64>,
 }
 
 impl<'a> Step<'a> {
     /// A step outside of any host, for tests and benchmarks; warnings go to `warn`.
     pub fn new(time: f64, size: f64, warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>)) -> Self {
-        Self { time, size, warn }
+        Self { time, size, warn, layout: None, tolerance: None }
     }
 
     /// Tells the host's user something: logged in category `logStatusWarning` with status `fmi2Warning`. The step's own

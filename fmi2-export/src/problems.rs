@@ -64,6 +64,7 @@ pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations:
             }
         }
     }
+    state_problems(list, &mut problems);
     unit_problems(list, &mut problems);
     enumeration_problems(list, &seen, &mut problems);
     problems
@@ -123,6 +124,45 @@ fn value_problems<M>(variable: &Variable<M>, model: &mut M, problems: &mut Vec<S
     };
     if !(start.is_finite() && min <= start && start <= max) {
         problems.push(format!("start value {start} of variable {name} is not in [{min}, {max}]"));
+    }
+}
+
+/// Continuous states and their time derivatives.
+fn state_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
+    let states: HashMap<&str, &Variable<M>> =
+        list.iter().filter(|v| v.is_state).map(|variable| (variable.name.as_str(), variable)).collect();
+    let mut derivatives: HashMap<&str, &str> = HashMap::new();
+    for variable in list {
+        let name = &variable.name;
+        let is_computed = matches!(variable.causality, Causality::Output | Causality::Local);
+        let can_be_one = is_computed && variable.variability == Variability::Continuous;
+        if (variable.is_state || variable.derivative_of.is_some()) && !can_be_one {
+            problems.push(format!(
+                "variable {name} is no continuous output or local variable: it can be no state and no derivative of one"
+            ));
+        }
+        for state in variable.depends_on_states.iter().flatten() {
+            if !states.contains_key(state.as_str()) {
+                problems.push(format!("variable {name} depends on {state}, which is not a state"));
+            }
+        }
+        let Some(of) = &variable.derivative_of else { continue };
+        let Some(state) = states.get(of.as_str()) else {
+            problems.push(format!("variable {name} is the derivative of {of}, which is not a state"));
+            continue;
+        };
+        if let Some(other) = derivatives.insert(of, name) {
+            problems.push(format!("variables {other} and {name} are both the derivative of {of}"));
+        }
+        if let (Some(unit), Some(rate)) = (&state.unit, &variable.unit)
+            && !rate.is_per_second_of(unit)
+        {
+            let (unit, rate) = (unit.name(), rate.name());
+            problems.push(format!("the unit {rate} of {name} is not that of {of}, {unit}, per second"));
+        }
+    }
+    for name in states.keys().filter(|name| !derivatives.contains_key(**name)) {
+        problems.push(format!("state {name} has no derivative"));
     }
 }
 

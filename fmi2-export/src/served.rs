@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 use crate::handles::Handles;
 use crate::layout::{DeclarationError, Layout};
 use crate::model::Model;
+use crate::phase::Kind;
 use crate::resources::Resources;
 use crate::slave::{AnySlave, Slave};
 use crate::snapshot::GUID_LENGTH;
@@ -21,7 +22,7 @@ use crate::xml::{Description, describe};
 pub trait Serve: Sync {
     fn guid(&'static self) -> Result<&'static str, DeclarationError>;
     #[allow(private_interfaces)]
-    fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
+    fn instantiate(&'static self, kind: Kind, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
     /// Frees what only instances need, if there are none.
     fn tidy(&self);
 }
@@ -86,10 +87,10 @@ impl<M: Model> Serve for Exported<M> {
     }
 
     #[allow(private_interfaces)]
-    fn instantiate(&'static self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
+    fn instantiate(&'static self, kind: Kind, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
         let refused = |error: DeclarationError| Refusal::error(error.to_string());
         let (layout, guid) = (self.layout().map_err(refused)?, self.guid().map_err(refused)?);
-        Ok(Box::new(Slave::<M>::new(layout, guid, resources.clone())?))
+        Ok(Box::new(Slave::<M>::new(layout, guid, kind, resources.clone())?))
     }
 
     fn tidy(&self) {

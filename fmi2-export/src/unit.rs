@@ -106,6 +106,14 @@ impl Unit {
         self
     }
 
+    /// Whether it is another unit per second, whatever the two are called.
+    pub(crate) fn is_per_second_of(&self, other: &Self) -> bool {
+        const SECOND: usize = 2;
+        let mut exponents = other.exponents;
+        exponents[SECOND] -= 1;
+        self.exponents == exponents && self.factor.to_bits() == other.factor.to_bits()
+    }
+
     /// The unit's name.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -60,6 +60,12 @@ pub(crate) struct Variable<M> {
     pub ramp: Option<Lens<M, f64>>,
     /// Where the model writes the time derivative of an output, and what computes it.
     pub rate: Option<(Lens<M, f64>, Evaluation)>,
+    /// It is a continuous state.
+    pub is_state: bool,
+    /// The state whose time derivative it is.
+    pub derivative_of: Option<String>,
+    /// The states it depends on directly, if they are not all of them.
+    pub depends_on_states: Option<Vec<String>>,
     /// What is wrong with its declaration, as far as one call can see it.
     pub mistakes: Vec<String>,
 }

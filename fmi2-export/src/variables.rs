@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use parameter_table::{Owner, Parameter};
 
-use crate::access::{Access, Scalar};
+use crate::access::{Access, Lens, Scalar};
 use crate::builder::VariableBuilder;
+use crate::exchange::{Exchange, ModelExchange};
 use crate::variable::{Causality, Variability, Variable};
 
 /// The variables of a model, as [`Declare::variables`](crate::Declare::variables) declares them.
@@ -44,6 +45,16 @@ use crate::variable::{Causality, Variability, Variable};
 pub struct Variables<M> {
     pub(crate) list: Vec<Variable<M>>,
     pub(crate) evaluations: Vec<fn(&mut M)>,
+    /// What a host that integrates calls, once anything of it has been declared.
+    pub(crate) exchange: Option<Exchange<M>>,
+    pub(crate) indicators: Option<Indicators<M>>,
+    pub(crate) time: Option<Lens<M, f64>>,
+}
+
+/// What fills in the event indicators, and where they are.
+pub(crate) struct Indicators<M> {
+    pub evaluation: Evaluation,
+    pub lens: Lens<M, [f64]>,
 }
 
 /// A function of the model that fills in some of its outputs: see [`Variables::evaluation`].
@@ -70,7 +81,7 @@ impl Role {
 
 impl<M: 'static> Variables<M> {
     pub(crate) fn new() -> Self {
-        Self { list: Vec::new(), evaluations: Vec::new() }
+        Self { list: Vec::new(), evaluations: Vec::new(), exchange: None, indicators: None, time: None }
     }
 
     /// Declares a function that computes some of the outputs from the state, the parameters and the inputs.
@@ -81,6 +92,14 @@ impl<M: 'static> Variables<M> {
     pub fn evaluation(&mut self, evaluation: fn(&mut M)) -> Evaluation {
         self.evaluations.push(evaluation);
         Evaluation(self.evaluations.len() - 1)
+    }
+
+    /// Declares the field from which the model reads the time \[s\]: for models whose derivatives, event indicators or outputs
+    /// depend on it. It is no variable. In
+    /// model exchange it is always current; in co-simulation it is the start time at first, and the step moves it on, as
+    /// that of `fmi2-integrate` does.
+    pub fn time(&mut self, field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static) {
+        self.time = Some(Arc::new(field));
     }
 
     /// Declares an input. A number is continuous unless it is said to be [`discrete`](VariableBuilder::discrete),
@@ -292,6 +311,9 @@ impl<M: 'static> Variables<M> {
             evaluation: role.evaluation,
             ramp: None,
             rate: None,
+            is_state: false,
+            derivative_of: None,
+            depends_on_states: None,
             mistakes: Vec::new(),
         });
         self.since(first)
@@ -299,7 +321,27 @@ impl<M: 'static> Variables<M> {
 
     /// What has been declared since there were `first` variables.
     fn since(&mut self, first: usize) -> VariableBuilder<'_, M> {
-        VariableBuilder { variables: &mut self.list[first..] }
+        VariableBuilder { variables: &mut self.list[first..], exchange: &mut self.exchange }
+    }
+}
+
+impl<M: ModelExchange> Variables<M> {
+    /// Offers model exchange, also of a model without continuous states: declaring a [state](VariableBuilder::state) or
+    /// [event indicators](Self::event_indicators) implies it.
+    pub fn model_exchange(&mut self) {
+        self.exchange = Some(Exchange::of());
+    }
+
+    /// Declares the field in which `evaluation` leaves the event indicators, as many as it has elements in the model's default
+    /// value. Where one of them passes through zero, something in the model changes abruptly: the host finds the time and calls
+    /// [`ModelExchange::new_discrete_states`].
+    pub fn event_indicators(
+        &mut self,
+        evaluation: Evaluation,
+        field: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
+    ) {
+        self.model_exchange();
+        self.indicators = Some(Indicators { evaluation, lens: Arc::new(field) });
     }
 }
 

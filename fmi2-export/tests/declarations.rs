@@ -1,6 +1,6 @@
 //! Arrays, tables of parameters and what else declares several variables at once.
 
-use fmi2_export::{Declare, Experiment, Failure, Info, Model, Owner, Parameter, Range, Step, Variables};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, ModelExchange, Owner, Parameter, Range, Step, Variables};
 use fmi2_export::{describe, parameter};
 use serde::{Deserialize, Serialize};
 
@@ -169,6 +169,56 @@ fn what_contradicts_itself_is_listed() {
         "variable p: a parameter is fixed or tunable, not discrete",
         "variable q: degrees are shown of angles and their rates, so say a unit such as rad/s before",
         "variable r: unit \"furlong\": \"furlong\" is not understood; write e.g. \"kg.m2/s\", or spell the unit out with Unit::new",
+    ];
+    assert_eq!(problems, expected);
+}
+
+/// States and time derivatives that do not belong together.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct WrongStates(Arms);
+
+impl Declare for WrongStates {
+    const INFO: Info = Info { name: "WrongStates", description: "Contradicts itself", ..Info::new() };
+
+    fn variables(variables: &mut Variables<Self>) {
+        let outputs = variables.evaluation(|_| ());
+        variables.output_array("x", outputs, |m| &mut m.0.torque).state().unit("m").description("State");
+        variables
+            .local_array("v[{}]", outputs, |m| &mut m.0.torque_rate)
+            .derivative_of("x[{}]")
+            .unit("m")
+            .depends_on_states(["w"])
+            .description("Rate");
+        variables.local("v", outputs, |m| &mut m.0.start[0]).derivative_of("x[1]").description("Rate");
+        variables.local("a", outputs, |m| &mut m.0.start[1]).derivative_of("v").description("Rate");
+        variables.input("u", |m| &mut m.0.command[0]).state().description("Input");
+        variables.output("s", outputs, |m| &mut m.0.sampled).discrete().state().description("Sampled");
+    }
+}
+
+impl Model for WrongStates {
+    fn step(&mut self, _: &mut Step<'_>) -> Result<(), Failure> {
+        Ok(())
+    }
+}
+
+impl ModelExchange for WrongStates {}
+
+#[test]
+fn states_without_derivatives_and_derivatives_of_nothing_are_listed() {
+    let mut problems = describe::<WrongStates>().unwrap_err().problems;
+    problems.sort();
+    let expected = [
+        "state s has no derivative",
+        "state u has no derivative",
+        "the unit m of v[1] is not that of x[1], m, per second",
+        "the unit m of v[2] is not that of x[2], m, per second",
+        "variable a is the derivative of v, which is not a state",
+        "variable s is no continuous output or local variable: it can be no state and no derivative of one",
+        "variable u is no continuous output or local variable: it can be no state and no derivative of one",
+        "variable v[1] depends on w, which is not a state",
+        "variable v[2] depends on w, which is not a state",
+        "variables v[1] and v are both the derivative of x[1]",
     ];
     assert_eq!(problems, expected);
 }

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::ptr::{null, null_mut};
 
 use allocation_counter::measure;
-use fmi2_export::ffi::types::{CallbackFunctions, Status};
+use fmi2_export::ffi::types::{CallbackFunctions, EventInfo, Status};
 
 #[path = "../examples/misbehaving.rs"]
 #[allow(missing_docs, dead_code)]
@@ -53,6 +53,49 @@ fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
         };
         step();
         assert_ne!(measure(|| _ = black_box(vec![0])).count_total, 0, "nothing is counted");
+        assert_eq!(measure(|| (0..1000).for_each(|_| step())).count_total, 0);
+        fmi2FreeInstance(c);
+    }
+}
+
+#[test]
+fn what_a_solver_asks_for_allocates_nothing() {
+    let guid = CString::new(model::FMUS.models()[0].description().unwrap().guid).unwrap();
+    let functions = CallbackFunctions {
+        logger: None,
+        allocate_memory: None,
+        free_memory: None,
+        step_finished: None,
+        component_environment: null_mut(),
+    };
+    let (input, output, state, derivative) = (0, 3, 6, 7);
+    // SAFETY: as a host does.
+    unsafe {
+        let c = fmi2Instantiate(c"a".as_ptr(), 0, guid.as_ptr(), null(), &functions, 0, 1);
+        assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
+        assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
+        assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);
+        let (mut x, mut z, mut value) = ([0.25], [0.0; 2], 0.0);
+        let (mut info, mut enter, mut terminate) = (EventInfo::default(), 0, 0);
+        let mut step = || {
+            for status in [
+                fmi2NewDiscreteStates(c, &mut info),
+                fmi2EnterContinuousTimeMode(c),
+                fmi2SetTime(c, 0.5),
+                fmi2SetContinuousStates(c, x.as_ptr(), 1),
+                fmi2SetReal(c, &input, 1, &0.125),
+                fmi2GetDerivatives(c, x.as_mut_ptr(), 1),
+                fmi2GetEventIndicators(c, z.as_mut_ptr(), 2),
+                fmi2GetDirectionalDerivative(c, &derivative, 1, &state, 1, &1.0, &mut value),
+                fmi2CompletedIntegratorStep(c, 1, &mut enter, &mut terminate),
+                fmi2GetReal(c, &output, 1, &mut value),
+                fmi2EnterEventMode(c),
+                fmi2GetContinuousStates(c, x.as_mut_ptr(), 1),
+            ] {
+                assert_eq!(status, Status::Ok);
+            }
+        };
+        step();
         assert_eq!(measure(|| (0..1000).for_each(|_| step())).count_total, 0);
         fmi2FreeInstance(c);
     }

@@ -15,21 +15,28 @@ use common::real::{all_libraries, count, libraries, trajectory};
 use common::{ERROR, Fmu, OK, example};
 use object::Object as _;
 
-/// The functions of the tables in FMI 2.0.4, sections 2.1 and 4.2: `fmi2Functions.h` without those for model exchange.
-const FUNCTIONS: [&str; 34] = [
+/// The functions of the tables in FMI 2.0.4, sections 2.1, 3.2 and 4.2: all of `fmi2Functions.h`.
+const FUNCTIONS: [&str; 44] = [
     "fmi2CancelStep",
+    "fmi2CompletedIntegratorStep",
     "fmi2DeSerializeFMUstate",
     "fmi2DoStep",
+    "fmi2EnterContinuousTimeMode",
+    "fmi2EnterEventMode",
     "fmi2EnterInitializationMode",
     "fmi2ExitInitializationMode",
     "fmi2FreeFMUstate",
     "fmi2FreeInstance",
     "fmi2GetBoolean",
     "fmi2GetBooleanStatus",
+    "fmi2GetContinuousStates",
+    "fmi2GetDerivatives",
     "fmi2GetDirectionalDerivative",
+    "fmi2GetEventIndicators",
     "fmi2GetFMUstate",
     "fmi2GetInteger",
     "fmi2GetIntegerStatus",
+    "fmi2GetNominalsOfContinuousStates",
     "fmi2GetReal",
     "fmi2GetRealOutputDerivatives",
     "fmi2GetRealStatus",
@@ -39,16 +46,19 @@ const FUNCTIONS: [&str; 34] = [
     "fmi2GetTypesPlatform",
     "fmi2GetVersion",
     "fmi2Instantiate",
+    "fmi2NewDiscreteStates",
     "fmi2Reset",
     "fmi2SerializeFMUstate",
     "fmi2SerializedFMUstateSize",
     "fmi2SetBoolean",
+    "fmi2SetContinuousStates",
     "fmi2SetDebugLogging",
     "fmi2SetFMUstate",
     "fmi2SetInteger",
     "fmi2SetReal",
     "fmi2SetRealInputDerivatives",
     "fmi2SetString",
+    "fmi2SetTime",
     "fmi2SetupExperiment",
     "fmi2Terminate",
 ];

@@ -7,15 +7,24 @@ use std::ptr::{null, null_mut, without_provenance, without_provenance_mut};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, AtomicPtr, Ordering};
 
-use common::misbehaving::{FAULT, FIXED, Fault, INPUT, INTEGER, LIMITED, OUTPUT, State, TUNABLE, bring, instantiate};
-use common::{Callbacks, ERROR, Fmu, Log, OK, Slave, callbacks};
+use common::misbehaving::{
+    DERIVATIVE, ExchangeState, FAULT, FIXED, Fault, INDICATORS, INPUT, INTEGER, LIMITED, OUTPUT, STATE, STATES, State,
+    TUNABLE, bring, bring_exchange, instantiate,
+};
+use common::{Callbacks, DISCARD, ERROR, EventInfo, Fmu, Log, MODEL_EXCHANGE, OK, Slave, callbacks};
 
 /// A call is refused with a message that says this, and changes nothing.
 #[track_caller]
 fn refused(slave: &Slave, says: &str, status: impl FnOnce() -> c_int) {
+    refused_with(ERROR, slave, says, status);
+}
+
+/// As [`refused`], with this status.
+#[track_caller]
+fn refused_with(expected: c_int, slave: &Slave, says: &str, status: impl FnOnce() -> c_int) {
     let before = slave.blob();
     let told = slave.messages().len();
-    assert_eq!(status(), ERROR, "expected: {says}");
+    assert_eq!(status(), expected, "expected: {says}");
     let news = &slave.messages()[told..];
     assert_eq!(news.len(), 1, "{news:?}");
     assert!(news[0].2.contains(says), "{:?} does not say {says:?}", news[0].2);
@@ -27,7 +36,7 @@ fn stepping(fmu: &Fmu) -> Slave<'_> {
 }
 
 /// Every function that takes a component, otherwise called with nothing.
-fn calls_with_nothing(fmu: &Fmu, c: *mut c_void) -> [c_int; 33] {
+fn calls_with_nothing(fmu: &Fmu, c: *mut c_void) -> [c_int; 43] {
     [
         fmu.fmi2SetDebugLogging(c, 0, 0, null()),
         fmu.fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
@@ -59,6 +68,16 @@ fn calls_with_nothing(fmu: &Fmu, c: *mut c_void) -> [c_int; 33] {
         fmu.fmi2GetIntegerStatus(c, 0, null_mut()),
         fmu.fmi2GetBooleanStatus(c, 3, null_mut()),
         fmu.fmi2GetStringStatus(c, 1, null_mut()),
+        fmu.fmi2EnterEventMode(c),
+        fmu.fmi2NewDiscreteStates(c, null_mut()),
+        fmu.fmi2EnterContinuousTimeMode(c),
+        fmu.fmi2CompletedIntegratorStep(c, 1, null_mut(), null_mut()),
+        fmu.fmi2SetTime(c, 0.0),
+        fmu.fmi2SetContinuousStates(c, null(), 0),
+        fmu.fmi2GetDerivatives(c, null_mut(), 0),
+        fmu.fmi2GetEventIndicators(c, null_mut(), 0),
+        fmu.fmi2GetContinuousStates(c, null_mut(), 0),
+        fmu.fmi2GetNominalsOfContinuousStates(c, null_mut(), 0),
         // Reading into and from somewhere, of no component.
         fmu.fmi2GetReal(c, &INPUT, 1, &mut 0.0),
         fmu.fmi2SetReal(c, &INPUT, 1, &0.0),
@@ -71,7 +90,7 @@ fn no_component_is_an_error_for_every_function() {
     let fmu = Fmu::load("misbehaving");
     // A component is a pointer to something aligned.
     for c in [null_mut(), without_provenance_mut(0x1001)] {
-        assert_eq!(calls_with_nothing(&fmu, c), [ERROR; 33]);
+        assert_eq!(calls_with_nothing(&fmu, c), [ERROR; 43]);
         fmu.fmi2FreeInstance(c);
     }
 }
@@ -85,9 +104,8 @@ fn instantiation_with_wrong_arguments_gives_null_and_a_reason_even_without_loggi
         (null(), 1, good, "instanceName is a null pointer or empty"),
         (c"".as_ptr(), 1, good, "instanceName is a null pointer or empty"),
         (c" \t".as_ptr(), 1, good, "instanceName is a null pointer or empty"),
-        (name, 0, good, "co-simulation (fmi2CoSimulation) only"),
-        (name, -1, good, "co-simulation (fmi2CoSimulation) only"),
-        (name, 2, good, "co-simulation (fmi2CoSimulation) only"),
+        (name, -1, good, "fmuType is -1"),
+        (name, 2, good, "fmuType is 2"),
         (name, 1, null(), "fmuGUID is a null pointer"),
         (name, 1, c"".as_ptr(), "fmuGUID is \"\""),
         (name, 1, c"{100%s#r1#}".as_ptr(), "fmuGUID is \"{100%%s##r1##}\""),
@@ -264,7 +282,7 @@ fn references_to_no_variable_of_the_type_are_refused() {
     let slave = stepping(&fmu);
     let c = slave.component;
     let says = "there is no variable of this type with value reference";
-    for (first, kind) in [(6, 'r'), (5, 'i'), (4, 'b'), (4, 's')] {
+    for (first, kind) in [(8, 'r'), (5, 'i'), (4, 'b'), (4, 's')] {
         for vr in [first, first + 1, u32::MAX / 2, u32::MAX] {
             refused(&slave, says, || match kind {
                 'r' => fmu.fmi2GetReal(c, &vr, 1, &mut 0.0),
@@ -280,10 +298,10 @@ fn references_to_no_variable_of_the_type_are_refused() {
             });
         }
     }
-    refused(&slave, says, || fmu.fmi2SetRealInputDerivatives(c, &6, 1, &1, &0.0));
-    refused(&slave, says, || fmu.fmi2GetRealOutputDerivatives(c, &6, 1, &1, &mut 0.0));
-    refused(&slave, says, || fmu.fmi2GetDirectionalDerivative(c, &6, 1, &INPUT, 1, &1.0, &mut 0.0));
-    refused(&slave, says, || fmu.fmi2GetDirectionalDerivative(c, &OUTPUT, 1, &6, 1, &1.0, &mut 0.0));
+    refused(&slave, says, || fmu.fmi2SetRealInputDerivatives(c, &8, 1, &1, &0.0));
+    refused(&slave, says, || fmu.fmi2GetRealOutputDerivatives(c, &8, 1, &1, &mut 0.0));
+    refused(&slave, says, || fmu.fmi2GetDirectionalDerivative(c, &8, 1, &INPUT, 1, &1.0, &mut 0.0));
+    refused(&slave, says, || fmu.fmi2GetDirectionalDerivative(c, &OUTPUT, 1, &8, 1, &1.0, &mut 0.0));
     refused(&slave, "real.input is no output", || {
         fmu.fmi2GetDirectionalDerivative(c, &INPUT, 1, &INPUT, 1, &1.0, &mut 0.0)
     });
@@ -326,14 +344,14 @@ fn one_bad_value_of_several_changes_none() {
     for bad in [1.0 + f64::EPSILON, -1.5, f64::MAX] {
         refused(&slave, "between -1.0 and 1.0", || fmu.fmi2SetReal(c, two.as_ptr(), 2, [2.0, bad].as_ptr()));
     }
-    for vr in [FIXED, OUTPUT, 6] {
+    for vr in [FIXED, OUTPUT, STATE, 8] {
         refused(&slave, "", || fmu.fmi2SetReal(c, [INPUT, vr].as_ptr(), 2, [2.0, 2.0].as_ptr()));
         refused(&slave, "", || fmu.fmi2SetInteger(c, [INPUT + INTEGER, vr + INTEGER].as_ptr(), 2, [2, 2].as_ptr()));
         refused(&slave, "", || fmu.fmi2SetBoolean(c, [INPUT, vr].as_ptr(), 2, [1, 1].as_ptr()));
         let texts = [c"a".as_ptr(), c"b".as_ptr()];
         refused(&slave, "", || fmu.fmi2SetString(c, [INPUT, vr].as_ptr(), 2, texts.as_ptr()));
     }
-    for bad in [0, 22, -1, c_int::MAX, c_int::MIN] {
+    for bad in [0, 35, -1, c_int::MAX, c_int::MIN] {
         refused(&slave, "is no item of Fault", || {
             fmu.fmi2SetInteger(c, [INPUT + INTEGER, FAULT].as_ptr(), 2, [2, bad].as_ptr())
         });
@@ -350,7 +368,7 @@ fn one_bad_value_of_several_changes_none() {
     // Reading is the same: nothing is written if one reference is bad.
     slave.initialize();
     let mut values = [7.0, 7.0];
-    assert_eq!(fmu.fmi2GetReal(slave.component, [INPUT, 6].as_ptr(), 2, values.as_mut_ptr()), ERROR);
+    assert_eq!(fmu.fmi2GetReal(slave.component, [INPUT, 8].as_ptr(), 2, values.as_mut_ptr()), ERROR);
     assert_eq!(values, [7.0, 7.0]);
 }
 
@@ -628,4 +646,161 @@ fn an_instance_used_by_two_threads_at_once_refuses_one_of_them() {
     });
     println!("{refusals} of 100000 calls met another one");
     assert_eq!(slave.step(0.5, 0.5), OK);
+}
+
+#[test]
+fn a_model_without_continuous_states_is_for_co_simulation_only() {
+    let fmu = Fmu::load("first_order_lag");
+    let log = fmu.instantiate_as(MODEL_EXCHANGE, &fmu.guids()[0]).err().unwrap();
+    let log = log.lock().unwrap();
+    assert!(log[0].2.contains("this FMU is for co-simulation (fmi2CoSimulation) only"), "{log:?}");
+}
+
+#[test]
+fn each_interface_refuses_the_functions_of_the_other() {
+    let fmu = Fmu::load("misbehaving");
+    let guid = &fmu.guids()[0];
+    let slave = stepping(&fmu);
+    let says = "is for model exchange; this instance is for co-simulation";
+    refused(&slave, says, || fmu.fmi2EnterEventMode(slave.component));
+    refused(&slave, says, || slave.set_time(1.0));
+    refused(&slave, says, || slave.set_states(&[0.0]));
+    let exchange = bring_exchange(&fmu, guid, ExchangeState::ContinuousTimeMode);
+    refused(&exchange, "is not allowed in continuous-time mode", || exchange.step(0.0, 0.5));
+    let says = "is for co-simulation; this instance is for model exchange";
+    refused(&exchange, says, || fmu.fmi2GetRealStatus(exchange.component, 2, &mut 0.0));
+    refused(&exchange, says, || fmu.fmi2SetRealInputDerivatives(exchange.component, &INPUT, 1, &1, &0.0));
+    refused(&exchange, says, || fmu.fmi2GetRealOutputDerivatives(exchange.component, &OUTPUT, 1, &1, &mut 0.0));
+    // A saved state of the one is none of the other.
+    let mut state = slave.save();
+    refused(&exchange, "is of an instance for co-simulation", || fmu.fmi2SetFMUstate(exchange.component, state));
+    let blob = slave.blob();
+    refused(&exchange, "is of an instance for co-simulation", || exchange.load(&blob));
+    assert_eq!(fmu.fmi2FreeFMUstate(slave.component, &raw mut state), OK);
+    let blob = exchange.blob();
+    refused(&slave, "is of an instance for model exchange", || slave.load(&blob));
+}
+
+#[test]
+fn states_times_and_counts_that_cannot_be_are_refused() {
+    let fmu = Fmu::load("misbehaving");
+    let slave = bring_exchange(&fmu, &fmu.guids()[0], ExchangeState::ContinuousTimeMode);
+    let c = slave.component;
+    for time in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        refused(&slave, "it must be finite", || slave.set_time(time));
+    }
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        refused_with(DISCARD, &slave, "the state state cannot be", || slave.set_states(&[bad]));
+    }
+    for count in [0, 2, 100] {
+        let mut buffer = vec![7.0; 100];
+        let says = format!("the model has {STATES} continuous states, not {count}");
+        refused(&slave, &says, || slave.set_states(&buffer[..count]));
+        refused(&slave, &says, || fmu.fmi2GetContinuousStates(c, buffer.as_mut_ptr(), count));
+        refused(&slave, &says, || fmu.fmi2GetDerivatives(c, buffer.as_mut_ptr(), count));
+        refused(&slave, &says, || fmu.fmi2GetNominalsOfContinuousStates(c, buffer.as_mut_ptr(), count));
+        assert!(buffer.iter().all(|value| *value == 7.0), "written though refused");
+    }
+    let says = format!("the model has {INDICATORS} event indicators, not 1");
+    refused(&slave, &says, || fmu.fmi2GetEventIndicators(c, &mut 0.0, 1));
+    refused(&slave, "x is a null pointer", || fmu.fmi2SetContinuousStates(c, null(), STATES));
+    refused(&slave, "x is a null pointer", || fmu.fmi2GetContinuousStates(c, null_mut(), STATES));
+    refused(&slave, "derivatives is a null pointer", || fmu.fmi2GetDerivatives(c, null_mut(), STATES));
+    refused(&slave, "eventIndicators is a null pointer", || fmu.fmi2GetEventIndicators(c, null_mut(), INDICATORS));
+    refused(&slave, "x_nominal is a null pointer", || fmu.fmi2GetNominalsOfContinuousStates(c, null_mut(), STATES));
+    let mut flag = 0;
+    refused(&slave, "enterEventMode is a null pointer", || {
+        fmu.fmi2CompletedIntegratorStep(c, 1, null_mut(), &raw mut flag)
+    });
+    refused(&slave, "terminateSimulation is a null pointer", || {
+        fmu.fmi2CompletedIntegratorStep(c, 1, &raw mut flag, null_mut())
+    });
+    assert_eq!(fmu.fmi2EnterEventMode(c), OK);
+    refused(&slave, "eventInfo is a null pointer", || fmu.fmi2NewDiscreteStates(c, null_mut()));
+    // What jumps is set in event mode only; what does not, in both.
+    assert_eq!(slave.set_integer(INTEGER, 3), OK);
+    assert_eq!(slave.set(TUNABLE, 0.5), OK);
+    slave.update();
+    refused(&slave, "what jumps is set in event mode", || slave.set(TUNABLE, 0.25));
+    refused(&slave, "is not allowed in continuous-time mode", || slave.set_integer(INTEGER, 4));
+    assert_eq!(slave.set(INPUT, 0.25), OK);
+}
+
+#[test]
+fn the_jacobian_is_asked_for_by_states_and_their_derivatives() {
+    let fmu = Fmu::load("misbehaving");
+    for slave in [bring_exchange(&fmu, &fmu.guids()[0], ExchangeState::ContinuousTimeMode), stepping(&fmu)] {
+        let derivative = |unknown: u32, known: u32| {
+            let mut value = f64::NAN;
+            let status = fmu.fmi2GetDirectionalDerivative(
+                slave.component,
+                &raw const unknown,
+                1,
+                &raw const known,
+                1,
+                &2.0,
+                &raw mut value,
+            );
+            assert_eq!(status, OK, "{:?}", slave.log);
+            value
+        };
+        assert_eq!(derivative(DERIVATIVE, STATE), -2.0);
+        assert_eq!(derivative(DERIVATIVE, INPUT), 2.0);
+        assert_eq!(derivative(OUTPUT, STATE), 2.0);
+        let refuse = |unknown: u32, known: u32, says: &str| {
+            refused(&slave, says, || {
+                fmu.fmi2GetDirectionalDerivative(
+                    slave.component,
+                    &raw const unknown,
+                    1,
+                    &raw const known,
+                    1,
+                    &1.0,
+                    &mut 0.0,
+                )
+            });
+        };
+        refuse(STATE, INPUT, "state is no output");
+        refuse(OUTPUT, DERIVATIVE, "der(state) is no input");
+    }
+}
+
+#[test]
+fn a_model_that_cannot_compute_is_heard_of_and_the_solver_may_try_again() {
+    let fmu = Fmu::load("misbehaving");
+    let guid = &fmu.guids()[0];
+    let with = |fault: Fault| {
+        let slave = bring_exchange(&fmu, guid, ExchangeState::EventMode);
+        assert_eq!(slave.set_integer(FAULT, fault as i32), OK);
+        slave.update();
+        slave
+    };
+    let mut buffer = [7.0; 2];
+    let slave = with(Fault::DerivativesAreNan);
+    let says = "der(state) is NaN at t = 0.0 s";
+    refused_with(DISCARD, &slave, says, || fmu.fmi2GetDerivatives(slave.component, buffer.as_mut_ptr(), STATES));
+    let slave = with(Fault::IndicatorsAreInfinite);
+    let says = "event indicator 2 is inf";
+    refused_with(DISCARD, &slave, says, || {
+        fmu.fmi2GetEventIndicators(slave.component, buffer.as_mut_ptr(), INDICATORS)
+    });
+    assert_eq!(buffer, [7.0; 2], "written though refused");
+    let slave = with(Fault::StatesAreRefused);
+    refused_with(DISCARD, &slave, "states", || slave.set_states(&[0.5]));
+    assert_eq!(slave.states(STATES), [0.0], "the old state is put back");
+    let slave = with(Fault::CompletedEnds);
+    let (mut enter, mut terminate) = (7, 7);
+    assert_eq!(fmu.fmi2CompletedIntegratorStep(slave.component, 1, &raw mut enter, &raw mut terminate), OK);
+    assert_eq!((enter, terminate), (0, 1));
+    let slave = bring_exchange(&fmu, guid, ExchangeState::EventMode);
+    assert_eq!(slave.set_integer(FAULT, Fault::UpdateNeverEnds as i32), OK);
+    let mut info = EventInfo::default();
+    assert_eq!(fmu.fmi2NewDiscreteStates(slave.component, &raw mut info), OK);
+    assert_eq!(info, EventInfo { again: 1, terminate: 1, ..EventInfo::default() });
+    assert_eq!(slave.set_integer(FAULT, Fault::StepWarns as i32), OK);
+    assert_eq!(slave.update(), EventInfo { has_next_time: 1, next_time: 1.0, ..EventInfo::default() });
+    assert_eq!(slave.message(), "100 %%s of ##r1##");
+    let mut nominal = f64::NAN;
+    assert_eq!(fmu.fmi2GetNominalsOfContinuousStates(slave.component, &raw mut nominal, 1), OK);
+    assert_eq!(nominal, 2.0, "an order of magnitude has no sign");
 }

@@ -30,7 +30,7 @@ use std::ptr::{null, null_mut, without_provenance_mut};
 use std::sync::Mutex;
 
 use common::real::{Counts, EXAMPLES, all_libraries, count, libraries, reals};
-use common::{DISCARD, ERROR, Fmu, OK, Slave};
+use common::{CO_SIMULATION, DISCARD, ERROR, EventInfo, Fmu, MODEL_EXCHANGE, OK, Slave};
 
 /// Calls to each library, and the beginning of their sequence.
 const CALLS: u64 = 340_000;
@@ -93,24 +93,30 @@ enum Phase {
     Discarded,
     Terminated,
     Failed,
+    /// Of model exchange.
+    Event,
+    Continuous,
 }
 
-use Phase::{Discarded, Failed, Initialization, Instantiated, Stepping, Terminated};
+use Phase::{Continuous, Discarded, Event, Failed, Initialization, Instantiated, Stepping, Terminated};
 
 /// When a variable can be set: found out by trying.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Settable {
-    Never,
-    BeforeStepping,
-    Always,
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Settable {
+    before: bool,
+    stepping: bool,
+    event: bool,
+    continuous: bool,
 }
 
 impl Settable {
     fn in_phase(self, phase: Phase) -> bool {
         match phase {
-            Instantiated | Initialization => self != Self::Never,
-            Stepping => self == Self::Always,
-            _ => false,
+            Instantiated | Initialization => self.before,
+            Stepping => self.stepping,
+            Event => self.event,
+            Continuous => self.continuous,
+            Discarded | Terminated | Failed => false,
         }
     }
 }
@@ -134,6 +140,8 @@ struct Profile {
     start: HashMap<(usize, u32), Value>,
     /// It panics when it is told to, even at being looked at.
     misbehaves: bool,
+    /// Numbers of continuous states and event indicators, if it offers model exchange.
+    exchange: Option<(usize, usize)>,
 }
 
 impl Profile {
@@ -143,20 +151,37 @@ impl Profile {
         fresh.initialize();
         let (before, stepping) = (fmu.instantiate(guid), fmu.instantiate(guid));
         stepping.initialize();
+        let in_mode = |continuous: bool| {
+            let slave = fmu.instantiate_as(MODEL_EXCHANGE, guid).ok()?;
+            if continuous {
+                slave.start()
+            } else {
+                slave.initialize()
+            }
+            Some(slave)
+        };
+        let (event, continuous) = (in_mode(false), in_mode(true));
+        let exchange = continuous.as_ref().map(|slave| {
+            let (c, mut buffer) = (slave.component, vec![0.0; 10_000]);
+            let buffer = buffer.as_mut_ptr();
+            let count = |get: &dyn Fn(usize) -> c_int| (0..10_000).find(|n| get(*n) == OK).unwrap();
+            let states = count(&|n| fmu.fmi2GetContinuousStates(c, buffer, n));
+            (states, count(&|n| fmu.fmi2GetEventIndicators(c, buffer, n)))
+        });
         let mut start = HashMap::new();
         let lengths = [counts.reals, counts.integers, counts.booleans, counts.strings];
         let settable = std::array::from_fn(|kind| {
             (0..lengths[kind])
                 .map(|vr| {
                     let value = read(&fresh, kind, vr);
-                    let settable = match [&before, &stepping]
-                        .map(|slave| write(slave, kind, &[vr], std::slice::from_ref(&value)))
-                    {
-                        [ERROR, _] => Settable::Never,
-                        [_, ERROR] => Settable::BeforeStepping,
-                        _ => Settable::Always,
+                    let takes = |slave: &Slave| write(slave, kind, &[vr], std::slice::from_ref(&value)) == OK;
+                    let settable = Settable {
+                        before: takes(&before),
+                        stepping: takes(&stepping),
+                        event: event.as_ref().is_some_and(takes),
+                        continuous: continuous.as_ref().is_some_and(takes),
                     };
-                    if settable != Settable::Never {
+                    if settable.before {
                         start.insert((kind, vr), value);
                     }
                     settable
@@ -166,7 +191,7 @@ impl Profile {
         let ramped = (0..counts.reals)
             .map(|vr| fmu.fmi2SetRealInputDerivatives(stepping.component, &raw const vr, 1, &1, &0.0) == OK)
             .collect();
-        Self { guid: guid.to_owned(), counts, settable, ramped, start, misbehaves }
+        Self { guid: guid.to_owned(), counts, settable, ramped, start, misbehaves, exchange }
     }
 
     fn length(&self, kind: usize) -> u32 {
@@ -211,6 +236,8 @@ fn write(slave: &Slave, kind: usize, vr: &[u32], values: &[Value]) -> c_int {
 /// What an instance's state should be.
 #[derive(Clone)]
 struct Expected {
+    /// Of model exchange.
+    exchange: bool,
     phase: Phase,
     experiment: bool,
     time: f64,
@@ -220,8 +247,9 @@ struct Expected {
 }
 
 impl Expected {
-    fn fresh(profile: &Profile) -> Self {
+    fn fresh(profile: &Profile, exchange: bool) -> Self {
         Self {
+            exchange,
             phase: Instantiated,
             experiment: false,
             time: 0.0,
@@ -265,8 +293,10 @@ impl Host<'_> {
     fn instantiate(&mut self) {
         let model = self.random.below(self.profiles.len());
         let profile = &self.profiles[model];
-        let slave = self.fmu.instantiate(&profile.guid);
-        self.instances.push(Instance { slave, model, expected: Expected::fresh(profile) });
+        let exchange = profile.exchange.is_some() && self.random.rarely(2);
+        let kind = if exchange { MODEL_EXCHANGE } else { CO_SIMULATION };
+        let slave = self.fmu.instantiate_as(kind, &profile.guid).unwrap_or_else(|log| panic!("{log:?}"));
+        self.instances.push(Instance { slave, model, expected: Expected::fresh(profile, exchange) });
     }
 
     /// Compares what a call did with what it should have done, and says whether it succeeded.
@@ -336,6 +366,8 @@ impl Host<'_> {
             0..18 => self.set(i),
             18..30 => self.get(i),
             30..34 => self.get_many_ways(i),
+            // In either interface what moves it on, but now and then what it does not have.
+            34..64 if self.instances[i].expected.exchange != self.random.rarely(20) => self.be_integrated(i),
             34..64 => self.step(i),
             64..80 => self.change_phase(i),
             80..94 => self.states(i),
@@ -377,7 +409,8 @@ impl Host<'_> {
             Value::Integer(value) => kind == 1 || matches!(value, 0 | 1),
             Value::Text(text) => text.to_str().is_ok(),
         });
-        let in_order = matches!(phase, Instantiated | Initialization | Stepping);
+        let in_order =
+            matches!(phase, Instantiated | Initialization | Stepping | Event) || phase == Continuous && kind == 0;
         let allowed = match (in_order && settable && valid, references.is_empty()) {
             (false, _) => Allowed::No,
             (true, true) => Allowed::Yes,
@@ -401,7 +434,7 @@ impl Host<'_> {
                 1 => random.pick(&[100, 1000, 24, 25]),
                 // Mostly no fault.
                 2..6 => 1,
-                _ => c_int::try_from(random.below(23)).unwrap(),
+                _ => c_int::try_from(random.below(36)).unwrap(),
             }),
             2 => Value::Integer(if random.rarely(30) { random.pick(&[-1, 2]) } else { random.pick(&[0, 1]) }),
             _ => Value::Text(random.pick(&[c"", c"text", c"%s%n#r1#", c"\xff\xfe", c"größer", c"\x01"]).into()),
@@ -469,7 +502,7 @@ impl Host<'_> {
         } else {
             let (vr, order, values) = (a.as_ptr(), orders.as_ptr(), values.as_mut_ptr());
             let status = fmu.fmi2GetRealOutputDerivatives(c, vr, a.len(), order, values);
-            (status, !matches!(phase, Instantiated | Initialization))
+            (status, !self.instances[i].expected.exchange && !matches!(phase, Instantiated | Initialization))
         };
         let allowed = if legal { Allowed::Perhaps } else { Allowed::No };
         self.check(i, &format!("derivatives {a:?} {b:?} {seed:?} {orders:?}"), &allowed, before.as_deref(), status);
@@ -482,7 +515,7 @@ impl Host<'_> {
         let orders: Vec<c_int> = references.iter().map(|_| self.random.pick(&[1, 1, 1, 1, 2, 0])).collect();
         let ramped = references.iter().all(|vr| self.profiles[model].ramped.get(*vr as usize) == Some(&true));
         let valid = ramped && values.iter().all(|v| v.is_finite()) && orders.iter().all(|order| *order == 1);
-        let legal = matches!(phase, Instantiated | Initialization | Stepping);
+        let legal = !self.instances[i].expected.exchange && matches!(phase, Instantiated | Initialization | Stepping);
         let before = self.before(i);
         let (vr, n) = (references.as_ptr(), references.len());
         let c = self.instances[i].slave.component;
@@ -535,6 +568,93 @@ impl Host<'_> {
         }
     }
 
+    /// What only model exchange has.
+    fn be_integrated(&mut self, i: usize) {
+        let Instance { model, expected, slave } = &self.instances[i];
+        let (phase, exchange) = (expected.phase, expected.exchange);
+        let (states, indicators) = self.profiles[*model].exchange.unwrap_or((1, 1));
+        let (fmu, c) = (self.fmu, slave.component);
+        let running = matches!(phase, Event | Continuous);
+        let for_debugging = matches!(phase, Terminated | Failed);
+        let initialization = phase == Initialization;
+        // Mostly what there is.
+        let wrong_count = self.random.rarely(30);
+        let n = |right: usize| if wrong_count { right + 1 } else { right };
+        let mut numbers = vec![7.0; states.max(indicators) + 1];
+        let before = self.before(i);
+        let before = before.as_deref();
+        let when = |legal| if exchange && legal { Allowed::Yes } else { Allowed::No };
+        let perhaps = |legal| if exchange && legal && !wrong_count { Allowed::Perhaps } else { Allowed::No };
+        match (self.random.below(16), phase) {
+            (0, _) => {
+                let status = fmu.fmi2EnterEventMode(c);
+                if self.check(i, "enter event mode", &when(running), before, status) {
+                    self.instances[i].expected.phase = Event;
+                }
+            }
+            (1..4, Event) | (1, _) => {
+                let status = fmu.fmi2EnterContinuousTimeMode(c);
+                if self.check(i, "enter continuous-time mode", &when(phase == Event), before, status) {
+                    self.instances[i].expected.phase = Continuous;
+                }
+            }
+            (4..6, Event) | (2, _) => {
+                let mut info = EventInfo::default();
+                let status = fmu.fmi2NewDiscreteStates(c, &raw mut info);
+                let legal = exchange && phase == Event;
+                let allowed = if legal { Allowed::Perhaps } else { Allowed::No };
+                let before = before.filter(|_| !legal);
+                if !self.check(i, "new discrete states", &allowed, before, status) && legal {
+                    self.instances[i].expected.phase = Failed;
+                }
+            }
+            (3, _) => {
+                let status = fmu.fmi2CompletedIntegratorStep(c, 1, &mut 0, &mut 0);
+                let legal = exchange && phase == Continuous;
+                let allowed = if legal { Allowed::Perhaps } else { Allowed::No };
+                let before = before.filter(|_| !legal);
+                if !self.check(i, "completed step", &allowed, before, status) && legal {
+                    self.instances[i].expected.phase = Failed;
+                }
+            }
+            (4 | 5, _) => {
+                let time = self.random.number();
+                let status = fmu.fmi2SetTime(c, time);
+                if self.check(i, &format!("time {time:?}"), &when(running && time.is_finite()), before, status) {
+                    self.instances[i].expected.time = time;
+                }
+            }
+            (6..9, _) => {
+                numbers.fill_with(|| self.random.number());
+                let x = &numbers[..n(states)];
+                let status = fmu.fmi2SetContinuousStates(c, x.as_ptr(), x.len());
+                let allowed = perhaps(phase == Continuous);
+                self.check(i, &format!("states {x:?}"), &allowed, before.filter(|_| status != OK), status);
+            }
+            (kind, _) => {
+                let x = numbers.as_mut_ptr();
+                let (what, status, legal) = match kind {
+                    9 | 10 => ("derivatives", fmu.fmi2GetDerivatives(c, x, n(states)), running || for_debugging),
+                    11 | 12 => (
+                        "indicators",
+                        fmu.fmi2GetEventIndicators(c, x, n(indicators)),
+                        running || for_debugging || initialization,
+                    ),
+                    13 => (
+                        "continuous states",
+                        fmu.fmi2GetContinuousStates(c, x, n(states)),
+                        running || for_debugging || initialization,
+                    ),
+                    _ => ("nominals", fmu.fmi2GetNominalsOfContinuousStates(c, x, n(states)), true),
+                };
+                let allowed = perhaps(legal);
+                if !self.check(i, what, &allowed, before, status) {
+                    assert!(numbers.iter().all(|v| *v == 7.0), "written though refused");
+                }
+            }
+        }
+    }
+
     fn change_phase(&mut self, i: usize) {
         let (fmu, c) = (self.fmu, self.instances[i].slave.component);
         let Expected { phase, experiment, .. } = self.instances[i].expected;
@@ -543,7 +663,7 @@ impl Host<'_> {
             Instantiated if experiment => 1,
             Instantiated => 0,
             Initialization => 2,
-            Stepping => 5,
+            Stepping | Event | Continuous => 5,
             Discarded | Terminated | Failed => 4,
         };
         let choice = if self.random.rarely(3) { self.random.below(5) } else { forward };
@@ -574,19 +694,27 @@ impl Host<'_> {
             2 => {
                 let status = fmu.fmi2ExitInitializationMode(c);
                 if self.check(i, "exit", &perhaps(phase == Initialization), before, status) {
-                    self.instances[i].expected.phase = Stepping;
+                    let expected = &mut self.instances[i].expected;
+                    expected.phase = if expected.exchange { Event } else { Stepping };
                 }
             }
             3 if self.random.rarely(4) => {
                 let status = fmu.fmi2Terminate(c);
-                if self.check(i, "terminate", &when(matches!(phase, Stepping | Discarded)), before, status) {
+                if self.check(
+                    i,
+                    "terminate",
+                    &when(matches!(phase, Stepping | Discarded | Event | Continuous)),
+                    before,
+                    status,
+                ) {
                     self.instances[i].expected.phase = Terminated;
                 }
             }
             4 if forward == 4 || self.random.rarely(8) => {
                 let status = fmu.fmi2Reset(c);
                 if self.check(i, "reset", &Allowed::Yes, before, status) {
-                    let fresh = Expected::fresh(&self.profiles[self.instances[i].model]);
+                    let Instance { model, expected, .. } = &self.instances[i];
+                    let fresh = Expected::fresh(&self.profiles[*model], expected.exchange);
                     self.instances[i].expected = fresh;
                 }
             }
@@ -628,7 +756,8 @@ impl Host<'_> {
                 let k = own.unwrap_or_else(|| self.random.below(self.saved.len()));
                 let (handle, of, expected, _) = self.saved[k].clone();
                 let status = fmu.fmi2SetFMUstate(c, handle);
-                let allowed = if of == model { Allowed::Yes } else { Allowed::No };
+                let is_own = of == model && expected.exchange == self.instances[i].expected.exchange;
+                let allowed = if is_own { Allowed::Yes } else { Allowed::No };
                 if self.check(i, &format!("restore {handle:?}"), &allowed, before, status) {
                     self.instances[i].expected = expected;
                 }
@@ -672,7 +801,8 @@ impl Host<'_> {
                 }
                 let mut handle = null_mut();
                 let status = fmu.fmi2DeSerializeFMUstate(c, blob.as_ptr(), blob.len(), &raw mut handle);
-                let allowed = match (of == model && !damaged, sound) {
+                let is_own = of == model && expected.exchange == self.instances[i].expected.exchange;
+                let allowed = match (is_own && !damaged, sound) {
                     (false, _) => Allowed::No,
                     (true, false) => Allowed::Perhaps,
                     (true, true) => Allowed::Yes,
@@ -690,7 +820,7 @@ impl Host<'_> {
         let (fmu, c) = (self.fmu, self.instances[i].slave.component);
         let kind = self.random.pick(&[0, 1, 2, 2, 3, 3, 4, -1]);
         let before = self.before(i);
-        let legal = matches!(phase, Stepping | Discarded | Terminated);
+        let legal = !self.instances[i].expected.exchange && matches!(phase, Stepping | Discarded | Terminated);
         let (mut time, mut flag) = (f64::NAN, 7);
         let which = self.random.below(5);
         let status = match which {

@@ -42,21 +42,28 @@ pub const PLATFORMS: [Platform; 8] = [
     platform("aarch64-windows", "windows", "aarch64", "aarch64-pc-windows-msvc"),
 ];
 
-/// Every function that an FMU for co-simulation has to export.
-const FUNCTIONS: [&str; 31] = [
+/// Every function that an FMU with both interfaces has to export; `export!` defines them all.
+const FUNCTIONS: [&str; 41] = [
     "fmi2CancelStep",
+    "fmi2CompletedIntegratorStep",
     "fmi2DeSerializeFMUstate",
     "fmi2DoStep",
+    "fmi2EnterContinuousTimeMode",
+    "fmi2EnterEventMode",
     "fmi2EnterInitializationMode",
     "fmi2ExitInitializationMode",
     "fmi2FreeFMUstate",
     "fmi2FreeInstance",
     "fmi2GetBoolean",
     "fmi2GetBooleanStatus",
+    "fmi2GetContinuousStates",
+    "fmi2GetDerivatives",
     "fmi2GetDirectionalDerivative",
+    "fmi2GetEventIndicators",
     "fmi2GetFMUstate",
     "fmi2GetInteger",
     "fmi2GetIntegerStatus",
+    "fmi2GetNominalsOfContinuousStates",
     "fmi2GetReal",
     "fmi2GetRealOutputDerivatives",
     "fmi2GetRealStatus",
@@ -66,14 +73,17 @@ const FUNCTIONS: [&str; 31] = [
     "fmi2GetTypesPlatform",
     "fmi2GetVersion",
     "fmi2Instantiate",
+    "fmi2NewDiscreteStates",
     "fmi2Reset",
     "fmi2SerializeFMUstate",
     "fmi2SerializedFMUstateSize",
     "fmi2SetBoolean",
+    "fmi2SetContinuousStates",
     "fmi2SetDebugLogging",
     "fmi2SetFMUstate",
     "fmi2SetInteger",
     "fmi2SetReal",
+    "fmi2SetTime",
     "fmi2Terminate",
 ];
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -130,8 +130,18 @@ def defaults(fmu: str) -> dict[str, float]:
     return values
 
 
-def right_hand_side(case: Case) -> tuple[Any, np.ndarray, Any]:
-    """f(t, z) with z = (x, controller's state), the start, and outputs(z); counts saturated commands."""
+@dataclass(frozen=True)
+class Loop:
+    """f(t, z) with z = (x, controller's state), the start, outputs(z), and how far commands are inside their limits."""
+
+    f: Callable[[float, np.ndarray], np.ndarray]
+    start: np.ndarray
+    outputs: Callable[[np.ndarray], dict[str, float]]
+    margins: Callable[[np.ndarray], np.ndarray]
+
+
+def right_hand_side(case: Case) -> Loop:
+    """The closed loop of a case."""
     plant = {**defaults("DualArmPlant"), **{k: v for k, v in case.settings.items() if k in defaults("DualArmPlant")}}
     own = defaults(case.controller)
     law_type = Nabfc if case.controller == "NabfcController" else Linear
@@ -167,19 +177,23 @@ def right_hand_side(case: Case) -> tuple[Any, np.ndarray, Any]:
             "saturated": bool(np.any((command <= low) | (command >= high))),
         }
 
-    start = np.concatenate([np.zeros(n), law.start(M.offset)])
-    return f, start, outputs
+    def margins(z: np.ndarray) -> np.ndarray:
+        command = parts(z)[1]
+        return np.concatenate([command - low, high - command])
+
+    return Loop(f, np.concatenate([np.zeros(n), law.start(M.offset)]), outputs, margins)
 
 
 def solve(case: Case, tolerance: float) -> tuple[list[dict[str, float]], bool]:
     """Outputs at equidistant times, and whether any command was beyond its limits on the way."""
     from scipy.integrate import solve_ivp
 
-    f, start, outputs = right_hand_side(case)
+    loop = right_hand_side(case)
+    outputs = loop.outputs
     times = np.linspace(0, case.stop, case.times + 1)
     fine = np.union1d(np.linspace(0, case.stop, 2001), times)
     method = dict(method="DOP853", rtol=tolerance, atol=tolerance * 1e-5)
-    found = solve_ivp(f, (0.0, case.stop), start, t_eval=fine, **method)
+    found = solve_ivp(loop.f, (0.0, case.stop), loop.start, t_eval=fine, **method)
     if not found.success:
         raise ArithmeticError(found.message)
     at = np.searchsorted(fine, times[1:])

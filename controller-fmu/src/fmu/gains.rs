@@ -1,15 +1,16 @@
 //! Laws that are set by gains alone, PD and PDS: what they have in common as FMUs.
 
-use fmi2_export::{Enumeration, Variables};
+use fmi2_export::{Enumeration, StateVariable, Variables};
+use grasp_control::continuous::{Continuous, PDS_INDICATORS, PDS_STATES, pds_state_variables};
 use grasp_control::laws::encoders::{Actuation, Encoders};
 use grasp_control::laws::pds::Limits;
-use grasp_control::{Arms, InvalidParameter, Law, Parameter};
+use grasp_control::{Arms, InvalidParameter, Parameter};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use super::{Controller, FmuLaw, Rates};
 
 /// A law whose settings are its gains.
-pub trait GainLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
+pub trait GainLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// The gains; the default ones are the paper's.
     type Gains: Copy + Default + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Built-in sets of them.
@@ -69,6 +70,15 @@ impl<L: GainLaw> FmuLaw for Encoders<L> {
 
     const NAME: &'static str = L::NAME;
     const DESCRIPTION: &'static str = L::DESCRIPTION;
+    const INDICATORS: usize = PDS_INDICATORS;
+
+    fn state_variables(_: &Self::Settings) -> Vec<StateVariable> {
+        pds_state_variables()
+    }
+
+    fn state_count(_: &Self::Settings) -> usize {
+        PDS_STATES
+    }
 
     fn create(arms: Arms, settings: &Self::Settings) -> Result<Self, InvalidParameter> {
         let law = L::new(arms, settings.gains(), settings.limits())?;

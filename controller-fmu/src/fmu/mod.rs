@@ -1,16 +1,21 @@
 //! The controllers as FMUs: one interface, three laws.
 
-use fmi2_export::{Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{
+    Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, StateVariable, Step, Variables,
+};
 use grasp_control::blocks::observer::RateSource;
-use grasp_control::{Arms, Commands, Errors, Inputs, InvalidParameter, Law, Targets, inner};
+use grasp_control::continuous::{Continuous, Direction, Regimes};
+use grasp_control::{Arms, Commands, Errors, Inputs, InvalidParameter, Targets, inner};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
+mod exchange;
 mod gains;
 mod nabfc_controller;
 mod pd_controller;
 mod pds_controller;
 mod variables;
 
+use exchange::States;
 pub use nabfc_controller::NabfcController;
 pub use pd_controller::PdController;
 pub use pds_controller::PdsController;
@@ -38,7 +43,7 @@ impl From<Rates> for RateSource {
 const LONGEST_STEP: f64 = 1e9;
 
 /// What makes a law an FMU.
-pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
+pub trait FmuLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// What its user can set besides the properties of the arms.
     type Settings: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Outputs it has besides those that all controllers share.
@@ -52,6 +57,17 @@ pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'st
     const FORCE_ALSO_DEPENDS_ON: &'static [&'static str] = &[];
     /// Measurements that each `tau{}_cmd` depends on, besides the angle, its rate and the root moment of all laws.
     const TORQUE_ALSO_DEPENDS_ON: &'static [&'static str] = &[];
+
+    /// How many event indicators it has, whatever its settings.
+    const INDICATORS: usize;
+    /// The settings that decide how many continuous states it has, for messages.
+    const COUNT_FOLLOWS_FROM: &'static str = "";
+
+    /// The continuous states that it has with these settings.
+    fn state_variables(settings: &Self::Settings) -> Vec<StateVariable>;
+
+    /// How many they are.
+    fn state_count(settings: &Self::Settings) -> usize;
 
     /// The law with these settings, in its initial state.
     ///
@@ -88,6 +104,12 @@ pub trait FmuLaw: Law + Clone + Serialize + DeserializeOwned + Send + Sync + 'st
         Self::Extra::default()
     }
 
+    /// Change of the extra outputs along a direction of states and inputs.
+    fn extra_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Self::Extra {
+        let _ = (inputs, along);
+        Self::Extra::default()
+    }
+
     /// Change of the extra outputs along a direction of the inputs.
     fn extra_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Self::Extra {
         let _ = (inputs, direction);
@@ -106,12 +128,19 @@ pub struct Controller<L: FmuLaw> {
     input_rates: Inputs,
     /// The law, once there is a start.
     law: Option<L>,
+    /// A host integrates it.
+    is_integrated: bool,
+    /// Which limits hold then.
+    regimes: Regimes,
     /// What the host may look at.
     #[serde(skip)]
     outputs: Outputs<L::Extra>,
     /// Time derivatives of the outputs.
     #[serde(skip)]
     rates: Outputs<L::Extra>,
+    /// What a host that integrates may look at.
+    #[serde(skip, default = "States::of::<L>")]
+    states: States,
 }
 
 /// Values of the output variables.
@@ -131,8 +160,11 @@ impl<L: FmuLaw> Default for Controller<L> {
             inputs: Inputs::default(),
             input_rates: Inputs::HELD,
             law: None,
+            is_integrated: false,
+            regimes: Regimes::default(),
             outputs: Outputs::default(),
             rates: Outputs::default(),
+            states: States::of::<L>(),
         }
     }
 }
@@ -140,7 +172,8 @@ impl<L: FmuLaw> Default for Controller<L> {
 impl<L: FmuLaw> Controller<L> {
     fn commands(&mut self) {
         if let Some(law) = &mut self.law {
-            self.outputs.commands = law.commands(&self.inputs);
+            self.outputs.commands =
+                if self.is_integrated { law.present_commands(&self.inputs) } else { law.commands(&self.inputs) };
         }
     }
 
@@ -196,6 +229,8 @@ impl<L: FmuLaw> Declare for Controller<L> {
         L::declare_extra(variables, rates);
         variables.parameters(Arms::PARAMETERS, |m| &mut m.arms);
         L::declare_settings(variables);
+        // Last, so that all others have the value references that they had before there were these.
+        exchange::declare(variables);
     }
 }
 
@@ -204,6 +239,7 @@ impl<L: FmuLaw> Model for Controller<L> {
         let mut law = L::create(self.arms, &self.settings).map_err(Failure::error)?;
         law.initialize(&self.inputs);
         self.law = Some(law);
+        (self.is_integrated, self.regimes) = (false, Regimes::default());
         Ok(())
     }
 

@@ -1,6 +1,9 @@
 //! `NabfcController.fmu`.
 
-use fmi2_export::{Evaluation, Variables};
+use fmi2_export::{Evaluation, StateVariable, Variables};
+use grasp_control::continuous::{
+    Continuous, Decision, Direction, NABFC_INDICATORS, Regimes, nabfc_state_variables, nabfc_states,
+};
 use grasp_control::laws::encoders::{Actuation, Encoders};
 use grasp_control::laws::nabfc::{Estimates, Gains, Nabfc, ObjectGains, PostureGains, RbfLayout, Surfaces};
 use grasp_control::laws::root_strain::{self, Learner, NetworkGains, RootStrain, RootStrainGains};
@@ -90,14 +93,14 @@ pub enum NabfcLaw {
 }
 
 impl NabfcLaw {
-    fn law(&self) -> &dyn Law {
+    fn law(&self) -> &dyn Continuous {
         match self {
             Self::Paper(law) => &**law,
             Self::RootStrain(law) => &**law,
         }
     }
 
-    fn law_mut(&mut self) -> &mut dyn Law {
+    fn law_mut(&mut self) -> &mut dyn Continuous {
         match self {
             Self::Paper(law) => &mut **law,
             Self::RootStrain(law) => &mut **law,
@@ -131,6 +134,40 @@ impl Law for NabfcLaw {
     }
 }
 
+impl Continuous for NabfcLaw {
+    fn continuous_states(&self, out: &mut [f64]) {
+        self.law().continuous_states(out);
+    }
+
+    fn take_states(&mut self, states: &[f64]) {
+        self.law_mut().take_states(states);
+    }
+
+    fn present_commands(&mut self, inputs: &Inputs) -> Commands {
+        self.law_mut().present_commands(inputs)
+    }
+
+    fn command_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Commands {
+        self.law_mut().command_change(inputs, along)
+    }
+
+    fn derivatives(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
+        self.law_mut().derivatives(inputs, regimes, out);
+    }
+
+    fn derivative_change(&mut self, inputs: &Inputs, regimes: &Regimes, along: Direction<'_>, out: &mut [f64]) {
+        self.law_mut().derivative_change(inputs, regimes, along, out);
+    }
+
+    fn event_indicators(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
+        self.law_mut().event_indicators(inputs, regimes, out);
+    }
+
+    fn decide(&mut self, inputs: &Inputs, regimes: &mut Regimes) -> Decision {
+        self.law_mut().decide(inputs, regimes)
+    }
+}
+
 /// The sliding variables and the estimates.
 #[derive(Clone, Default)]
 pub struct Extra {
@@ -156,6 +193,16 @@ impl FmuLaw for NabfcLaw {
         "Neuro-adaptive boundary force control (NABFC) of the dual-arm grasp, eqs. (31)-(39) and (49)-(57)";
     const FORCE_ALSO_DEPENDS_ON: &'static [&'static str] = &["tip_shear1_dot", "tip_shear2_dot"];
     const TORQUE_ALSO_DEPENDS_ON: &'static [&'static str] = &["root_moment{}_dot"];
+    const INDICATORS: usize = NABFC_INDICATORS;
+    const COUNT_FOLLOWS_FROM: &'static str = "rbf_nodes_posture and rbf_rings_object";
+
+    fn state_variables(settings: &Settings) -> Vec<StateVariable> {
+        nabfc_state_variables(&settings.gains.rbf)
+    }
+
+    fn state_count(settings: &Settings) -> usize {
+        nabfc_states(&settings.gains.rbf)
+    }
 
     fn create(arms: Arms, settings: &Settings) -> Result<Self, InvalidParameter> {
         // Both are checked, so that a parameter's range does not depend on another parameter.
@@ -249,6 +296,19 @@ impl FmuLaw for NabfcLaw {
             }
             Self::RootStrain(law) => {
                 Extra { surfaces: law.surface_rates(inputs, rates), estimates: law.estimate_rates(inputs) }
+            }
+        }
+    }
+
+    fn extra_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Extra {
+        match self {
+            Self::Paper(law) => {
+                let seen = law.seen_change(along);
+                let surfaces = law.law().surface_change(Direction { inputs: &seen, ..along });
+                Extra { surfaces, estimates: law.law().estimate_change(along.states) }
+            }
+            Self::RootStrain(law) => {
+                Extra { surfaces: law.surface_change(inputs, along), estimates: law.estimate_change(along.states) }
             }
         }
     }

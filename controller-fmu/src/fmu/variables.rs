@@ -4,6 +4,9 @@ use fmi2_export::{Evaluation, Variables};
 
 use super::{Controller, FmuLaw};
 
+/// Targets and errors follow from references and measurements alone.
+const NO_STATES: [&str; 0] = [];
+
 pub(super) fn inputs<L: FmuLaw>(variables: &mut Variables<Controller<L>>) {
     variables
         .input_array("theta{}", |m| &mut m.inputs.measured.theta)
@@ -95,6 +98,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .display_degrees()
         .nominal(0.1)
         .depends_linearly_on(["theta1_ref"])
+        .depends_on_states(NO_STATES)
         .description("Target of theta1");
     variables
         .output("theta2_d", targets, |m| &mut m.outputs.targets.theta[1])
@@ -103,6 +107,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .display_degrees()
         .nominal(0.1)
         .depends_linearly_on(["theta1_ref", "lambda1_ref"])
+        .depends_on_states(NO_STATES)
         .description("Target of theta2, eq. (16)");
     variables
         .output("y_object_d", targets, |m| &mut m.outputs.targets.y_object)
@@ -110,12 +115,14 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .unit("m")
         .nominal(0.05)
         .depends_linearly_on(["theta1_ref", "lambda1_ref"])
+        .depends_on_states(NO_STATES)
         .description("Target of y_object, eq. (16) with the L/2 it leaves out");
     variables
         .output("lambda2_d", targets, |m| &mut m.outputs.targets.lambda[1])
         .rate(rates, |m| &mut m.rates.targets.lambda[1])
         .unit("N")
         .depends_linearly_on(["lambda1_ref"])
+        .depends_on_states(NO_STATES)
         .description("Target of lambda2, eq. (16)");
     variables
         .output("e1", targets, |m| &mut m.outputs.errors.e[0])
@@ -124,6 +131,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .display_degrees()
         .nominal(0.1)
         .depends_linearly_on(["theta1", "theta1_ref"])
+        .depends_on_states(NO_STATES)
         .description("Angle error theta1 - theta1_d");
     variables
         .output("e2", targets, |m| &mut m.outputs.errors.e[1])
@@ -132,6 +140,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .display_degrees()
         .nominal(0.1)
         .depends_linearly_on(["theta2", "theta1_ref", "lambda1_ref"])
+        .depends_on_states(NO_STATES)
         .description("Angle error theta2 - theta2_d");
     variables
         .output("p", targets, |m| &mut m.outputs.errors.p)
@@ -139,5 +148,6 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .unit("m")
         .nominal(0.01)
         .depends_linearly_on(["y_object", "theta1_ref", "lambda1_ref"])
+        .depends_on_states(NO_STATES)
         .description("Position error y_object - y_object_d");
 }

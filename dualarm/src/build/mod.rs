@@ -118,7 +118,8 @@ pub fn repository() -> Option<PathBuf> {
 }
 
 /// Builds the models in the repository at `root` and writes their `.fmu` files to `out`, one after the other: whoever has
-/// others there wants a new folder. `quiet` keeps cargo silent unless something fails; `progress` hears what is being done.
+/// others there wants a new folder. The plant has the continuous states of `plant_order`, or of the default one. `quiet` keeps
+/// cargo silent unless something fails; `progress` hears what is being done.
 ///
 /// # Errors
 /// When a build or packaging step fails.
@@ -126,6 +127,7 @@ pub fn package(
     root: &Path,
     out: &Path,
     platforms: &Platforms,
+    plant_order: Option<u8>,
     quiet: bool,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Packaged, PackageError> {
@@ -134,14 +136,14 @@ pub fn package(
     }
     let merged = Merged::read(&platforms.merged)?;
     progress(&format!("building the FMU libraries of {}", root.display()));
-    let crates = programs(root, quiet)?;
+    let crates = programs(root, plant_order, quiet)?;
     let guids: Vec<BTreeMap<String, String>> = crates.iter().map(|one| merge::read_guids(&one.guids)).collect();
     let archives = merge::assign(&merged, &guids)?;
     let is_merged = |platform: &Platform| merge::covers(&merged, &guids, platform);
     let required: Vec<_> = platforms.required.iter().copied().filter(|platform| !is_merged(platform)).collect();
     let (to_build, mut left_out) = toolchain::select(&platforms.wanted, &required).map_err(PackageError::Platform)?;
     left_out.retain(|(platform, _)| !is_merged(platform));
-    let libraries = to_build.into_iter().map(|platform| libraries(root, quiet, platform, &crates));
+    let libraries = to_build.into_iter().map(|platform| libraries(root, plant_order, quiet, platform, &crates));
     let libraries: Vec<Vec<PathBuf>> = libraries.collect::<Result<_, _>>()?;
 
     let write = |source| PackageError::Write { folder: out.to_owned(), source };
@@ -166,6 +168,11 @@ pub fn package(
     Ok(Packaged { fmus, left_out: toolchain::left_out(&left_out) })
 }
 
+/// How the plant's crate is told of an order when it is compiled.
+fn as_variable(plant_order: u8) -> (&'static str, String) {
+    ("DUALARM_PLANT_ORDER", plant_order.to_string())
+}
+
 /// A model crate.
 struct Packager {
     model: String,
@@ -176,12 +183,13 @@ struct Packager {
 
 /// The packaging programs, with the profile of this tool, which has compiled most of what they need (selecting the whole
 /// workspace gives dependencies the features they have there), and what they say of their models.
-fn programs(root: &Path, quiet: bool) -> Result<Vec<Packager>, PackageError> {
+fn programs(root: &Path, plant_order: Option<u8>, quiet: bool) -> Result<Vec<Packager>, PackageError> {
     let mut command = Command::new(cargo::program());
     command.args(["build", "--release", "--workspace"]);
     for model in MODELS {
         command.args(["--bin", model, "--features", &format!("{model}/package")]);
     }
+    command.envs(plant_order.map(as_variable));
     let messages = cargo::build(command, root, quiet)?;
     let program = |model: &&str| {
         let program = cargo::find_program(&messages, model)?;
@@ -195,6 +203,7 @@ fn programs(root: &Path, quiet: bool) -> Result<Vec<Packager>, PackageError> {
 /// them.
 fn libraries(
     root: &Path,
+    plant_order: Option<u8>,
     quiet: bool,
     platform: &'static Platform,
     crates: &[Packager],
@@ -203,6 +212,7 @@ fn libraries(
     let library = |one: &Packager| {
         let mut command = platform.build_library(&cargo::program());
         command.args(["--profile", "fmu", "--package", &one.model]).env("FMI2_EXPORT_GUIDS", guids.join(";"));
+        command.envs(plant_order.map(as_variable));
         cargo::find_library(&cargo::build(command, root, quiet)?, &one.model, platform.extension())
     };
     crates.iter().map(library).collect()
@@ -234,7 +244,8 @@ mod tests {
     fn missing_sources_are_named() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("dist");
-        let error = package(folder.path(), &out, &Platforms::default(), true, &mut |_| ()).unwrap_err().to_string();
+        let error =
+            package(folder.path(), &out, &Platforms::default(), None, true, &mut |_| ()).unwrap_err().to_string();
         assert!(error.contains("not around this folder") && !out.exists(), "{error}");
     }
 }

@@ -56,7 +56,7 @@ impl Job {
     /// Builds and packages the FMUs and systems, unless the user wants those that are there, or they came with this program.
     pub fn package(&self, quiet: bool) -> Result<(), Failure> {
         if !self.no_package && shipped_folder().is_none_or(|shipped| shipped != self.folder.fmus) {
-            package_all(&self.folder.fmus, &Platforms::default(), quiet)?;
+            package_all(&self.folder.fmus, &Platforms::default(), None, quiet)?;
         }
         Ok(())
     }

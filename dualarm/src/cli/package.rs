@@ -32,6 +32,9 @@ Examples:
                                       fails unless they run on both
   dualarm package --merge windows/    with the libraries of the FMUs that were
                                       packaged in that folder on another machine
+  dualarm package --plant-order 12 --out fine/
+                                      a plant with the states of order 12 for
+                                      model exchange, where `order` is fixed
   dualarm package --cross-check       and dist/release: each FMU with inputs,
                                       reference solution, options and README, as
                                       the FMI cross-check rules want them";
@@ -52,6 +55,9 @@ pub struct Arguments {
     /// Add the libraries of this .fmu, or of all in this folder, built elsewhere from the same sources; can be repeated
     #[arg(long, value_name = "PATH", conflicts_with = "describe")]
     merge: Vec<PathBuf>,
+    /// Order of the plant whose states it has in model exchange, where FMI fixes their number; also the default of `order`
+    #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(4..=24), conflicts_with = "describe")]
+    plant_order: Option<u8>,
     /// Also write the release layout of the FMI cross-check rules to FOLDER/release
     // It was once called --release, which says less and looks like an option of cargo.
     #[arg(long, alias = "release", conflicts_with = "describe")]
@@ -73,7 +79,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         required: arguments.require.clone().unwrap_or_default(),
         merged: arguments.merge.clone(),
     };
-    for path in package_all(&arguments.out, &platforms, quiet)? {
+    for path in package_all(&arguments.out, &platforms, arguments.plant_order, quiet)? {
         if !quiet {
             let size = std::fs::metadata(&path).map_or(0, |file| file.len());
             print(&format!("{}  {:.2} MB\n", path.display(), size as f64 / 1e6));
@@ -91,10 +97,15 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 }
 
 /// Builds the FMUs, composes the systems, and writes both to a folder. They belong together, so they appear there together.
-pub fn package_all(out: &Path, platforms: &Platforms, quiet: bool) -> Result<Vec<PathBuf>, Failure> {
+pub fn package_all(
+    out: &Path,
+    platforms: &Platforms,
+    plant_order: Option<u8>,
+    quiet: bool,
+) -> Result<Vec<PathBuf>, Failure> {
     let apart = tempfile::tempdir()?;
     let root = repository().ok_or(PackageError::NoSources)?;
-    let packaged = package(&root, apart.path(), platforms, quiet, &mut |doing| say(quiet, doing))?;
+    let packaged = package(&root, apart.path(), platforms, plant_order, quiet, &mut |doing| say(quiet, doing))?;
     if let Some(line) = packaged.left_out.filter(|_| !quiet) {
         print_error(&format!("{line}\n"));
     }

@@ -10,9 +10,10 @@ use super::arguments::{strings, text};
 use super::instance::{Instance, Shared, call, guarded, occupy};
 use super::logger::Logger;
 use super::panics;
-use super::types::{Boolean, CO_SIMULATION, CallbackFunctions, Component};
+use super::types::{Boolean, CO_SIMULATION, CallbackFunctions, Component, MODEL_EXCHANGE};
 use crate::categories::Category;
 use crate::model::Experiment;
+use crate::phase::Kind;
 use crate::resources::Resources;
 use crate::served::Served;
 use crate::slave::AnySlave;
@@ -54,14 +55,19 @@ pub unsafe fn instantiate(
             if name.to_bytes().trim_ascii().is_empty() {
                 return Err(Refusal::error("instanceName is a null pointer or empty"));
             }
-            if fmu_type != CO_SIMULATION {
-                return Err(Refusal::error("this FMU is for co-simulation (fmi2CoSimulation) only"));
-            }
+            let kind = match fmu_type {
+                MODEL_EXCHANGE => Kind::ModelExchange,
+                CO_SIMULATION => Kind::CoSimulation,
+                _ => {
+                    let message = format!("fmuType is {fmu_type}, it is fmi2ModelExchange (0) or fmi2CoSimulation (1)");
+                    return Err(Refusal::error(message));
+                }
+            };
             // SAFETY: the host's promise.
             let guid = unsafe { text(guid, "fmuGUID") }?;
             // SAFETY: the host's promise.
             let location = if resource_location.is_null() { c"" } else { unsafe { CStr::from_ptr(resource_location) } };
-            find_model(library, guid, &Resources::located(location.to_bytes()))
+            find_model(library, guid, kind, &Resources::located(location.to_bytes()))
         })
     });
     let reason = match result {
@@ -85,13 +91,14 @@ pub unsafe fn instantiate(
 fn find_model(
     library: &'static Served,
     guid: &str,
+    kind: Kind,
     resources: &Resources,
 ) -> Result<(usize, Box<dyn AnySlave>), Refusal> {
     let mut known = Vec::new();
     for (index, model) in library.models.iter().enumerate() {
         let its = model.guid().map_err(|e| Refusal::error(e.to_string()))?;
         if its == guid {
-            return Ok((index, model.instantiate(resources)?));
+            return Ok((index, model.instantiate(kind, resources)?));
         }
         known.push(its);
     }

@@ -18,6 +18,7 @@
 //! one that throws a C++ exception ends the process. Null pointers are refused. Handles of saved states are never dereferenced.
 
 mod arguments;
+mod exchange;
 mod instance;
 mod life;
 mod logger;
@@ -29,6 +30,7 @@ mod values;
 
 /// The functions behind the C symbols that [`export!`](crate::export) defines.
 pub mod calls {
+    pub use super::exchange::*;
     pub use super::life::*;
     pub use super::states::*;
     pub use super::step::*;

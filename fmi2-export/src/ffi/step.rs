@@ -7,7 +7,7 @@ use super::arguments::out;
 use super::instance::{Instance, call};
 use super::types::{Boolean, Component, status_kind};
 use crate::categories::Category;
-use crate::phase::Call;
+use crate::phase::{Call, Kind};
 use crate::status::{Refusal, Status};
 
 /// `fmi2DoStep`.
@@ -29,8 +29,10 @@ pub unsafe fn cancel_step(component: Component) -> Status {
 
 /// Checks that status may be asked for now.
 fn check_status(instance: &Instance, what: &str) -> Result<(), Refusal> {
-    let phase = instance.slave.phase();
-    if phase.allows(Call::GetStatus) {
+    let (kind, phase) = (instance.slave.kind(), instance.slave.phase());
+    if kind != Kind::CoSimulation {
+        Err(Refusal::error(format!("{what} is for co-simulation; this instance is for {}", kind.name())))
+    } else if phase.allows(Call::GetStatus) {
         Ok(())
     } else {
         Err(Refusal::error(format!("{what} is not allowed {}", phase.name())))

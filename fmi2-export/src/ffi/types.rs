@@ -13,8 +13,28 @@ pub type ValueReference = c_uint;
 /// `fmi2Boolean`: 0 or 1.
 pub type Boolean = c_int;
 
+/// `fmi2Type`: model exchange.
+pub const MODEL_EXCHANGE: c_int = 0;
 /// `fmi2Type`: co-simulation.
 pub const CO_SIMULATION: c_int = 1;
+
+/// `fmi2EventInfo`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EventInfo {
+    /// `newDiscreteStatesNeeded`.
+    pub new_discrete_states_needed: Boolean,
+    /// `terminateSimulation`.
+    pub terminate_simulation: Boolean,
+    /// `nominalsOfContinuousStatesChanged`.
+    pub nominals_of_continuous_states_changed: Boolean,
+    /// `valuesOfContinuousStatesChanged`.
+    pub values_of_continuous_states_changed: Boolean,
+    /// `nextEventTimeDefined`.
+    pub next_event_time_defined: Boolean,
+    /// `nextEventTime` (s), if it is defined.
+    pub next_event_time: f64,
+}
 
 /// `fmi2StatusKind`, as the host passes it (any number can arrive).
 pub mod status_kind {

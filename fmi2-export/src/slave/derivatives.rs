@@ -1,4 +1,4 @@
-//! Derivatives: of inputs and outputs by time, of outputs by inputs at communication points.
+//! Derivatives: of inputs and outputs by time, of outputs and of the states' time derivatives by inputs and states.
 
 use super::{Slave, out_of_range};
 use crate::model::Model;
@@ -21,7 +21,7 @@ pub(crate) trait Derive {
 
 impl<M: Model> Derive for Slave<M> {
     fn set_input_derivatives(&mut self, references: &[u32], orders: &[i32], values: &[f64]) -> Outcome {
-        self.check(Call::Set, "fmi2SetRealInputDerivatives")?;
+        self.check_co_simulation(Call::Set, "fmi2SetRealInputDerivatives")?;
         for ((reference, order), value) in references.iter().zip(orders).zip(values) {
             let real = self.real(*reference)?;
             let name = self.name(&real.slot);
@@ -47,7 +47,7 @@ impl<M: Model> Derive for Slave<M> {
     }
 
     fn get_output_derivatives(&mut self, references: &[u32], orders: &[i32], values: Out<'_, f64>) -> Outcome {
-        self.check(Call::GetOutputDerivatives, "fmi2GetRealOutputDerivatives")?;
+        self.check_co_simulation(Call::GetOutputDerivatives, "fmi2GetRealOutputDerivatives")?;
         let mut wanted = 0;
         for (reference, order) in references.iter().zip(orders) {
             let real = self.real(*reference)?;
@@ -84,20 +84,32 @@ impl<M: Model> Derive for Slave<M> {
         if !M::INFO.directional_derivatives {
             return Err(Refusal::error("this model provides no directional derivatives"));
         }
+        // Whether states are involved, as knowns or by their time derivatives.
+        let mut of_states = false;
         for reference in unknowns {
             let slot = &self.real(*reference)?.slot;
-            if slot.causality != Causality::Output {
+            let variable = &self.layout.variables[slot.variable as usize];
+            let is_initial_state = variable.is_state && self.state.phase == Phase::Initialization;
+            of_states |= variable.derivative_of.is_some();
+            if slot.causality != Causality::Output && variable.derivative_of.is_none() && !is_initial_state {
                 return Err(Refusal::error(format!("{} is no output: it has no derivative", self.name(slot))));
             }
         }
         for (reference, value) in knowns.iter().zip(seed) {
             let slot = &self.real(*reference)?.slot;
+            let is_state = self.layout.variables[slot.variable as usize].is_state;
+            of_states |= is_state;
             match (slot.causality, self.state.phase) {
                 (Causality::Input, _) | (Causality::Parameter, Phase::Initialization) => {}
                 (Causality::Parameter, _) => {
                     let hint = "is no input: outputs are derived by parameters in initialization mode only";
                     return Err(Refusal::error(format!("{} {hint}", self.name(slot))));
                 }
+                (Causality::Output | Causality::Local, Phase::Initialization) if is_state => {
+                    let hint = "is a state, which is computed in initialization mode: nothing is derived by it then";
+                    return Err(Refusal::error(format!("{} {hint}", self.name(slot))));
+                }
+                (Causality::Output | Causality::Local, _) if is_state => {}
                 _ => return Err(Refusal::error(format!("{} is no input: nothing is derived by it", self.name(slot)))),
             }
             if !value.is_finite() {
@@ -124,7 +136,16 @@ impl<M: Model> Derive for Slave<M> {
         for (reference, value) in knowns.iter().zip(seed) {
             *(reals[*reference as usize].lens)(direction) += value;
         }
-        self.state.model.directional_derivative(direction);
+        match &self.layout.continuous {
+            Some(continuous) if of_states => {
+                // What the model computed for its states may be what the derivative is taken of.
+                let needed = continuous.derivative_evaluations & self.state.stale;
+                self.state.stale &= !needed;
+                self.layout.evaluate(needed, &mut self.state.model);
+                (continuous.exchange.jacobian_product)(&mut self.state.model, direction);
+            }
+            _ => self.state.model.directional_derivative(direction),
+        }
         values.write(unknowns.iter().map(|reference| *(reals[*reference as usize].lens)(direction)));
         Ok(())
     }

@@ -43,12 +43,13 @@ impl<M: Model> Slave<M> {
         }
         let wanted = unknowns.iter().fold(0, |wanted, reference| wanted | reals[*reference as usize].slot.evaluation);
         let experiment = self.state.experiment.unwrap_or_default();
+        let initialize = self.initializer();
         let outputs = |s: f64| {
             let mut beside = model.clone();
             for (real, _, here, slope) in &along {
                 *(real.lens)(&mut beside) = (here + s * slope).clamp(real.min, real.max);
             }
-            beside.initialize(&experiment).ok()?;
+            initialize(&mut beside, &experiment).ok()?;
             layout.evaluate(wanted, &mut beside);
             let values: Vec<f64> =
                 unknowns.iter().map(|reference| *(reals[*reference as usize].lens)(&mut beside)).collect();

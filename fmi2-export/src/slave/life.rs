@@ -1,11 +1,12 @@
 //! From instantiation to termination.
 
 use super::{Slave, State, all};
-use crate::model::{Experiment, Model};
-use crate::phase::{Call, Phase};
+use crate::model::{Experiment, Failure, Model};
+use crate::phase::{Call, Kind, Phase};
 use crate::status::{Outcome, Refusal};
 
 pub(crate) trait Live {
+    fn kind(&self) -> Kind;
     fn phase(&self) -> Phase;
     /// After a panic: nothing but reset, restore and free is possible.
     fn poison(&mut self);
@@ -17,6 +18,10 @@ pub(crate) trait Live {
 }
 
 impl<M: Model> Live for Slave<M> {
+    fn kind(&self) -> Kind {
+        self.state.kind
+    }
+
     fn phase(&self) -> Phase {
         self.state.phase
     }
@@ -30,6 +35,7 @@ impl<M: Model> Live for Slave<M> {
         check_experiment(&experiment).map_err(Refusal::error)?;
         self.state.experiment = Some(experiment);
         self.state.time = experiment.start_time;
+        self.tell_time();
         Ok(())
     }
 
@@ -48,7 +54,7 @@ impl<M: Model> Live for Slave<M> {
         if self.state.uninitialized {
             self.initialize()?;
         }
-        self.state.phase = Phase::StepComplete;
+        self.state.phase = self.state.kind.initialized();
         Ok(())
     }
 
@@ -59,7 +65,8 @@ impl<M: Model> Live for Slave<M> {
     }
 
     fn reset(&mut self) -> Outcome {
-        let old = std::mem::replace(&mut self.state, State::new(&self.resources)?);
+        let fresh = State::new(self.state.kind, &self.resources)?;
+        let old = std::mem::replace(&mut self.state, fresh);
         // A failed model may have left anything there.
         self.direction = None;
         self.strings.clear();
@@ -72,13 +79,22 @@ impl<M: Model> Slave<M> {
     pub(super) fn initialize(&mut self) -> Outcome {
         let experiment = self.state.experiment.unwrap_or_default();
         let before = self.state.model.clone();
-        if let Err(failure) = self.state.model.initialize(&experiment) {
+        let initialize = self.initializer();
+        if let Err(failure) = initialize(&mut self.state.model, &experiment) {
             self.state.model = before;
             return Err(Refusal::error(failure.to_string()));
         }
         self.state.uninitialized = false;
         self.state.stale = all();
         Ok(())
+    }
+
+    /// The function that computes the initial state: a model may offer less where the host integrates.
+    pub(super) fn initializer(&self) -> fn(&mut M, &Experiment) -> Result<(), Failure> {
+        match (&self.layout.continuous, self.state.kind) {
+            (Some(continuous), Kind::ModelExchange) => continuous.exchange.initialize,
+            _ => M::initialize,
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 //! the module of its kind; here is what they share.
 
 mod derivatives;
+mod exchange;
 mod get;
 mod initial;
 mod life;
@@ -15,6 +16,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 pub(crate) use derivatives::Derive;
+pub(crate) use exchange::BeIntegrated;
 pub(crate) use get::Get;
 pub(crate) use life::Live;
 pub(crate) use set::Set;
@@ -23,12 +25,12 @@ pub(crate) use step::Advance;
 
 use crate::layout::{Layout, RealSlot, Slot};
 use crate::model::{Experiment, Model};
-use crate::phase::{Call, Phase};
+use crate::phase::{Call, Kind, Phase};
 use crate::resources::Resources;
 use crate::status::Refusal;
 
 /// An instance, whatever its model: the C interface calls these.
-pub(crate) trait AnySlave: Live + Get + Set + Derive + Advance + Remember + Send {}
+pub(crate) trait AnySlave: Live + Get + Set + Derive + Advance + BeIntegrated + Remember + Send {}
 
 impl<M: Model> AnySlave for Slave<M> {}
 
@@ -36,6 +38,7 @@ impl<M: Model> AnySlave for Slave<M> {}
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(bound = "")]
 struct State<M: Model> {
+    kind: Kind,
     phase: Phase,
     /// As `fmi2SetupExperiment` gave it, once it has.
     experiment: Option<Experiment>,
@@ -58,10 +61,11 @@ fn all() -> u64 {
 
 impl<M: Model> State<M> {
     /// The model has been told where its files are.
-    fn new(resources: &Resources) -> Result<Self, Refusal> {
+    fn new(kind: Kind, resources: &Resources) -> Result<Self, Refusal> {
         let mut model = M::default();
         model.resources(resources).map_err(|failure| Refusal::error(failure.to_string()))?;
         Ok(Self {
+            kind,
             phase: Phase::Instantiated,
             experiment: None,
             time: 0.0,
@@ -82,12 +86,17 @@ pub(crate) struct Slave<M: Model> {
     direction: Option<Box<M>>,
     /// What the last `fmi2GetString` returned.
     strings: Vec<CString>,
+    /// Scratch for values that are checked before the host gets them.
+    values: Vec<f64>,
 }
 
 impl<M: Model> Slave<M> {
-    pub fn new(layout: Arc<Layout<M>>, guid: &'static str, resources: Resources) -> Result<Self, Refusal> {
-        let state = State::new(&resources)?;
-        Ok(Self { layout, guid, resources, state, direction: None, strings: Vec::new() })
+    pub fn new(layout: Arc<Layout<M>>, guid: &'static str, kind: Kind, resources: Resources) -> Result<Self, Refusal> {
+        if kind == Kind::ModelExchange && layout.continuous.is_none() {
+            return Err(Refusal::error(format!("this FMU is for {} only", Kind::CoSimulation.name())));
+        }
+        let state = State::new(kind, &resources)?;
+        Ok(Self { layout, guid, resources, state, direction: None, strings: Vec::new(), values: Vec::new() })
     }
 
     /// Name of a variable, for messages.
@@ -101,6 +110,23 @@ impl<M: Model> Slave<M> {
 
     fn check(&self, call: Call, what: &str) -> Result<(), Refusal> {
         if self.state.phase.allows(call) { Ok(()) } else { Err(self.out_of_order(what)) }
+    }
+
+    /// As [`check`](Self::check), of a call that only co-simulation has.
+    fn check_co_simulation(&self, call: Call, what: &str) -> Result<(), Refusal> {
+        if self.state.kind == Kind::CoSimulation {
+            self.check(call, what)
+        } else {
+            Err(Refusal::error(format!("{what} is for co-simulation; this instance is for {}", self.state.kind.name())))
+        }
+    }
+
+    /// Tells the model the time, if it wants to know it.
+    fn tell_time(&mut self) {
+        if let Some(time) = &self.layout.time {
+            *time(&mut self.state.model) = self.state.time;
+            self.state.stale = all();
+        }
     }
 
     #[cold]

@@ -102,7 +102,7 @@ impl<M: Model> Slave<M> {
         accept: impl Fn(&Variable<M>, &T) -> Result<(), String>,
         write: impl Fn(&Access<M>, &mut M, T),
     ) -> Outcome {
-        self.check(Call::Set, what)?;
+        self.check(Call::SetDiscrete, what)?;
         let layout = Arc::clone(&self.layout);
         let mut changed = Changed::default();
         for (reference, value) in references.iter().zip(values) {
@@ -123,13 +123,13 @@ impl<M: Model> Slave<M> {
     /// What to go back to if the model does not accept new values of tunable parameters. Not on the way of a step, where
     /// only inputs are set; boxed, so that nothing is moved about there.
     fn before_tuning(&self, changed: Changed) -> Option<Box<M>> {
-        (changed.parameters() && self.state.phase == Phase::StepComplete).then(|| Box::new(self.state.model.clone()))
+        (changed.parameters() && self.state.phase.is_running()).then(|| Box::new(self.state.model.clone()))
     }
 
     /// Concludes setting variables that have all been checked: inputs make the outputs stale that depend on them;
     /// parameters make the model initialize again, or retune.
     fn after_set(&mut self, changed: Changed, old: Option<Box<M>>) -> Outcome {
-        if self.state.phase != Phase::StepComplete {
+        if !self.state.phase.is_running() {
             // The initial state may depend on both.
             self.state.uninitialized |= changed.inputs() | changed.parameters();
             return Ok(());
@@ -158,6 +158,9 @@ impl<M: Model> Slave<M> {
     fn not_settable(&self, slot: &Slot) -> Refusal {
         let what = match slot.causality {
             Causality::Output | Causality::Local => "it is computed by the model",
+            Causality::Input | Causality::Parameter if self.state.phase == Phase::ContinuousTimeMode => {
+                "what jumps is set in event mode"
+            }
             Causality::Input => "inputs can be set before and between steps",
             Causality::Parameter => "it is fixed once initialization mode has been left",
         };

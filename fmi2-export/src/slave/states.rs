@@ -36,7 +36,9 @@ impl<M: Model> Remember for Slave<M> {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Outcome {
-        self.state = Self::own(snapshot)?.clone();
+        let saved = Self::own(snapshot)?;
+        self.check_kind(saved)?;
+        self.state = saved.clone();
         self.strings.clear();
         Ok(())
     }
@@ -51,6 +53,7 @@ impl<M: Model> Remember for Slave<M> {
 
     fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal> {
         let mut state: State<M> = snapshot::decode(self.guid, bytes)?;
+        self.check_kind(&state)?;
         self.check_decoded(&mut state).map_err(SnapshotError::Content)?;
         let content = |failure: Failure| SnapshotError::Content(failure.to_string());
         state.model.resources(&self.resources).map_err(content)?;
@@ -60,11 +63,23 @@ impl<M: Model> Remember for Slave<M> {
 }
 
 impl<M: Model> Slave<M> {
+    /// Checks that a state is of an instance that was made for the same as this one: what the host may do with it differs.
+    fn check_kind(&self, state: &State<M>) -> Outcome {
+        if state.kind == self.state.kind {
+            return Ok(());
+        }
+        let (its, own) = (state.kind.name(), self.state.kind.name());
+        Err(Refusal::error(format!("this FMU state is of an instance for {its}, this instance is for {own}")))
+    }
+
     /// Checks what a host could not have brought about: a checksum is no proof of where bytes come from. The state of the
     /// model itself is the model's to check, in `restored`.
     fn check_decoded(&self, state: &mut State<M>) -> Result<(), String> {
         if !state.time.is_finite() {
             return Err("its time is not finite".into());
+        }
+        if !state.phase.is_of(state.kind) {
+            return Err(format!("an instance for {} is never {}", state.kind.name(), state.phase.name()));
         }
         match &state.experiment {
             Some(experiment) => check_experiment(experiment)?,

@@ -21,7 +21,9 @@ impl<M: Model> Advance for Slave<M> {
         if self.state.ramped {
             self.check_ramps(size)?;
         }
-        let result = self.state.model.step(&mut Step::new(time, size, warn));
+        let tolerance = self.state.experiment.as_ref().and_then(|experiment| experiment.tolerance);
+        let mut step = Step { time, size, warn, layout: Some(&*self.layout), tolerance };
+        let result = self.state.model.step(&mut step);
         self.state.stale = all();
         match result {
             Ok(()) => {

@@ -3,7 +3,7 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
-use fmi2_export::ffi::types::{CallbackFunctions, FmuState, Status};
+use fmi2_export::ffi::types::{CallbackFunctions, EventInfo, FmuState, Status};
 
 /// `fmi2Component`.
 pub type C = *mut c_void;
@@ -63,4 +63,18 @@ unsafe extern "C" {
     pub fn fmi2DeSerializeFMUstate(c: C, bytes: *const c_char, size: usize, state: *mut FmuState) -> Status;
     pub fn fmi2DoStep(c: C, time: f64, size: f64, no_set_state_before: c_int) -> Status;
     pub fn fmi2GetRealStatus(c: C, kind: c_int, value: *mut f64) -> Status;
+    pub fn fmi2EnterEventMode(c: C) -> Status;
+    pub fn fmi2NewDiscreteStates(c: C, info: *mut EventInfo) -> Status;
+    pub fn fmi2EnterContinuousTimeMode(c: C) -> Status;
+    pub fn fmi2CompletedIntegratorStep(
+        c: C,
+        no_set_state_before: c_int,
+        enter_event_mode: *mut c_int,
+        terminate: *mut c_int,
+    ) -> Status;
+    pub fn fmi2SetTime(c: C, time: f64) -> Status;
+    pub fn fmi2SetContinuousStates(c: C, x: *const f64, n: usize) -> Status;
+    pub fn fmi2GetDerivatives(c: C, derivatives: *mut f64, n: usize) -> Status;
+    pub fn fmi2GetEventIndicators(c: C, indicators: *mut f64, n: usize) -> Status;
+    pub fn fmi2GetContinuousStates(c: C, x: *mut f64, n: usize) -> Status;
 }

@@ -111,6 +111,32 @@ functions! {
     fmi2GetIntegerStatus(c: C, kind: c_int, value: *mut c_int) -> c_int;
     fmi2GetBooleanStatus(c: C, kind: c_int, value: *mut c_int) -> c_int;
     fmi2GetStringStatus(c: C, kind: c_int, value: *mut *const c_char) -> c_int;
+    fmi2EnterEventMode(c: C) -> c_int;
+    fmi2NewDiscreteStates(c: C, info: *mut EventInfo) -> c_int;
+    fmi2EnterContinuousTimeMode(c: C) -> c_int;
+    fmi2CompletedIntegratorStep(c: C, no_set_state_before: c_int, enter_event_mode: *mut c_int, terminate: *mut c_int) -> c_int;
+    fmi2SetTime(c: C, time: f64) -> c_int;
+    fmi2SetContinuousStates(c: C, x: *const f64, n: usize) -> c_int;
+    fmi2GetDerivatives(c: C, derivatives: *mut f64, n: usize) -> c_int;
+    fmi2GetEventIndicators(c: C, indicators: *mut f64, n: usize) -> c_int;
+    fmi2GetContinuousStates(c: C, x: *mut f64, n: usize) -> c_int;
+    fmi2GetNominalsOfContinuousStates(c: C, x: *mut f64, n: usize) -> c_int;
+}
+
+/// `fmi2Type`.
+pub const MODEL_EXCHANGE: c_int = 0;
+pub const CO_SIMULATION: c_int = 1;
+
+/// `fmi2EventInfo`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EventInfo {
+    pub again: c_int,
+    pub terminate: c_int,
+    pub nominals_changed: c_int,
+    pub states_changed: c_int,
+    pub has_next_time: c_int,
+    pub next_time: f64,
 }
 
 impl Fmu {
@@ -135,12 +161,16 @@ impl Fmu {
 
     /// An instance with a logger that writes into the returned log.
     pub fn instantiate(&self, guid: &str) -> Slave<'_> {
+        self.instantiate_as(CO_SIMULATION, guid).unwrap_or_else(|log| panic!("{log:?}"))
+    }
+
+    /// As [`instantiate`](Self::instantiate), for an interface that the model may not have; what it says then.
+    pub fn instantiate_as(&self, kind: c_int, guid: &str) -> Result<Slave<'_>, Log> {
         let log = Log::default();
         let callbacks = callbacks(&log);
         let guid = CString::new(guid).unwrap();
-        let component = self.fmi2Instantiate(c"test".as_ptr(), 1, guid.as_ptr(), null(), &raw const callbacks, 0, 1);
-        assert!(!component.is_null(), "{log:?}");
-        Slave { fmu: self, component, log }
+        let component = self.fmi2Instantiate(c"test".as_ptr(), kind, guid.as_ptr(), null(), &raw const callbacks, 0, 1);
+        if component.is_null() { Err(log) } else { Ok(Slave { fmu: self, component, log }) }
     }
 }
 
@@ -189,6 +219,48 @@ impl Slave<'_> {
 
     pub fn step(&self, time: f64, size: f64) -> c_int {
         self.fmu.fmi2DoStep(self.component, time, size, 1)
+    }
+
+    /// Of an instance for model exchange: initializes and updates the discrete states, into continuous-time mode.
+    pub fn start(&self) {
+        self.initialize();
+        self.update();
+    }
+
+    /// From event mode into continuous-time mode; what the last update said.
+    pub fn update(&self) -> EventInfo {
+        let mut info = EventInfo { again: 1, ..EventInfo::default() };
+        while info.again != 0 {
+            assert_eq!(self.fmu.fmi2NewDiscreteStates(self.component, &raw mut info), OK, "{:?}", self.log);
+        }
+        assert_eq!(self.fmu.fmi2EnterContinuousTimeMode(self.component), OK);
+        info
+    }
+
+    pub fn set_time(&self, time: f64) -> c_int {
+        self.fmu.fmi2SetTime(self.component, time)
+    }
+
+    pub fn set_states(&self, x: &[f64]) -> c_int {
+        self.fmu.fmi2SetContinuousStates(self.component, x.as_ptr(), x.len())
+    }
+
+    pub fn states(&self, count: usize) -> Vec<f64> {
+        let mut x = vec![f64::NAN; count];
+        assert_eq!(self.fmu.fmi2GetContinuousStates(self.component, x.as_mut_ptr(), count), OK, "{:?}", self.log);
+        x
+    }
+
+    pub fn derivatives(&self, count: usize) -> Vec<f64> {
+        let mut x = vec![f64::NAN; count];
+        assert_eq!(self.fmu.fmi2GetDerivatives(self.component, x.as_mut_ptr(), count), OK, "{:?}", self.log);
+        x
+    }
+
+    pub fn indicators(&self, count: usize) -> Vec<f64> {
+        let mut z = vec![f64::NAN; count];
+        assert_eq!(self.fmu.fmi2GetEventIndicators(self.component, z.as_mut_ptr(), count), OK, "{:?}", self.log);
+        z
     }
 
     /// The last message logged.

@@ -3,6 +3,7 @@
 //! anywhere; the style sheet stands in it, formulas are `MathML`, charts SVG.
 
 mod chart;
+mod states;
 mod tables;
 mod text;
 
@@ -181,7 +182,8 @@ impl Page<'_> {
         if !self.document.icon.is_empty() {
             let _ = writeln!(html, "<img src=\"../{ICON}\" alt=\"\"/>");
         }
-        let mut kind = vec!["FMI 2.0 co-simulation FMU".to_owned()];
+        let what = if self.interface.exchange.is_some() { "co-simulation and model-exchange" } else { "co-simulation" };
+        let mut kind = vec![format!("FMI 2.0 {what} FMU")];
         if !info.version.is_empty() {
             kind.push(format!("version {}", info.version));
         }

@@ -7,6 +7,8 @@ use fmi2_export::packaging::{BASE_UNITS, Interface, Kind, VariableFacts, in_base
 use fmi2_export::{Causality, Unit, Variability};
 use quick_xml::escape::escape;
 
+use super::states;
+
 /// Heading and remark of each group of variables, in the order of the page.
 const GROUPS: [(Causality, Option<Variability>, &str, &str); 5] = [
     (Causality::Input, None, "Inputs", "Set by the importing tool before each step."),
@@ -27,7 +29,9 @@ pub fn variables(html: &mut String, interface: &Interface) {
     html.push_str("<h2 id=\"variables\">Variables</h2>\n");
     for (causality, variability, heading, remark) in GROUPS {
         let belongs = |v: &&VariableFacts| {
-            v.causality == causality && variability.is_none_or(|variability| v.variability == variability)
+            v.causality == causality
+                && variability.is_none_or(|variability| v.variability == variability)
+                && !states::has(v)
         };
         let group: Vec<&VariableFacts> = interface.variables.iter().filter(belongs).collect();
         if group.is_empty() {
@@ -50,17 +54,18 @@ pub fn variables(html: &mut String, interface: &Interface) {
         }
         html.push_str("</tbody>\n</table>\n");
     }
+    states::table(html, interface);
     enumerations(html, interface);
 }
 
 /// Columns that not every group has.
 #[derive(Clone, Copy)]
-struct Columns {
-    range: bool,
-    start: bool,
+pub struct Columns {
+    pub range: bool,
+    pub start: bool,
 }
 
-fn row(html: &mut String, variable: &VariableFacts, columns: Columns) {
+pub fn row(html: &mut String, variable: &VariableFacts, columns: Columns) {
     let direct: Vec<&str> = variable.depends_on.iter().map(|(input, _)| input.as_str()).collect();
     let _ = write!(
         html,
@@ -70,6 +75,9 @@ fn row(html: &mut String, variable: &VariableFacts, columns: Columns) {
     );
     if !direct.is_empty() {
         let _ = write!(html, " <span class=\"direct\">Follows <code>{}</code></span>", escape(direct.join(", ")));
+    }
+    if variable.is_state {
+        html.push_str(" <span class=\"state\">Continuous state</span>");
     }
     let _ = write!(html, "</td><td class=\"unit\">{}</td>", escape(unit(variable)));
     if columns.range {
@@ -210,11 +218,17 @@ fn base_units(unit: &Unit) -> String {
     text
 }
 
-/// What the FMU can do, as `<CoSimulation>` says.
+/// What the FMU can do, as `<CoSimulation>` and `<ModelExchange>` say.
 pub fn capabilities(interface: &Interface) -> Vec<(&'static str, String)> {
     let yes = |can: bool| if can { "yes" } else { "no" }.to_owned();
     let categories = log_categories().collect::<Vec<_>>().join(", ");
-    vec![
+    let mut rows = Vec::new();
+    if let Some(exchange) = &interface.exchange {
+        let (states, indicators) = (exchange.states.len(), exchange.event_indicators);
+        let text = format!("{states} continuous states, {indicators} event indicators");
+        rows.push(("Model exchange", text));
+    }
+    rows.extend([
         ("Variable communication step size", yes(true)),
         ("Ramps of inputs over a step", yes(interface.interpolates_inputs)),
         ("Time derivatives of outputs", if interface.has_rates { "order 1".to_owned() } else { yes(false) }),
@@ -222,7 +236,8 @@ pub fn capabilities(interface: &Interface) -> Vec<(&'static str, String)> {
         ("Saving, restoring and serialising states", yes(true)),
         ("Instances in one process", "any number".to_owned()),
         ("Log categories", categories),
-    ]
+    ]);
+    rows
 }
 
 #[cfg(test)]

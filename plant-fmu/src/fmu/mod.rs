@@ -1,11 +1,15 @@
 //! The plant as an FMU: when it is made, stepped and read, and what is warned of. Its variables: [`variables`].
 
+mod exchange;
 mod variables;
+
+use std::fmt;
 
 use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
 use grasp_plant::{DEFLECTION_POINTS, Direct, Inputs, Measured, Parameters, Plant, Rates, Uncertainty};
 use serde::{Deserialize, Serialize};
 
+use exchange::{Continuous, ORDER};
 use variables::ActuatorChoice;
 
 /// `DualArmPlant.fmu`.
@@ -28,6 +32,9 @@ pub struct DualArmPlant {
     /// What the host may look at.
     #[serde(skip)]
     outputs: Outputs,
+    /// What a host that integrates may look at.
+    #[serde(skip)]
+    continuous: Continuous,
 }
 
 /// Values of the output variables, each part filled in by the evaluation of its name.
@@ -54,7 +61,7 @@ struct Shape {
 impl Default for DualArmPlant {
     fn default() -> Self {
         Self {
-            parameters: Parameters::default(),
+            parameters: Parameters { order: ORDER, ..Parameters::default() },
             actuator_model: ActuatorChoice::default(),
             inputs: Inputs::ZERO,
             input_rates: Inputs::ZERO,
@@ -63,7 +70,22 @@ impl Default for DualArmPlant {
             told_of_limits: false,
             time_at_limits: 0.0,
             outputs: Outputs::default(),
+            continuous: Continuous::default(),
         }
+    }
+}
+
+impl Outputs {
+    /// Takes the change of all outputs along a direction.
+    fn change(&mut self, change: &Rates) {
+        (self.measured, self.direct) = (change.measured, change.direct);
+        (self.uncertainty, self.deflection) = (change.uncertainty, change.deflection);
+        self.shape = Shape {
+            tip_deflection: change.tip_deflection,
+            constraint: change.constraint,
+            energy: change.energy,
+            supplied_energy: change.supplied_energy,
+        };
     }
 }
 
@@ -75,6 +97,21 @@ impl DualArmPlant {
     const LONG: f64 = 0.5;
     /// What the actuators at their limits are called, by the sum of 1, 2 and 4: no memory is asked for in a step.
     const LIMITED: [&str; 8] = ["", "tau1", "tau2", "tau1, tau2", "u", "tau1, u", "tau2, u", "tau1, tau2, u"];
+
+    /// Whether a tip is pulled, which no real contact can do.
+    fn is_pulled(contact_force: [f64; 2]) -> bool {
+        contact_force[0].min(contact_force[1]) < -Self::TENSION
+    }
+
+    #[cold]
+    fn tell_of_lost_contact(time: f64, contact_force: [f64; 2], warn: impl FnOnce(fmt::Arguments<'_>)) {
+        let [first, second] = contact_force;
+        let (arm, weakest) = if first <= second { (1, first) } else { (2, second) };
+        warn(format_args!(
+            "contact lost at t = {time} s: the force at tip {arm} is {weakest:.3e} N. The model goes on holding the arms to the \
+             object, which no real grasp does; start with a preload or see in_contact. This is said once in a run"
+        ));
+    }
 
     /// The parameters as the host has set them.
     fn parameters(&self) -> Parameters {
@@ -174,15 +211,9 @@ impl Model for DualArmPlant {
         plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)?;
         if !self.told_of_contact {
             let forces = plant.direct(&self.inputs).contact_force;
-            let (arm, weakest) = if forces[0] <= forces[1] { (1, forces[0]) } else { (2, forces[1]) };
-            if weakest < -Self::TENSION {
+            if Self::is_pulled(forces) {
                 self.told_of_contact = true;
-                let time = step.time + step.size;
-                step.warn(format_args!(
-                    "contact lost at t = {time} s: the force at tip {arm} is {weakest:.3e} N. The model goes on holding the \
-                     arms to the object, which no real grasp does; start with a preload or see in_contact. This is said \
-                     once in a run"
-                ));
+                Self::tell_of_lost_contact(step.time + step.size, forces, |text| step.warn(text));
             }
         }
         let limited = plant.limited(&self.inputs);

@@ -4,7 +4,7 @@ use fmi2_export::{Enumeration, Evaluation, Variables};
 use grasp_plant::{ActuatorModel, Arm, Channel, DEFLECTION_POINTS, ORDER_RANGE, Parameters, Start};
 use serde::{Deserialize, Serialize};
 
-use super::DualArmPlant;
+use super::{DualArmPlant, exchange};
 
 pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
     inputs(variables);
@@ -13,6 +13,8 @@ pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
     direct_outputs(variables, rates);
     shape_outputs(variables, rates);
     parameters(variables);
+    // Last, so that all others have the value references that they had before there were these.
+    exchange::declare(variables);
 }
 
 fn inputs(variables: &mut Variables<DualArmPlant>) {
@@ -60,12 +62,16 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
     variables
         .output("y_object", measured, |m| &mut m.outputs.measured.y_object)
         .rate(rates, |m| &mut m.outputs.rates.measured.y_object)
+        .state()
+        .depends_on_states(["y_object"])
         .unit("m")
         .nominal(0.05)
         .description("Position y_M of the object's centre above hub 1; L/2 when straight arms just touch it");
     variables
         .output("y_object_dot", measured, |m| &mut m.outputs.measured.y_object_dot)
         .rate(rates, |m| &mut m.outputs.rates.measured.y_object_dot)
+        .derivative_of("y_object")
+        .depends_on_states(exchange::coordinate_names())
         .unit("m/s")
         .nominal(0.1)
         .description("Velocity of the object");
@@ -167,6 +173,7 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     variables
         .output("supplied_energy", shape, |m| &mut m.outputs.shape.supplied_energy)
         .rate(rates, |m| &mut m.outputs.rates.supplied_energy)
+        .state()
         .unit("J")
         .nominal(0.01)
         .description("Work done by the actuators and the external disturbances since the start");

@@ -1,6 +1,8 @@
-//! `modelDescription.xml` (FMI 2.0.4, sections 2.2 and 4.3), generated from the declarations.
+//! `modelDescription.xml` (FMI 2.0.4, sections 2.2, 3.3 and 4.3), generated from the declarations.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod structure;
+
+use std::collections::{BTreeMap, HashMap};
 
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesStart, Event};
@@ -12,7 +14,8 @@ use crate::layout::{DeclarationError, Layout};
 use crate::model::Model;
 use crate::naming::is_structured;
 use crate::unit::{BASE_UNITS, Unit};
-use crate::variable::{Causality, DependencyKind};
+use crate::variable::Causality;
+use structure::model_structure;
 
 /// Namespace of the GUIDs: a version 5 UUID of the text "fmi2-export" in the DNS-less nil namespace.
 const NAMESPACE: Uuid = Uuid::from_u128(0x6f1d_3b5e_52a9_5c4b_9d0e_8a3c_71f2_46d7);
@@ -97,8 +100,10 @@ fn render(interface: &Interface, guid: &str) -> String {
     root.push(("generationTool", GENERATION_TOOL.into()));
     let structured = interface.variables.iter().all(|variable| is_structured(&variable.name));
     root.push(("variableNamingConvention", if structured { "structured" } else { "flat" }.into()));
-    root.push(("numberOfEventIndicators", "0".into()));
+    let indicators = interface.exchange.as_ref().map_or(0, |exchange| exchange.event_indicators);
+    root.push(("numberOfEventIndicators", indicators.to_string()));
     xml.element("fmiModelDescription", &root, |xml| {
+        model_exchange(xml, interface);
         co_simulation(xml, interface);
         unit_definitions(xml, interface);
         type_definitions(xml, interface);
@@ -119,6 +124,22 @@ fn render(interface: &Interface, guid: &str) -> String {
     let mut text = String::from_utf8(xml.0.into_inner()).unwrap_or_default();
     text.push('\n');
     text
+}
+
+fn model_exchange(xml: &mut Xml, interface: &Interface) {
+    let Some(exchange) = &interface.exchange else { return };
+    let yes = || "true".to_owned();
+    let mut attributes = vec![("modelIdentifier", interface.info.name.to_owned())];
+    if exchange.completed_step_not_needed {
+        attributes.push(("completedIntegratorStepNotNeeded", yes()));
+    }
+    attributes.push(("canNotUseMemoryManagementFunctions", yes()));
+    attributes.push(("canGetAndSetFMUstate", yes()));
+    attributes.push(("canSerializeFMUstate", yes()));
+    if interface.info.directional_derivatives {
+        attributes.push(("providesDirectionalDerivative", yes()));
+    }
+    xml.empty("ModelExchange", &attributes);
 }
 
 fn co_simulation(xml: &mut Xml, interface: &Interface) {
@@ -200,6 +221,8 @@ fn type_definitions(xml: &mut Xml, interface: &Interface) {
 }
 
 fn model_variables(xml: &mut Xml, interface: &Interface) {
+    let states = interface.variables.iter().enumerate().filter(|(_, variable)| variable.is_state);
+    let place_of: HashMap<&str, usize> = states.map(|(place, variable)| (variable.name.as_str(), place)).collect();
     xml.element("ModelVariables", &[], |xml| {
         for variable in &interface.variables {
             let mut attributes = vec![
@@ -216,7 +239,10 @@ fn model_variables(xml: &mut Xml, interface: &Interface) {
                 Causality::Input => {}
             }
             xml.element("ScalarVariable", &attributes, |xml| {
-                let (name, attributes) = type_element(variable);
+                let (name, mut attributes) = type_element(variable);
+                if let Some(state) = variable.derivative_of.as_deref().and_then(|state| place_of.get(state)) {
+                    attributes.push(("derivative", (state + 1).to_string()));
+                }
                 xml.empty(name, &attributes);
             });
         }
@@ -247,69 +273,4 @@ fn type_element(variable: &VariableFacts) -> (&'static str, Attributes<'static>)
     }
     attributes.extend(variable.start.clone().map(|start| ("start", start)));
     (name, attributes)
-}
-
-fn model_structure(xml: &mut Xml, interface: &Interface) {
-    let index_of: std::collections::HashMap<&str, usize> =
-        interface.variables.iter().enumerate().map(|(i, v)| (v.name.as_str(), i + 1)).collect();
-    let outputs = || interface.variables.iter().enumerate().filter(|(_, v)| v.causality == Causality::Output);
-    xml.element("ModelStructure", &[], |xml| {
-        if outputs().next().is_none() {
-            return;
-        }
-        let direct = |variable: &VariableFacts| {
-            let mut inputs: Vec<(usize, &str)> = variable
-                .depends_on
-                .iter()
-                .filter_map(|(name, kind)| Some((*index_of.get(name.as_str())?, dependency_kind(*kind))))
-                .collect();
-            inputs.sort_unstable();
-            inputs
-        };
-        xml.element("Outputs", &[], |xml| {
-            for (i, variable) in outputs() {
-                unknown(xml, i + 1, &direct(variable));
-            }
-        });
-        // In initialization mode an output follows from the parameters, the inputs it directly depends on, and those that
-        // the initial state follows from.
-        let parameters: Vec<usize> = interface
-            .variables
-            .iter()
-            .enumerate()
-            .filter(|(_, v)| v.causality == Causality::Parameter)
-            .map(|(i, _)| i + 1)
-            .collect();
-        let all = parameters.len() + interface.variables.iter().filter(|v| v.causality == Causality::Input).count();
-        xml.element("InitialUnknowns", &[], |xml| {
-            for (i, variable) in outputs() {
-                let inputs = variable.depends_on.iter().map(|(input, _)| input).chain(&variable.starts_from);
-                let inputs = inputs.filter_map(|name| index_of.get(name.as_str()).copied());
-                let knowns: BTreeSet<usize> = parameters.iter().copied().chain(inputs).collect();
-                if knowns.len() == all {
-                    // Without a list it is all knowns; a thousand outputs of a thousand parameters would list a million.
-                    xml.empty("Unknown", &[("index", (i + 1).to_string())]);
-                } else {
-                    unknown(xml, i + 1, &knowns.into_iter().map(|index| (index, "dependent")).collect::<Vec<_>>());
-                }
-            }
-        });
-    });
-}
-
-fn unknown(xml: &mut Xml, index: usize, knowns: &[(usize, &str)]) {
-    let join = |items: Vec<String>| items.join(" ");
-    let mut attributes =
-        vec![("index", index.to_string()), ("dependencies", join(knowns.iter().map(|(i, _)| i.to_string()).collect()))];
-    if knowns.iter().any(|(_, kind)| *kind != "dependent") {
-        attributes.push(("dependenciesKind", join(knowns.iter().map(|(_, kind)| (*kind).to_owned()).collect())));
-    }
-    xml.empty("Unknown", &attributes);
-}
-
-fn dependency_kind(kind: DependencyKind) -> &'static str {
-    match kind {
-        DependencyKind::Dependent => "dependent",
-        DependencyKind::Fixed => "fixed",
-    }
 }

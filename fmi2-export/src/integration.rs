@@ -1,0 +1,120 @@
+//! What a solver beside this crate needs of a model whose continuous states are declared, so that it can make communication steps.
+//!
+//! Hidden from the documentation, since only `fmi2-integrate` of the very same version uses it; it may change with any.
+
+use std::sync::Arc;
+
+use crate::exchange::{EventUpdate, ModelExchange, Moment};
+use crate::layout::{Continuous, Layout};
+use crate::model::{Failure, Step};
+
+/// A model as a system of differential equations.
+pub struct Equations<'a, M>(Source<'a, M>);
+
+enum Source<'a, M> {
+    /// Of the host's instance.
+    Host(&'a Layout<M>),
+    /// Made anew: in a test, outside of any host.
+    Own(Arc<Layout<M>>),
+}
+
+impl<'a, M: ModelExchange> Equations<'a, M> {
+    /// Those of the model that makes a step.
+    ///
+    /// # Errors
+    /// If the model declares no states, or its declarations contradict themselves.
+    pub fn of(step: &Step<'a>) -> Result<Self, Failure> {
+        let source = match step.layout.and_then(|layout| layout.downcast_ref()) {
+            Some(layout) => Source::Host(layout),
+            None => Source::Own(Arc::new(Layout::build().map_err(Failure::error)?)),
+        };
+        let equations = Self(source);
+        if equations.layout().continuous.is_none() {
+            return Err(Failure::error("the model declares no continuous states: there is nothing to integrate"));
+        }
+        Ok(equations)
+    }
+}
+
+impl<M: ModelExchange> Equations<'_, M> {
+    fn layout(&self) -> &Layout<M> {
+        match &self.0 {
+            Source::Host(layout) => layout,
+            Source::Own(layout) => layout,
+        }
+    }
+
+    /// Checked when it was made.
+    fn continuous(&self) -> Option<&Continuous<M>> {
+        self.layout().continuous.as_ref()
+    }
+
+    /// Nominal values of the continuous states.
+    pub fn nominals(&self) -> impl Iterator<Item = f64> {
+        self.continuous().into_iter().flat_map(|continuous| &continuous.states).map(|slot| slot.nominal)
+    }
+
+    /// Whether there are event indicators.
+    pub fn has_indicators(&self) -> bool {
+        self.continuous().is_some_and(|continuous| continuous.indicator_count > 0)
+    }
+
+    /// Puts time and states into the model; whether it can have them.
+    pub fn set(&self, model: &mut M, time: f64, states: &[f64]) -> bool {
+        self.tell_time(model, time);
+        for (slot, value) in self.continuous().into_iter().flat_map(|continuous| &continuous.states).zip(states) {
+            *(self.layout().reals[slot.state as usize].lens)(model) = *value;
+        }
+        states.iter().all(|value| value.is_finite()) && model.states_set().is_ok()
+    }
+
+    /// The states of the model.
+    pub fn states(&self, model: &mut M, states: &mut [f64]) {
+        let Some(continuous) = self.continuous() else { return };
+        self.layout().evaluate(continuous.state_evaluations, model);
+        for (slot, state) in continuous.states.iter().zip(states) {
+            *state = *(self.layout().reals[slot.state as usize].lens)(model);
+        }
+    }
+
+    /// Their time derivatives.
+    pub fn derivatives(&self, model: &mut M, derivatives: &mut [f64]) {
+        let Some(continuous) = self.continuous() else { return };
+        self.layout().evaluate(continuous.derivative_evaluations, model);
+        for (slot, derivative) in continuous.states.iter().zip(derivatives) {
+            *derivative = *(self.layout().reals[slot.derivative as usize].lens)(model);
+        }
+    }
+
+    /// The event indicators.
+    pub fn indicators<'m>(&self, model: &'m mut M) -> &'m [f64] {
+        match self.continuous().and_then(|continuous| continuous.indicators.as_ref()) {
+            Some((evaluation, lens)) => {
+                self.layout().evaluate(*evaluation, model);
+                lens(model)
+            }
+            None => &[],
+        }
+    }
+
+    /// Brings the discrete states up to date at a time.
+    ///
+    /// # Errors
+    /// If the model cannot go on.
+    pub fn update(&self, model: &mut M, time: f64, step: &mut Step<'_>) -> Result<EventUpdate, Failure> {
+        self.tell_time(model, time);
+        model.new_discrete_states(&mut Moment::new(time, step.warn))
+    }
+
+    fn tell_time(&self, model: &mut M, time: f64) {
+        if let Some(lens) = &self.layout().time {
+            *lens(model) = time;
+        }
+    }
+}
+
+/// The relative tolerance of the experiment, if the host has named one.
+#[must_use]
+pub fn tolerance(step: &Step<'_>) -> Option<f64> {
+    step.tolerance
+}

@@ -1,0 +1,223 @@
+//! Model exchange: what a host that integrates asks for.
+
+use std::fmt;
+
+use super::{Slave, all};
+use crate::exchange::{Completed, EventUpdate, Moment};
+use crate::exchange_phase::ExchangeCall;
+use crate::layout::Continuous;
+use crate::model::Model;
+use crate::out::Out;
+use crate::phase::{Kind, Phase};
+use crate::status::{Outcome, Refusal};
+
+/// What bringing the discrete states up to date has led to: `fmi2EventInfo`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EventInfo {
+    pub update: EventUpdate,
+    /// A continuous state has another value than before.
+    pub states_changed: bool,
+}
+
+pub(crate) trait BeIntegrated {
+    fn enter_event_mode(&mut self) -> Outcome;
+    fn new_discrete_states(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<EventInfo, Refusal>;
+    fn enter_continuous_time_mode(&mut self) -> Outcome;
+    fn completed_integrator_step(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<Completed, Refusal>;
+    fn set_time(&mut self, time: f64) -> Outcome;
+    fn set_continuous_states(&mut self, values: &[f64]) -> Outcome;
+    fn get_derivatives(&mut self, values: Out<'_, f64>) -> Outcome;
+    fn get_event_indicators(&mut self, values: Out<'_, f64>) -> Outcome;
+    fn get_continuous_states(&mut self, values: Out<'_, f64>) -> Outcome;
+    fn get_nominals(&mut self, values: Out<'_, f64>) -> Outcome;
+}
+
+impl<M: Model> BeIntegrated for Slave<M> {
+    fn enter_event_mode(&mut self) -> Outcome {
+        self.check_exchange(ExchangeCall::EnterEventMode)?;
+        self.state.phase = Phase::EventMode;
+        Ok(())
+    }
+
+    fn new_discrete_states(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<EventInfo, Refusal> {
+        let continuous = self.check_exchange(ExchangeCall::NewDiscreteStates)?;
+        let update = continuous.exchange.new_discrete_states;
+        self.evaluate_states()?;
+        let mut before = std::mem::take(&mut self.values);
+        before.clear();
+        before.extend(self.states());
+        let result = update(&mut self.state.model, &mut Moment::new(self.state.time, warn));
+        self.state.stale = all();
+        let states_changed = match result {
+            Ok(_) => {
+                self.evaluate_states()?;
+                !self.states().map(f64::to_bits).eq(before.iter().map(|value| value.to_bits()))
+            }
+            Err(_) => false,
+        };
+        self.values = before;
+        match result {
+            Ok(update) => Ok(EventInfo { update, states_changed }),
+            Err(failure) => {
+                self.state.phase = Phase::Error;
+                Err(Refusal::error(failure.to_string()))
+            }
+        }
+    }
+
+    fn enter_continuous_time_mode(&mut self) -> Outcome {
+        self.check_exchange(ExchangeCall::EnterContinuousTimeMode)?;
+        self.state.phase = Phase::ContinuousTimeMode;
+        Ok(())
+    }
+
+    fn completed_integrator_step(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<Completed, Refusal> {
+        let continuous = self.check_exchange(ExchangeCall::CompletedIntegratorStep)?;
+        let completed = continuous.exchange.step_completed;
+        let result = completed(&mut self.state.model, &mut Moment::new(self.state.time, warn));
+        self.state.stale = all();
+        result.map_err(|failure| {
+            self.state.phase = Phase::Error;
+            Refusal::error(failure.to_string())
+        })
+    }
+
+    fn set_time(&mut self, time: f64) -> Outcome {
+        self.check_exchange(ExchangeCall::SetTime)?;
+        if !time.is_finite() {
+            return Err(Refusal::error(format!("time is {time:?}, it must be finite")));
+        }
+        // Past the stop time, too: solvers look ahead.
+        self.state.time = time;
+        self.tell_time();
+        Ok(())
+    }
+
+    fn set_continuous_states(&mut self, values: &[f64]) -> Outcome {
+        let continuous = self.check_exchange(ExchangeCall::SetContinuousStates)?;
+        check_count(ExchangeCall::SetContinuousStates, "continuous states", continuous.states.len(), values.len())?;
+        if let Some((slot, value)) = continuous.states.iter().zip(values).find(|(_, value)| !value.is_finite()) {
+            let name = self.name(&self.layout.reals[slot.state as usize].slot);
+            return Err(Refusal::discard(format!("the state {name} cannot be {value:?}: it must be finite")));
+        }
+        let states_set = continuous.exchange.states_set;
+        let mut before = std::mem::take(&mut self.values);
+        before.clear();
+        before.extend(self.states());
+        self.write_states(values);
+        let result = states_set(&mut self.state.model);
+        if result.is_err() {
+            self.write_states(&before);
+        }
+        self.values = before;
+        self.state.stale = all();
+        result.map_err(|failure| Refusal::discard(failure.to_string()))
+    }
+
+    fn get_derivatives(&mut self, values: Out<'_, f64>) -> Outcome {
+        let continuous = self.check_exchange(ExchangeCall::GetDerivatives)?;
+        check_count(ExchangeCall::GetDerivatives, "continuous states", continuous.states.len(), values.len())?;
+        let wanted = continuous.derivative_evaluations;
+        self.evaluate(wanted)?;
+        let Self { layout, state, values: scratch, .. } = self;
+        let Some(continuous) = &layout.continuous else { return Ok(()) };
+        let reals = layout.reals.as_slice();
+        scratch.clear();
+        scratch.extend(continuous.states.iter().map(|slot| *(reals[slot.derivative as usize].lens)(&mut state.model)));
+        self.give(values, |slave, i| {
+            let slot = slave.layout.continuous.as_ref()?.states.get(i)?;
+            Some(slave.name(&slave.layout.reals[slot.derivative as usize].slot).to_owned())
+        })
+    }
+
+    fn get_event_indicators(&mut self, values: Out<'_, f64>) -> Outcome {
+        let continuous = self.check_exchange(ExchangeCall::GetEventIndicators)?;
+        check_count(ExchangeCall::GetEventIndicators, "event indicators", continuous.indicator_count, values.len())?;
+        let wanted = continuous.indicators.as_ref().map_or(0, |(evaluation, _)| *evaluation);
+        self.evaluate(wanted)?;
+        let Self { layout, state, values: scratch, .. } = self;
+        scratch.clear();
+        if let Some((_, lens)) = layout.continuous.as_ref().and_then(|continuous| continuous.indicators.as_ref()) {
+            scratch.extend_from_slice(lens(&mut state.model));
+        }
+        self.give(values, |_, i| Some(format!("event indicator {}", i + 1)))
+    }
+
+    fn get_continuous_states(&mut self, values: Out<'_, f64>) -> Outcome {
+        let continuous = self.check_exchange(ExchangeCall::GetContinuousStates)?;
+        check_count(ExchangeCall::GetContinuousStates, "continuous states", continuous.states.len(), values.len())?;
+        self.evaluate_states()?;
+        values.write(self.states());
+        Ok(())
+    }
+
+    fn get_nominals(&mut self, values: Out<'_, f64>) -> Outcome {
+        let continuous = self.check_exchange(ExchangeCall::GetNominals)?;
+        check_count(ExchangeCall::GetNominals, "continuous states", continuous.states.len(), values.len())?;
+        values.write(continuous.states.iter().map(|slot| slot.nominal));
+        Ok(())
+    }
+}
+
+impl<M: Model> Slave<M> {
+    /// Checks that the instance is one for model exchange, and that the call is allowed now.
+    fn check_exchange(&self, call: ExchangeCall) -> Result<&Continuous<M>, Refusal> {
+        match &self.layout.continuous {
+            Some(continuous) if self.state.kind == Kind::ModelExchange => {
+                if call.allowed_in(self.state.phase) {
+                    Ok(continuous)
+                } else {
+                    Err(self.out_of_order(call.name()))
+                }
+            }
+            _ => Err(Refusal::error(format!(
+                "{} is for model exchange; this instance is for {}",
+                call.name(),
+                self.state.kind.name()
+            ))),
+        }
+    }
+
+    /// Brings the fields of the continuous states up to date.
+    fn evaluate_states(&mut self) -> Outcome {
+        let wanted = self.layout.continuous.as_ref().map_or(0, |continuous| continuous.state_evaluations);
+        self.evaluate(wanted)
+    }
+
+    /// The continuous states, as their fields have them.
+    fn states(&mut self) -> impl Iterator<Item = f64> {
+        let (layout, model) = (&self.layout, &mut self.state.model);
+        let slots = layout.continuous.iter().flat_map(|continuous| &continuous.states);
+        slots.map(|slot| *(layout.reals[slot.state as usize].lens)(model))
+    }
+
+    /// Writes the fields of the continuous states.
+    fn write_states(&mut self, values: &[f64]) {
+        let Some(continuous) = &self.layout.continuous else { return };
+        for (slot, value) in continuous.states.iter().zip(values) {
+            *(self.layout.reals[slot.state as usize].lens)(&mut self.state.model) = *value;
+        }
+    }
+
+    /// Gives the host the numbers in `self.values`, if the model could compute them.
+    fn give(&self, values: Out<'_, f64>, name: impl Fn(&Self, usize) -> Option<String>) -> Outcome {
+        let works = self.state.phase.is_running();
+        if works && let Some(i) = self.values.iter().position(|value| !value.is_finite()) {
+            let (name, value) = (name(self, i).unwrap_or_default(), self.values[i]);
+            return Err(Refusal::discard(format!(
+                "{name} is {value:?} at t = {:?} s: a smaller step of the solver may help",
+                self.state.time
+            )));
+        }
+        values.write(self.values.iter().copied());
+        Ok(())
+    }
+}
+
+/// Checks how many numbers the host has or expects.
+fn check_count(call: ExchangeCall, what: &str, expected: usize, found: usize) -> Outcome {
+    if expected == found {
+        return Ok(());
+    }
+    Err(Refusal::error(format!("{}: the model has {expected} {what}, not {found}", call.name())))
+}

@@ -1,0 +1,224 @@
+"""The FMUs for model exchange: alone with FMPy's solver, wired into one system by a host of our own, events, the Jacobian."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+from fmpy.fmi1 import FMICallException
+
+from .oracle import exchange as monolith
+from .support.contract import MEASURED
+from .support.exchange import Grasp, Model, integrate
+from .support.harness import CoSimulation, Fmu
+from .support.paths import description, fmu_path
+
+CONTROLLERS = ("NabfcController", "PdsController", "PdController")
+# The monolithic solution has the paper's law; its gains are the FMU's defaults.
+PAPER = {"NabfcController": {"law": "paper"}, "PdsController": {}, "PdController": {}}
+
+
+@pytest.fixture(scope="module")
+def oracle() -> dict[str, Any]:
+    """The monolithic solutions."""
+    return json.loads(monolith.FILE.read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def plant_model(plant: Fmu) -> Iterator[Model]:
+    """The plant for model exchange, running."""
+    with Model(plant) as model:
+        model.start()
+        yield model
+
+
+@pytest.mark.parametrize("name", ("DualArmPlant", *CONTROLLERS))
+def test_the_description_offers_both_interfaces(name: str) -> None:
+    """Each state has a derivative, in the order of <Derivatives>; measured outputs of the plant follow no input at once."""
+    root = description(name)
+    assert [e.tag for e in root if e.tag in ("ModelExchange", "CoSimulation")] == ["ModelExchange", "CoSimulation"]
+    assert root.find("ModelExchange").get("providesDirectionalDerivative") == "true"
+    variables = root.findall("ModelVariables/ScalarVariable")
+    derivatives = [int(unknown.get("index")) for unknown in root.findall("ModelStructure/Derivatives/Unknown")]
+    states = [int(variables[index - 1].find("Real").get("derivative")) for index in derivatives]
+    assert states == sorted(set(states)) and len(states) > 10
+    initial = {int(unknown.get("index")) for unknown in root.findall("ModelStructure/InitialUnknowns/Unknown")}
+    assert initial >= {*states, *derivatives}
+    inputs = {i for i, v in enumerate(variables, 1) if v.get("causality") == "input"}
+    for unknown in root.findall("ModelStructure/Outputs/Unknown"):
+        variable = variables[int(unknown.get("index")) - 1].get("name")
+        if name == "DualArmPlant" and variable in MEASURED:
+            assert not inputs & set(map(int, unknown.get("dependencies").split())), variable
+
+
+def test_fmpy_integrates_the_plant_with_cvode() -> None:
+    """Against co-simulation, which is exact. CVode keeps 1e-6 of each state's nominal value a step, and takes 500 between outputs."""
+    torque = np.array([(0.0, 0.05, -0.05)], dtype=[("time", "f8"), ("tau1_cmd", "f8"), ("tau2_cmd", "f8")])
+    outputs = ("theta1", "y_object", "root_moment1", "contact_force1", "energy", "supplied_energy")
+    common = dict(filename=str(fmu_path("DualArmPlant")), stop_time=0.005, output=outputs, input=torque)
+    exact = simulate_fmu(fmi_type="CoSimulation", output_interval=1e-3, **common)
+    found = simulate_fmu(
+        fmi_type="ModelExchange", solver="CVode", output_interval=1e-3, relative_tolerance=1e-6, record_events=False, **common
+    )
+    for name in outputs:
+        values, expected = np.array(found[name]).view(np.ndarray), np.array(exact[name]).view(np.ndarray)
+        # In 5 ms the motion is a thousandth of the nominal values.
+        assert np.abs(values - expected).max() < 1e-2 * np.abs(expected).max(), name
+
+
+@pytest.mark.parametrize("name", ("DualArmPlant", *CONTROLLERS))
+def test_the_jacobian_is_that_of_the_derivatives_and_outputs(name: str, fmus: dict[str, Fmu]) -> None:
+    """Directional derivatives by states and inputs against difference quotients, at a state that is not at rest."""
+    random = np.random.default_rng(19)
+    with Model(fmus[name]) as model:
+        model.start()
+        inputs = fmus[name].names("input", "Real")
+        port, outputs = model.writer(inputs), model.reader(fmus[name].names("output", "Real"))
+        nominal = np.array([fmus[name].variables[n].nominal or 1.0 for n in inputs], dtype=float)
+        # Well inside all limits.
+        x0, u0 = model.x + 1e-3 * model.nominals * random.uniform(-1, 1, model.size), 1e-3 * nominal
+
+        def value(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+            model.x, port.values[:] = x, u
+            port.write()
+            return np.concatenate([model.rates(), outputs.read()])
+
+        for _ in range(3):
+            dx, du = model.nominals * random.uniform(-1, 1, model.size), nominal * random.uniform(-1, 1, len(inputs))
+            h = 1e-5
+            quotient = (value(x0 + h * dx, u0 + h * du) - value(x0 - h * dx, u0 - h * du)) / (2 * h)
+            here = value(x0, u0)
+            unknowns = [*model.derivatives, *outputs.names]
+            exact = model.jacobian(unknowns, model.states) @ dx + model.jacobian(unknowns, inputs) @ du
+            # Truncation h^2, and rounding of values divided by h.
+            scale = np.abs(quotient) + np.abs(here) + np.abs(exact).max() * 1e-6
+            assert np.abs(exact - quotient) / scale == pytest.approx(0, abs=1e-6)
+
+
+@pytest.mark.parametrize("case", ("nabfc", "nabfc_saturated", "pds_saturated", "pd_saturated"))
+def test_wired_into_one_system_the_grasp_is_the_monolithic_solution(
+    case: str, fmus: dict[str, Fmu], oracle: dict[str, Any]
+) -> None:
+    """No communication step: plant and controller under one solver, events located, to 1e-9 of each output's largest value."""
+    solution = oracle[case]
+    name = solution["controller"]
+    plant, law = fmus["DualArmPlant"], fmus[name]
+    with Model(plant) as arms, Model(law) as controller:
+        grasp = Grasp(arms, controller)
+        own = {**PAPER[name], "lambda1_ref": solution["lambda1_ref"], "theta1_ref": solution["theta1_ref"]}
+        for model, settings in ((arms, {}), (controller, own)):
+            model.set(**{k: v for k, v in {**solution["settings"], **settings}.items() if k in model.fmu.variables})
+        z, names, found = grasp.start(), monolith.OUTPUTS, []
+        outputs = arms.reader(names)
+
+        def at(_t: float, z: np.ndarray) -> None:
+            grasp.put(z)
+            found.append(outputs.read())
+
+        # 10 ms: every millisecond costs SciPy two thousand evaluations. The saturations of PD and PDS are in the first of them.
+        rows = solution["at"][:1]
+        times = [row["t"] for row in rows]
+        nominal = np.concatenate([arms.nominals, controller.nominals])
+        events = integrate(
+            grasp.rates, z, times[-1], times, grasp.indicators, grasp.event, at, rtol=1e-11, atol=1e-15 * nominal
+        )
+    expected = np.array([[row[output] for output in names] for row in rows])
+    scale = np.abs([[row[output] for output in names] for row in solution["at"]]).max(axis=0)
+    error = np.array([solution["error"][output] for output in names])
+    assert np.all(np.abs(np.array(found) - expected) < 1e-9 * scale + error), np.abs(np.array(found) - expected) / scale
+    # Of the plant's and the law's events some are the commands' at the actuators' limits.
+    for time in (time for time in solution["events"] if time < times[-1]):
+        assert min(abs(time - event) for event in events) < 1e-10 + solution["event_error"], time
+
+
+def test_the_default_law_is_the_limit_of_its_samples(fmus: dict[str, Fmu]) -> None:
+    """NABFC's own law has no monolithic solution here: co-simulation at two steps, whose errors are of first order, leads to it."""
+    names, stop = monolith.OUTPUTS, 0.005
+    ends = []
+    for step in (2e-5, 1e-5):
+        with CoSimulation([fmus["DualArmPlant"], fmus["NabfcController"]], "gauss_seidel") as sampled:
+            run = sampled.run(stop, step, names, round(stop / step))
+            ends.append(np.array([run[name][-1] for name in names]))
+    limit, step_error = 2 * ends[1] - ends[0], np.abs(ends[1] - ends[0])
+    with Model(fmus["DualArmPlant"]) as arms, Model(fmus["NabfcController"]) as controller:
+        grasp, outputs, found = Grasp(arms, controller), arms.reader(names), []
+        z = grasp.start()
+
+        def at(_t: float, z: np.ndarray) -> None:
+            grasp.put(z)
+            found.append(outputs.read())
+
+        nominal = np.concatenate([arms.nominals, controller.nominals])
+        integrate(grasp.rates, z, stop, [stop], grasp.indicators, grasp.event, at, rtol=1e-9, atol=1e-11 * nominal)
+    # What is left is of second order: a small share of what the last halving changed.
+    assert np.all(np.abs(found[0] - limit) < 0.1 * step_error + 1e-8 * np.abs(limit)), np.abs(found[0] - limit) / step_error
+
+
+def test_saved_states_of_model_exchange_lead_back_to_the_same_bits(fmus: dict[str, Fmu]) -> None:
+    """A solver that goes back to an earlier state gets the same derivatives, also from bytes in another instance."""
+    for name in ("DualArmPlant", *CONTROLLERS):
+        with Model(fmus[name]) as model, Model(fmus[name]) as other:
+            model.start()
+            model.x = model.x + 1e-3 * model.nominals
+            state = model.fmi.getFMUstate()
+            x, here, blob = model.x, model.rates(), model.fmi.serializeFMUstate(state)
+            model.x = model.x + 1e-2 * model.nominals
+            assert not np.array_equal(model.x, x)
+            model.fmi.setFMUstate(state)
+            assert np.array_equal(model.x, x) and np.array_equal(model.rates(), here), name
+            restored = other.fmi.deSerializeFMUstate(blob)
+            other.fmi.setFMUstate(restored)
+            assert np.array_equal(other.x, x) and np.array_equal(other.rates(), here), name
+
+
+def test_saturation_is_located_to_a_tenth_of_a_nanosecond(plant_model: Model, plant: Fmu) -> None:
+    """Commands that are ramps of the time pass the limits at times that are known; the host asks the event indicators."""
+    start = {v: float(plant.variables[v].start) for v in ("k_M1", "m_r1", "k_r1", "k_m2", "m_l2", "k_l2")}
+    upper = start["k_r1"] * (start["k_M1"] - start["m_r1"])
+    lower = start["k_l2"] * (start["k_m2"] - start["m_l2"])
+    slopes = {"tau1_cmd": 700.0 * upper / 7.0, "u_cmd": 900.0 * lower / 7.0}
+    port = plant_model.writer(list(slopes))
+
+    def rates(t: float, x: np.ndarray) -> np.ndarray:
+        plant_model.set_time(t)
+        port.values[:] = [slope * t for slope in slopes.values()]
+        port.write()
+        plant_model.x = x
+        return plant_model.rates()
+
+    # The time is a state of the host here, so that the indicators, too, know it.
+    def with_time(_t: float, z: np.ndarray) -> np.ndarray:
+        return np.append(rates(z[-1], z[:-1]), 1.0)
+
+    def indicators(z: np.ndarray) -> np.ndarray:
+        rates(z[-1], z[:-1])
+        return plant_model.indicators()[:12]
+
+    def event() -> np.ndarray:
+        plant_model.update()
+        return np.append(plant_model.x, port.values[0] / slopes["tau1_cmd"])
+
+    z = np.append(plant_model.x, 0.0)
+    found = integrate(with_time, z, 0.012, [], indicators, event, rtol=1e-9, atol=1e-12)
+    expected = sorted([upper / slopes["tau1_cmd"], lower / slopes["u_cmd"]])
+    assert found == pytest.approx(expected, abs=1e-10)
+
+
+def test_another_order_is_for_co_simulation(plant: Fmu) -> None:
+    """The number of states is fixed when an FMU is packaged, and so is the order of model exchange."""
+    with Model(plant) as model:
+        model.set(order=12)
+        with pytest.raises(FMICallException):
+            model.start()
+        assert "order is 12, but for model exchange" in model.log[-1].text
+        assert "dualarm package --plant-order 12" in model.log[-1].text
+        model.set(order=8)
+        model.start()
+    with plant.instantiate() as slave:
+        slave.set(order=12)
+        slave.start()
+        slave.step(0.0, 1e-3, 1)
