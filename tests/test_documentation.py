@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import math
 import re
 import shlex
 import shutil
@@ -17,6 +16,7 @@ import pytest
 from lxml import etree
 
 from .support.contract import CONTROLLERS, FMUS, PLANT
+from .support.harness import CoSimulation, Fmu
 from .support.paths import ROOT, description, fmu_path
 
 XHTML = "{http://www.w3.org/1999/xhtml}"
@@ -160,6 +160,23 @@ def test_page_needs_nothing_from_outside(name: str) -> None:
     assert "@import" not in style
 
 
+@each_fmu
+def test_no_link_is_dead(name: str) -> None:
+    """On every page of the archive: a place of the page, a file beside it, or an address."""
+    content = files(name)
+    pages = [path for path in content if path.endswith(".html")]
+    assert INDEX in pages
+    if name in [PLANT, *CONTROLLERS]:
+        assert "documentation/errata.html" in pages
+    for path in pages:
+        html = etree.fromstring(content[path])
+        places = {element.get("id") for element in html.iter() if element.get("id")}
+        for anchor in html.iter("a"):
+            file, _, place = anchor.get("href").partition("#")
+            assert file.startswith("https://") or not file or f"documentation/{file}" in content, (path, file)
+            assert file or place in places, (path, place)
+
+
 def table(path: Path) -> dict[str, list[float]]:
     """The columns of a CSV file."""
     with path.open(newline="", encoding="utf-8") as file:
@@ -190,8 +207,9 @@ def test_the_command_on_the_page_repeats_the_figure(name: str, tmp_path: Path) -
 def test_figure_shows_the_results(name: str, tmp_path: Path) -> None:
     """Each curve of the page has a point for each row of the CSV, between the same extremes."""
     with zipfile.ZipFile(fmu_path(name)) as archive:
-        archive.extract("documentation/response.csv", tmp_path)
-    columns = table(tmp_path / "documentation/response.csv")
+        tables = [path for path in archive.namelist() if re.fullmatch(r"documentation/response(_beside)?\.csv", path)]
+        archive.extractall(tmp_path, tables)
+    columns = {key: values for path in tables for key, values in table(tmp_path / path).items()}
     times = columns.pop("time")
     panels = page(name).findall(".//div[@class='panels']/div")
     shown = set()
@@ -226,23 +244,26 @@ def test_plant_settles_at_the_static_grasp(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-def test_controllers_see_the_errors_vanish(name: str, tmp_path: Path) -> None:
-    """The motion is 1 - exp(-t/0.1 s) of the way: so are the errors, from those at rest by (16) of the paper."""
+def test_the_figure_of_a_controller_is_the_grasp(name: str, tmp_path: Path) -> None:
+    """The packaging program closed the loop natively, with the controller first; here the two FMUs do it."""
     with zipfile.ZipFile(fmu_path(name)) as archive:
-        archive.extract("documentation/response.csv", tmp_path)
-    results = table(tmp_path / "documentation/response.csv")
-    flexibility = 0.2**3 / (3 * 0.115)
-    theta1 = math.radians(3)
-    theta2 = theta1 - 0.5 * 0.2**2 / 3 * 2 / 0.115
-    start = {"e1": -theta1, "e2": -theta2, "p": -(0.2 * theta1 - 0.5 * flexibility)}
-    for error, value in start.items():
-        # A row has what follows from the inputs at the start of its step.
-        held = [results["time"][0], *results["time"][:-1]]
-        expected = [value * math.exp(-time / 0.1) for time in held]
-        assert results[error] == pytest.approx(expected, rel=0, abs=1e-12)
-    if name != "NabfcController":
-        # A law without state ends at the torques that hold the grasp, up to what is left of errors and velocities.
-        gain = {"PdController": 60 + 55 / 0.1, "PdsController": 35 + 15 / 0.1 + 11 * 0.1 / theta1}[name]
-        for torque, rest in (("tau1_cmd", 0.1), ("tau2_cmd", -0.1)):
-            left = gain * abs(theta2) * math.exp(-held[-1] / 0.1)
-            assert results[torque][-1] == pytest.approx(rest, abs=left)
+        archive.extractall(tmp_path, ["documentation/response.csv", "documentation/response_beside.csv"])
+    commands, forces = (table(tmp_path / f"documentation/response{part}.csv") for part in ("", "_beside"))
+    times = forces["time"]
+    # PD and PDS are unstable with steps of 2 ms; their rows are every twentieth of 0.1 ms.
+    step = 1e-3 if name == "NabfcController" else 1e-4
+    every = round((times[1] - times[0]) / step)
+    shown = [*forces, *commands]
+    shown = [column for column in shown if column != "time"]
+    with CoSimulation([Fmu(fmu_path(name)), Fmu(fmu_path(PLANT))]) as grasp:
+        found = grasp.run(stop=times[-1], step=step, record=shown, every=every)
+    assert found.time == pytest.approx(times, abs=1e-9)
+    for column in ("contact_force1", "contact_force2"):
+        # The same equations in the same order, compiled twice.
+        assert found[column] == pytest.approx(forces[column], rel=0, abs=1e-9), column
+    if name == "NabfcController":
+        # A state: what depends on inputs at once is shown with those of the step before, as FMPy records it.
+        assert found["m_hat"][1:] == pytest.approx(commands["m_hat"][1:], rel=0, abs=1e-9)
+    # In the end both tips press with 0.5 N; PD is still ringing then.
+    for arm in (1, 2):
+        assert forces[f"contact_force{arm}"][-1] == pytest.approx(0.5, rel=0.25 if name == "PdController" else 0.05)

@@ -1,118 +1,102 @@
 //! Packages the FMUs of this crate: `cargo run --release -p controller-fmu --features package`.
 
-use fmi2_package::{Document, OfTime, Panel, Response};
-use grasp_control::{Arms, References};
+mod grasp;
+
+use fmi2_package::{Article, Beside, Document, Panel, Response};
+use grasp::{NABFC, PD, PDS, contact_force, measurements, spacing, stop_time};
 
 const LICENSE: &str = include_str!("../../LICENSE");
 
-/// Time constant of the approach \[s\].
-const APPROACH: f64 = 0.1;
+const ERRATA: Article<'_> = Article {
+    path: "documentation/errata.html",
+    title: "Where the paper needs correcting",
+    about: "A document of the repository that this FMU was built from; files it names are there.",
+    text: include_str!("../../docs/errata.md"),
+};
 
-/// Share of the way from rest to the target that is done at a time, and its rate \[1/s\].
-fn done(time: f64) -> f64 {
-    1.0 - (-time / APPROACH).exp()
-}
+const FORCES: Panel<'_> = Panel { title: "Contact forces", variables: &["contact_force1", "contact_force2"] };
+const ANGLES: Panel<'_> = Panel { title: "Angle errors", variables: &["e1", "e2"] };
+const POSITION: Panel<'_> = Panel { title: "Position error", variables: &["p"] };
+const TORQUES: Panel<'_> = Panel { title: "Hub torques", variables: &["tau1_cmd", "tau2_cmd"] };
+const FORCE: Panel<'_> = Panel { title: "Force on the object", variables: &["u_cmd"] };
 
-fn done_rate(time: f64) -> f64 {
-    (-time / APPROACH).exp() / APPROACH
-}
-
-/// Hub angles of the target \[rad\].
-fn theta(arm: usize) -> f64 {
-    Arms::default().targets(&References::default()).theta[arm]
-}
-
-/// Shear at the tip of the target \[N\]: at rest it is the multiplier.
-fn shear(arm: usize) -> f64 {
-    Arms::default().targets(&References::default()).lambda[arm]
-}
-
-/// Bending moment at the root of the target \[N·m\]: the tip's shear times the arm's length.
-fn moment(arm: usize) -> f64 {
-    -shear(arm) * Arms::default().length
-}
-
-/// Position of the object at the start and its way to the target \[m\].
-fn object() -> (f64, f64) {
-    let arms = Arms::default();
-    let start = 0.5 * arms.hub_distance;
-    (start, arms.targets(&References::default()).y_object - start)
-}
-
-/// A quasi-static approach: hubs, object and bending go from rest to the target, in proportion.
-const MOTION: &[(&str, OfTime)] = &[
-    ("theta1", |t| theta(0) * done(t)),
-    ("theta2", |t| theta(1) * done(t)),
-    ("theta1_dot", |t| theta(0) * done_rate(t)),
-    ("theta2_dot", |t| theta(1) * done_rate(t)),
-    ("y_object", |t| object().0 + object().1 * done(t)),
-    ("y_object_dot", |t| object().1 * done_rate(t)),
-    ("root_moment1", |t| moment(0) * done(t)),
-    ("root_moment2", |t| moment(1) * done(t)),
-    ("tip_shear1", |t| shear(0) * done(t)),
-    ("tip_shear2", |t| shear(1) * done(t)),
-    ("tip_shear1_dot", |t| shear(0) * done_rate(t)),
-    ("tip_shear2_dot", |t| shear(1) * done_rate(t)),
-    ("root_moment1_dot", |t| moment(0) * done_rate(t)),
-    ("root_moment2_dot", |t| moment(1) * done_rate(t)),
-];
-
-const COMMANDS: [Panel<'_>; 4] = [
-    Panel { title: "Hub torques", variables: &["tau1_cmd", "tau2_cmd"] },
-    Panel { title: "Force on the object", variables: &["u_cmd"] },
-    Panel { title: "Angle errors", variables: &["e1", "e2"] },
-    Panel { title: "Position error", variables: &["p"] },
-];
-
-/// A law without state: when the motion has ended, only the errors count.
-const STATIC: &str = "What the law commands while the grasp comes to the paper's target on a given path, $1 - e^{-t/T}$ with \
-                      $T$ = 0.1 s for all measured signals. This is the law alone, in open loop: with `DualArmPlant` the \
-                      motion is its own doing. The torques end at ±0.1 N·m, which hold the grasp at rest.";
-
-/// A law that learns from errors which, on a given path, its commands cannot change.
-const ADAPTIVE: &str = "What the law commands while the grasp comes to the paper's target on a given path, $1 - e^{-t/T}$ with $T$ = 0.1 s \
-     for all measured signals. This is the law alone, in open loop: with `DualArmPlant` the motion is its own doing. Here \
-     the commands change nothing, so the networks take the lasting errors for a disturbance and learn a torque against it, \
-     which stays when the errors are gone.";
-
-/// The law's answer to the motion.
-const fn response<'a>(caption: &'a str, panels: &'a [Panel<'a>]) -> Response<'a> {
-    Response { caption, start: &[], inputs: MOTION, stop_time: 0.8, step_size: 2e-3, panels }
+/// The contact forces in the grasp of a law.
+const fn contact<const LAW: usize>() -> [Beside<'static>; 2] {
+    [
+        Beside { name: "contact_force1", unit: "N", values: contact_force::<LAW, 0> },
+        Beside { name: "contact_force2", unit: "N", values: contact_force::<LAW, 1> },
+    ]
 }
 
 fn main() -> std::process::ExitCode {
-    let [torques, force, angles, position] = COMMANDS;
-    let with_estimates = [
-        torques,
-        force,
-        angles,
-        position,
-        Panel { title: "Sliding variables of the hubs", variables: &["s1", "s2"] },
-        Panel { title: "Sliding variable of the object", variables: &["s"] },
-        Panel { title: "Norms of the hubs' network weights", variables: &["U1_norm", "U2_norm"] },
-        Panel { title: "Estimated bounds of their errors", variables: &["pi1_hat", "pi2_hat"] },
-    ];
-    let common = Document { license: LICENSE, command: "cargo run --release -- package", ..Document::new() };
+    let (nabfc, pds, pd) = (measurements::<NABFC>(), measurements::<PDS>(), measurements::<PD>());
+    let adaptive = Response {
+        caption: "The grasp: this controller in a loop with `DualArmPlant`, both with their default values, step 1 ms. Both tips \
+                  press with 0.5 N soon after 0.1 s. The contact forces are the plant's: no controller measures them. The mass \
+                  is learnt from nothing but the motion; it really is 0.5 kg.",
+        start: &[],
+        inputs: &nabfc,
+        stop_time: stop_time(NABFC),
+        step_size: spacing(NABFC),
+        panels: &[
+            FORCES,
+            ANGLES,
+            POSITION,
+            TORQUES,
+            FORCE,
+            Panel { title: "Estimated moving mass", variables: &["m_hat"] },
+            Panel { title: "Learnt disturbances of the hubs", variables: &["U1_norm", "U2_norm"] },
+            Panel { title: "Learnt disturbance of the object", variables: &["W_norm"] },
+        ],
+        beside: &contact::<NABFC>(),
+    };
+    let strain = Response {
+        caption: "The grasp: this controller in a loop with `DualArmPlant`, both with their default values, step 0.1 ms, a row \
+                  every 2 ms. The contact forces are the plant's: no controller measures them. At rest the torques hold \
+                  ±0.1 N·m, the tips' 0.5 N on arms of 0.2 m.",
+        inputs: &pds,
+        stop_time: stop_time(PDS),
+        step_size: spacing(PDS),
+        panels: &[FORCES, ANGLES, POSITION, TORQUES, FORCE],
+        beside: &contact::<PDS>(),
+        ..adaptive
+    };
+    let rigid = Response {
+        caption: "The grasp: this controller in a loop with `DualArmPlant`, both with their default values, step 0.1 ms, a row \
+                  every 2 ms. Without strain the arms ring for some seconds. The contact forces are the plant's: no controller \
+                  measures them.",
+        inputs: &pd,
+        stop_time: stop_time(PD),
+        step_size: spacing(PD),
+        beside: &contact::<PD>(),
+        ..strain
+    };
+    let common = Document {
+        license: LICENSE,
+        command: "cargo run --release -- package",
+        articles: &[ERRATA],
+        ..Document::new()
+    };
     let documents = [
         Document {
             model: "NabfcController",
             text: include_str!("../documentation/NabfcController.md"),
             icon: include_bytes!("../documentation/NabfcController.png"),
-            response: Some(response(ADAPTIVE, &with_estimates)),
+            response: Some(adaptive),
             ..common
         },
         Document {
             model: "PdsController",
             text: include_str!("../documentation/PdsController.md"),
             icon: include_bytes!("../documentation/PdsController.png"),
-            response: Some(response(STATIC, &COMMANDS)),
+            response: Some(strain),
             ..common
         },
         Document {
             model: "PdController",
             text: include_str!("../documentation/PdController.md"),
             icon: include_bytes!("../documentation/PdController.png"),
-            response: Some(response(STATIC, &COMMANDS)),
+            response: Some(rigid),
             ..common
         },
     ];

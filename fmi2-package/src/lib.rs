@@ -19,7 +19,7 @@ use fmi2_export::{ExportedModel, Library};
 
 pub use archive::Archive;
 pub use build::BuildError;
-pub use response::{OfTime, Panel, Response, ResponseError};
+pub use response::{Beside, OfTime, Panel, Response, ResponseError};
 
 use document::Origin;
 use platform::Platform;
@@ -42,13 +42,15 @@ pub struct Document<'a> {
     pub command: &'a str,
     /// Further files.
     pub files: &'a [File<'a>],
+    /// Further pages, which the text can have links to.
+    pub articles: &'a [Article<'a>],
 }
 
 impl Document<'_> {
     /// Nothing, to fill up a definition with: `Document { model: "Lag", text: "…", ..Document::new() }`.
     #[must_use]
     pub const fn new() -> Self {
-        Self { model: "", text: "", icon: &[], license: "", response: None, command: "", files: &[] }
+        Self { model: "", text: "", icon: &[], license: "", response: None, command: "", files: &[], articles: &[] }
     }
 }
 
@@ -65,6 +67,20 @@ pub struct File<'a> {
     pub path: &'a str,
     /// Its content.
     pub content: &'a [u8],
+}
+
+/// A page besides `documentation/index.html`.
+#[derive(Clone, Copy, Debug)]
+pub struct Article<'a> {
+    /// Path in the archive, e.g. `documentation/history.html`.
+    pub path: &'a str,
+    /// What it is called.
+    pub title: &'a str,
+    /// Where it comes from, in a sentence below its name.
+    pub about: &'a str,
+    /// Markdown with LaTeX formulas, with a heading of the first level. It may live elsewhere, too: links to files that the
+    /// archive does not have become plain text.
+    pub text: &'a str,
 }
 
 /// Why packaging failed.

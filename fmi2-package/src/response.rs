@@ -19,6 +19,7 @@ pub type OfTime = fn(f64) -> f64;
 ///     stop_time: 1.0,
 ///     step_size: 1e-3,
 ///     panels: &[Panel { title: "Speed", variables: &["speed"] }, Panel { title: "Current", variables: &["current"] }],
+///     beside: &[],
 /// };
 /// # let _ = step;
 /// ```
@@ -36,6 +37,20 @@ pub struct Response<'a> {
     pub step_size: f64,
     /// What is shown.
     pub panels: &'a [Panel<'a>],
+    /// Signals of what is around the model, which panels may show with its own.
+    pub beside: &'a [Beside<'a>],
+}
+
+/// A signal of what is around the model: the plant's, where the model is its controller and the inputs are what the plant
+/// measured in the loop of both.
+#[derive(Clone, Copy, Debug)]
+pub struct Beside<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its unit, as it is shown.
+    pub unit: &'a str,
+    /// Its values.
+    pub values: OfTime,
 }
 
 /// Some variables over time, all of one unit.
@@ -43,7 +58,7 @@ pub struct Response<'a> {
 pub struct Panel<'a> {
     /// What they are.
     pub title: &'a str,
-    /// Their names: at most four.
+    /// Their names, the model's or [beside](Response::beside) it: at most four.
     pub variables: &'a [&'a str],
 }
 
@@ -90,14 +105,39 @@ pub struct Run<'i> {
     pub times: Vec<f64>,
     /// The inputs over time, with their values from each time on.
     pub inputs: Vec<Series<'i>>,
-    /// The shown variables of each panel.
+    /// The shown signals of each panel.
     pub panels: Vec<Vec<Series<'i>>>,
 }
 
-/// Values of a variable.
+/// Values of a signal.
 pub struct Series<'i> {
-    pub variable: &'i VariableFacts,
+    pub name: &'i str,
+    /// The unit people are shown, and how many of it one of the signal's own is.
+    pub unit: (&'i str, f64),
     pub values: Vec<f64>,
+    source: Source<'i>,
+}
+
+/// Whose signal it is.
+enum Source<'i> {
+    Model(&'i VariableFacts),
+    Beside(OfTime),
+}
+
+impl<'i> Series<'i> {
+    fn of(variable: &'i VariableFacts) -> Self {
+        let unit = match (&variable.display_unit, &variable.unit) {
+            (Some(display), _) => (&*display.name, display.factor),
+            (None, Some(unit)) => (unit.name(), 1.0),
+            (None, None) => ("", 1.0),
+        };
+        Self { name: &variable.name, unit, values: Vec::new(), source: Source::Model(variable) }
+    }
+
+    /// Whether it is the model's.
+    pub fn is_of_model(&self) -> bool {
+        matches!(self.source, Source::Model(_))
+    }
 }
 
 /// Runs a model. As most masters do, it records what the outputs are after each step, with the inputs of that step.
@@ -107,7 +147,7 @@ pub struct Series<'i> {
 pub fn run<'i>(
     model: &'static dyn ExportedModel,
     interface: &'i Interface,
-    response: &Response<'_>,
+    response: &Response<'i>,
     resources: &Resources,
 ) -> Result<Run<'i>, ResponseError> {
     let Response { stop_time, step_size, .. } = *response;
@@ -119,11 +159,12 @@ pub fn run<'i>(
     let (functions, inputs): (Vec<_>, Vec<_>) = response
         .inputs
         .iter()
-        .map(|(name, function)| Ok((*function, series(input(interface, name)?))))
+        .map(|(name, function)| Ok((*function, Series::of(input(interface, name)?))))
         .collect::<Result<Vec<_>, ResponseError>>()?
         .into_iter()
         .unzip();
-    let panels = response.panels.iter().map(|panel| shown(interface, panel)).collect::<Result<_, _>>()?;
+    let panels =
+        response.panels.iter().map(|panel| shown(interface, response.beside, panel)).collect::<Result<_, _>>()?;
     let mut run = Run { times: Vec::new(), inputs, panels };
 
     let refused = |time| move |message| ResponseError::Refused { time, message };
@@ -163,7 +204,9 @@ impl Run<'_> {
         for (series, function) in self.inputs.iter_mut().zip(functions) {
             let value = function(time);
             series.values.push(value);
-            instance.set(series.variable, value)?;
+            if let Source::Model(variable) = series.source {
+                instance.set(variable, value)?;
+            }
         }
         Ok(())
     }
@@ -171,20 +214,34 @@ impl Run<'_> {
     fn record(&mut self, instance: &mut Instance, time: f64) -> Result<(), String> {
         self.times.push(time);
         for series in self.panels.iter_mut().flatten() {
-            series.values.push(instance.get(series.variable)?);
+            series.values.push(match series.source {
+                Source::Model(variable) => instance.get(variable)?,
+                Source::Beside(values) => values(time),
+            });
         }
         Ok(())
     }
 
-    /// The shown variables as CSV, each once.
+    /// The shown variables of the model as CSV, each once.
     pub fn results_csv(&self) -> String {
+        csv(&self.times, &self.shown(true))
+    }
+
+    /// The shown signals beside it as CSV, if there are any.
+    pub fn beside_csv(&self) -> Option<String> {
+        let columns = self.shown(false);
+        (!columns.is_empty()).then(|| csv(&self.times, &columns))
+    }
+
+    /// Each once: the model's, or those beside it.
+    fn shown(&self, of_model: bool) -> Vec<&Series<'_>> {
         let mut columns: Vec<&Series<'_>> = Vec::new();
-        for series in self.panels.iter().flatten() {
-            if !columns.iter().any(|other| std::ptr::eq(other.variable, series.variable)) {
+        for series in self.panels.iter().flatten().filter(|series| series.is_of_model() == of_model) {
+            if !columns.iter().any(|other| other.name == series.name) {
                 columns.push(series);
             }
         }
-        csv(&self.times, &columns)
+        columns
     }
 
     /// The inputs over time as CSV, if there are any.
@@ -197,7 +254,7 @@ impl Run<'_> {
 fn csv(times: &[f64], columns: &[&Series<'_>]) -> String {
     let mut csv = String::from("time");
     for series in columns {
-        let _ = write!(csv, ",\"{}\"", series.variable.name.replace('"', "\"\""));
+        let _ = write!(csv, ",\"{}\"", series.name.replace('"', "\"\""));
     }
     for (i, time) in times.iter().enumerate() {
         let _ = write!(csv, "\n{time}");
@@ -207,10 +264,6 @@ fn csv(times: &[f64], columns: &[&Series<'_>]) -> String {
     }
     csv.push('\n');
     csv
-}
-
-fn series(variable: &VariableFacts) -> Series<'_> {
-    Series { variable, values: Vec::new() }
 }
 
 fn settings<'i>(
@@ -239,20 +292,32 @@ fn input<'i>(interface: &'i Interface, name: &str) -> Result<&'i VariableFacts, 
     }
 }
 
-fn shown<'i>(interface: &'i Interface, panel: &Panel<'_>) -> Result<Vec<Series<'i>>, ResponseError> {
-    let variables: Vec<_> = panel.variables.iter().map(|name| find(interface, name)).collect::<Result<_, _>>()?;
-    for (i, variable) in variables.iter().enumerate() {
-        if variable.kind == Kind::String {
-            return Err(unfit(variable, "is a string: it cannot be drawn"));
+fn shown<'i>(
+    interface: &'i Interface,
+    beside: &'i [Beside<'i>],
+    panel: &Panel<'i>,
+) -> Result<Vec<Series<'i>>, ResponseError> {
+    let mut shown: Vec<Series<'i>> = Vec::new();
+    for &name in panel.variables {
+        let unfit = |problem| ResponseError::Unfit { name: name.to_owned(), problem };
+        let series = match beside.iter().find(|beside| beside.name == name) {
+            Some(Beside { name, unit, values }) => {
+                Series { name, unit: (unit, 1.0), values: Vec::new(), source: Source::Beside(*values) }
+            }
+            None => Series::of(find(interface, name)?),
+        };
+        if matches!(series.source, Source::Model(VariableFacts { kind: Kind::String, .. })) {
+            return Err(unfit("is a string: it cannot be drawn"));
         }
-        if variable.unit != variables[0].unit || variable.display_unit != variables[0].display_unit {
-            return Err(unfit(variable, "has another unit than the first variable of its panel"));
+        if shown.first().is_some_and(|first| first.unit != series.unit) {
+            return Err(unfit("has another unit than the first variable of its panel"));
         }
-        if i >= 4 {
-            return Err(unfit(variable, "is the fifth variable of its panel, at most four can be told apart"));
+        if shown.len() >= 4 {
+            return Err(unfit("is the fifth variable of its panel, at most four can be told apart"));
         }
+        shown.push(series);
     }
-    Ok(variables.into_iter().map(series).collect())
+    Ok(shown)
 }
 
 fn unfit(variable: &VariableFacts, problem: &'static str) -> ResponseError {

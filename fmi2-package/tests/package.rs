@@ -134,6 +134,7 @@ const STEP: Response<'static> = Response {
     stop_time: 2.0,
     step_size: 0.5,
     panels: &[Panel { title: "Integral", variables: &["y"] }, Panel { title: "Angle", variables: &["angle"] }],
+    beside: &[],
 };
 
 #[test]

@@ -33,6 +33,7 @@ fn main() -> std::process::ExitCode {
             Panel { title: "Hub angle, filtered and quantised", variables: &["theta1_measured"] },
             Panel { title: "Object position, noisy", variables: &["y_object_measured"] },
         ],
+        beside: &[],
     };
     let late_and_slow = Response {
         caption: "A torque through the inverse of the paper's dead zone (±0.1 N·m), whose jump a rate limit of 20 N·m/s turns into \
@@ -51,6 +52,7 @@ fn main() -> std::process::ExitCode {
             Panel { title: "Torque on hub 1", variables: &["tau1_cmd_sent"] },
             Panel { title: "Force on the object", variables: &["u_cmd_sent"] },
         ],
+        beside: &[],
     };
     let documents = [
         Document {

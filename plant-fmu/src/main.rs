@@ -1,6 +1,6 @@
 //! Packages the FMU of this crate: `cargo run --release -p plant-fmu --features package`.
 
-use fmi2_package::{Document, File, Panel, Response};
+use fmi2_package::{Article, Document, File, Panel, Response};
 
 /// The sketch that docs/model.md shows, too.
 const GEOMETRY: &[u8] = include_bytes!("../../docs/figures/geometry.svg");
@@ -23,6 +23,7 @@ fn main() -> std::process::ExitCode {
             Panel { title: "Tip deflections", variables: &["tip_deflection1", "tip_deflection2"] },
             Panel { title: "Energy", variables: &["energy", "supplied_energy"] },
         ],
+        beside: &[],
     };
     let plant = Document {
         model: "DualArmPlant",
@@ -32,6 +33,12 @@ fn main() -> std::process::ExitCode {
         command: "cargo run --release -- package",
         response: Some(squeeze),
         files: &[File { path: "documentation/geometry.svg", content: GEOMETRY }],
+        articles: &[Article {
+            path: "documentation/errata.html",
+            title: "Where the paper needs correcting",
+            about: "A document of the repository that this FMU was built from; files it names are there.",
+            text: include_str!("../../docs/errata.md"),
+        }],
     };
     fmi2_package::main(&plant_fmu::FMUS, &[plant])
 }

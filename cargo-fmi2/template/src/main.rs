@@ -14,6 +14,7 @@ fn main() -> std::process::ExitCode {
             Panel { title: "Temperature", variables: &["temperature"] },
             Panel { title: "Heat flows", variables: &["heating_power", "heat_loss"] },
         ],
+        beside: &[],
     };
     let document = Document {
         model: "MyModel",

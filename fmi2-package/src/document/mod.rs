@@ -2,6 +2,7 @@
 //! the XML and from what the model's author wrote. The page is one file without scripts that loads nothing from
 //! anywhere; the style sheet stands in it, formulas are `MathML`, charts SVG.
 
+mod articles;
 mod chart;
 mod states;
 mod tables;
@@ -24,6 +25,7 @@ const ICON: &str = "model.png";
 const LICENSE: &str = "documentation/licenses/license.txt";
 const RESULTS: &str = "documentation/response.csv";
 const INPUTS: &str = "documentation/response_in.csv";
+const BESIDE: &str = "documentation/response_beside.csv";
 /// The licences of the crates that the library is linked from.
 pub const LINKED_LICENSES: &str = "documentation/licenses/linked-crates.txt";
 /// Where else the archive has files, which are not the author's.
@@ -72,9 +74,7 @@ pub fn files(
 ) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
     let interface = interface(model)?;
     let wrong = |problem| PackageError::Document { model: description.name, problem };
-    let text = text::read(document.text).map_err(|error| {
-        wrong(format!("the formula ${}$ is not understood: {}", error.formula, error.reason.replace('\n', " ")))
-    })?;
+    let text = text::read(document.text).map_err(|error| wrong(articles::not_understood(&error)))?;
     // Before any of them is written anywhere.
     let no_path =
         |path: &str| wrong(format!("{path:?} cannot be the path of a further file: it is taken, or no relative path"));
@@ -107,6 +107,7 @@ pub fn files(
     if let Some((_, run)) = &run {
         files.push((RESULTS.into(), run.results_csv().into_bytes()));
         files.extend(run.inputs_csv().map(|csv| (INPUTS.into(), csv.into_bytes())));
+        files.extend(run.beside_csv().map(|csv| (BESIDE.into(), csv.into_bytes())));
     }
     for file in document.files {
         let path = file.path;
@@ -114,6 +115,12 @@ pub fn files(
             return Err(no_path(path));
         }
         files.push((path.into(), file.content.to_vec()));
+    }
+    articles::add(&mut files, description.name, document.articles).map_err(wrong)?;
+    if let Some(dead) = text.links.iter().find(|target| !articles::leads_somewhere(&files, target)) {
+        return Err(wrong(format!(
+            "its text has a link to {dead:?}, which is no address and no file of documentation/"
+        )));
     }
     for image in &text.images {
         if !files.iter().any(|(path, _)| path.strip_prefix("documentation/") == Some(image.as_str())) {
@@ -140,6 +147,18 @@ fn unpacked(files: &[File<'_>]) -> std::io::Result<TempDir> {
     Ok(folder)
 }
 
+/// How every page begins; `attributes` are those of its first element.
+fn head(title: &str, attributes: &str) -> String {
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\"{attributes}>\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <meta name=\"generator\" content=\"{GENERATION_TOOL}\"/>\n<title>{}</title>\n\
+         <style>\n{}</style>\n</head>\n",
+        escape(title),
+        include_str!("style.css")
+    )
+}
+
 struct Page<'a> {
     interface: &'a Interface,
     description: &'a Description,
@@ -151,15 +170,7 @@ struct Page<'a> {
 
 impl Page<'_> {
     fn to_html(&self) -> Result<String, String> {
-        let name = escape(self.description.name);
-        let crate_name = self.origin.mark();
-        let mut html = format!(
-            "<!DOCTYPE html>\n<html lang=\"en\"{crate_name}>\n<head>\n<meta charset=\"utf-8\"/>\n\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-             <meta name=\"generator\" content=\"{GENERATION_TOOL}\"/>\n<title>{name}</title>\n\
-             <style>\n{}</style>\n</head>\n<body>\n",
-            include_str!("style.css")
-        );
+        let mut html = head(self.description.name, &self.origin.mark()) + "<body>\n";
         self.header(&mut html);
         self.contents(&mut html);
         html.push_str("<main>\n");
@@ -221,7 +232,7 @@ impl Page<'_> {
         let Some((response, run)) = self.run else { return Ok(()) };
         html.push_str("<h2 id=\"response\">Response</h2>\n<figure>\n<div class=\"panels\">\n");
         for (panel, shown) in response.panels.iter().zip(&run.panels) {
-            let (unit, factor) = shown.first().map_or(("", 1.0), |series| shown_unit(series.variable));
+            let (unit, factor) = shown.first().map_or(("", 1.0), |series| series.unit);
             let title = escape(panel.title);
             let _ = write!(html, "<div>\n<h3>{title}");
             if !matches!(unit, "" | "1") {
@@ -229,16 +240,15 @@ impl Page<'_> {
             }
             html.push_str("</h3>\n<p class=\"legend\">");
             for (i, series) in shown.iter().enumerate() {
-                let _ =
-                    write!(html, "<span class=\"c{}\"><code>{}</code></span>", i + 1, escape(&series.variable.name));
+                let _ = write!(html, "<span class=\"c{}\"><code>{}</code></span>", i + 1, escape(series.name));
             }
             html.push_str("</p>\n");
             let scaled = |values: &Vec<f64>| values.iter().map(|value| factor * value).collect();
             let curves: Vec<Vec<f64>> = shown.iter().map(|series| scaled(&series.values)).collect();
             if let Some(series) = shown.iter().zip(&curves).find(|(_, curve)| !curve.iter().all(|v| v.is_finite())) {
-                return Err(format!("{} is not finite in the response", series.0.variable.name));
+                return Err(format!("{} is not finite in the response", series.0.name));
             }
-            let names: Vec<&str> = shown.iter().map(|series| series.variable.name.as_str()).collect();
+            let names: Vec<&str> = shown.iter().map(|series| series.name).collect();
             let label = format!("{}: {} over time", panel.title, names.join(", "));
             html.push_str(&Chart { times: &run.times, curves: &curves, label: &label }.to_svg());
             html.push_str("</div>\n");
@@ -249,10 +259,15 @@ impl Page<'_> {
         let _ = writeln!(
             html,
             "<p>The curves were computed by the packaging program, which runs the same code as the FMU with a \
-             communication step of {} s; the numbers are in <a href=\"response.csv\"><code>{RESULTS}</code></a>. To \
+             communication step of {} s; the numbers are in <a href=\"response.csv\"><code>{RESULTS}</code></a>{}. To \
              repeat it from the FMU with <a href=\"https://fmpy.readthedocs.io\">FMPy</a>{}:</p>\n\
              <pre class=\"command\"><code>{}</code></pre>",
             response.step_size,
+            if run.beside_csv().is_none() {
+                String::new()
+            } else {
+                format!(", those of what is around it in <a href=\"response_beside.csv\"><code>{BESIDE}</code></a>")
+            },
             if run.inputs.is_empty() { "" } else { ", where the FMU and what it contains lie side by side" },
             escape(self.command(response, run))
         );
@@ -278,8 +293,8 @@ impl Page<'_> {
             let _ = write!(command, " --input-file {INPUTS}");
         }
         command.push_str(" --output-variables");
-        for series in run.panels.iter().flatten() {
-            let _ = write!(command, " {}", quoted(&series.variable.name));
+        for series in run.panels.iter().flatten().filter(|series| series.is_of_model()) {
+            let _ = write!(command, " {}", quoted(series.name));
         }
         command + " --show-plot"
     }
@@ -331,15 +346,6 @@ impl Page<'_> {
                 escape(self.document.license)
             );
         }
-    }
-}
-
-/// The unit people are shown, and how many of it one of the variable's own is.
-fn shown_unit(variable: &VariableFacts) -> (&str, f64) {
-    match (&variable.display_unit, &variable.unit) {
-        (Some(display), _) => (&display.name, display.factor),
-        (None, Some(unit)) => (unit.name(), 1.0),
-        (None, None) => ("", 1.0),
     }
 }
 

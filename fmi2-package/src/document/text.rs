@@ -13,6 +13,8 @@ pub struct Text {
     pub headings: Vec<(String, String)>,
     /// Addresses of the images.
     pub images: Vec<String>,
+    /// Where its links lead.
+    pub links: Vec<String>,
 }
 
 /// A formula that is no LaTeX.
@@ -29,8 +31,18 @@ pub struct FormulaError {
 /// # Errors
 /// The first formula that is no LaTeX.
 pub fn read(markdown: &str) -> Result<Text, FormulaError> {
+    read_where(markdown, &|_| true)
+}
+
+/// The same of a text whose home is elsewhere: links to what is not here are only their texts.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_where(markdown: &str, is_here: &dyn Fn(&str) -> bool) -> Result<Text, FormulaError> {
     let options = Options::ENABLE_TABLES | Options::ENABLE_MATH | Options::ENABLE_FOOTNOTES;
-    let mut text = Text { html: String::new(), headings: Vec::new(), images: Vec::new() };
+    let mut text = Text { html: String::new(), headings: Vec::new(), images: Vec::new(), links: Vec::new() };
+    // Whether the link being read leads anywhere; they do not stand in each other.
+    let mut is_link = true;
     let mut events = Vec::new();
     // Where the heading being read began, and its title so far.
     let mut heading: Option<(usize, String)> = None;
@@ -52,7 +64,14 @@ pub fn read(markdown: &str) -> Result<Text, FormulaError> {
                 }
             }
             Event::Start(Tag::Image { dest_url, .. }) => text.images.push(dest_url.to_string()),
+            Event::Start(Tag::Link { dest_url, .. }) => {
+                is_link = is_here(dest_url);
+                text.links.push(dest_url.to_string());
+            }
             _ => {}
+        }
+        if !is_link && matches!(event, Event::Start(Tag::Link { .. }) | Event::End(TagEnd::Link)) {
+            continue;
         }
         events.push(match event {
             Event::InlineMath(formula) => Event::InlineHtml(mathml(&formula, DisplayMode::Inline)?.into()),
@@ -101,6 +120,13 @@ fn identifier(title: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn links_to_what_is_not_here_are_only_their_texts() {
+        let text = read_where("[a](a.html) [*b*](b.md#x) [c](#c)\n", &|target| target != "b.md#x").unwrap();
+        assert_eq!(text.html, "<p><a href=\"a.html\">a</a> <em>b</em> <a href=\"#c\">c</a></p>\n");
+        assert_eq!(text.links, ["a.html", "b.md#x", "#c"]);
+    }
 
     #[test]
     fn formulas_become_mathml_and_headings_can_be_linked_to() {
