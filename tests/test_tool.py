@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import re
+import shutil
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -370,11 +372,34 @@ def test_tables_fit_a_terminal_of_80_columns(command: tuple[str, ...], tmp_path:
     assert max(map(len, tables)) <= 80, max(lines, key=len)
 
 
-@pytest.mark.parametrize("shell", ["bash", "fish"])
+@pytest.mark.parametrize("shell", ["bash", "fish", "zsh", "powershell", "elvish"])
 def test_completions_know_the_scenarios(shell: str) -> None:
     script = dualarm("completions", shell).stdout
-    assert "change-of-reference" in script
+    # Of `simulate` and of `scenario`; zsh has one list for both.
+    assert script.count("change-of-reference") >= (1 if shell == "zsh" else 2)
     assert "raw-dead-zone" in script
+    if shell == "zsh":
+        assert script.count(":_dualarm_scenarios'") == 2
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_understand_their_completions(shell: str, tmp_path: Path) -> None:
+    program = shutil.which(shell)
+    if program is None:
+        pytest.skip(f"{shell} is not installed")
+    script = tmp_path / "dualarm"
+    script.write_text(dualarm("completions", shell).stdout, encoding="utf-8")
+    subprocess.run([program, "-n", script], check=True)
+    if shell == "fish":
+        line = f"source {script}; complete --do-complete 'dualarm simulate fri'"
+        assert "friction" in subprocess.run([program, "-c", line], check=True, capture_output=True, text=True).stdout
+
+
+def test_a_summary_lists_every_wire_within_80_columns() -> None:
+    said = dualarm("simulate", "nabfc", "--stop", "0.01").stdout
+    for name in ("tip_shear2_dot", "root_moment2_dot", "delta_F", "NabfcController.theta1_ref"):
+        assert name in said
+    assert max(map(len, said.splitlines())) <= 80
 
 
 def test_a_page_of_a_search(tmp_path: Path) -> None:

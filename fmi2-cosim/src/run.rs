@@ -48,8 +48,9 @@ pub trait Observer: Sink {
     /// The components are initialised; rows with these columns follow. Returns what the user should know.
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String>;
 
-    /// Whether it needs the row of every step, however few of them are written. Asked after [`Observer::begin`].
-    fn wants_every_step(&self) -> bool {
+    /// Whether it needs this column at every step, however few rows are written: then it gets that in
+    /// [`Sink::between`], too. Asked after [`Observer::begin`].
+    fn follows(&self, _column: &Column) -> bool {
         false
     }
 
@@ -117,8 +118,8 @@ impl Run {
     }
 
     /// Initialises the master, which comes from the system and records `columns`, and steps it over the grid. Rows go to
-    /// `rows` and `observer`, both of which may get more of them than one per interval; `progress` hears how many steps
-    /// are done.
+    /// `rows` and `observer`, and to both what the observer follows between two of them; `progress` hears how many steps are
+    /// done.
     ///
     /// # Errors
     /// When an FMU refuses, or a row cannot be kept.
@@ -138,10 +139,11 @@ impl Run {
         remarks.extend(self.uneven_rows());
         remarks.extend(unconnected(master));
         remarks.extend(observer.begin(master, columns));
-        let interval = if observer.wants_every_step() { 0.0 } else { self.interval };
+        let followed: Vec<bool> = columns.iter().map(|column| observer.follows(column)).collect();
+        master.follow(&followed);
         let mut last = Last::default();
         let begin = Instant::now();
-        let result = master.run(&self.grid, interval, &mut (rows, (&mut *observer, &mut last)), progress);
+        let result = master.run(&self.grid, self.interval, &mut (rows, (&mut *observer, &mut last)), progress);
         let wall_time = begin.elapsed();
         let ended = match result {
             Ok(()) => None,

@@ -5,7 +5,7 @@ mod support;
 
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::{Coupling, Master, MasterError};
-use fmi2_cosim::record::Table;
+use fmi2_cosim::record::{Sink, Table};
 use fmi2_cosim::settings::{Setting, SettingError};
 use fmi2_cosim::signal::{Shape, Signal};
 use fmi2_import::{Causality, Fmu};
@@ -80,6 +80,50 @@ fn jacobi_delays_commands_by_one_step_whether_or_not_rows_are_recorded() {
                 _ => assert_close(&y, &[all[0], all[11]]),
             }
         }
+    }
+}
+
+/// Keeps rows, and what came between them.
+#[derive(Default)]
+struct Both {
+    rows: Vec<(f64, Vec<f64>)>,
+    between: Vec<(f64, Vec<f64>)>,
+}
+
+impl Sink for Both {
+    fn row(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
+        self.rows.push((time, values.to_vec()));
+        Ok(())
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
+        self.between.push((time, values.to_vec()));
+        Ok(())
+    }
+}
+
+#[test]
+fn what_is_followed_is_read_at_every_step_and_changes_nothing() {
+    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
+    for coupling in Coupling::ALL {
+        let Some((_folder, mut master)) = loop_of(["Lag", "Gain"], coupling) else { return };
+        let all = run(&mut master, &grid, 0.0);
+        let Some((_folder, mut master)) = loop_of(["Lag", "Gain"], coupling) else { return };
+        master.initialize(&grid).unwrap();
+        let columns = master.record(|_| true);
+        let y = columns.iter().position(|column| column.name == "y").unwrap();
+        let u = columns.iter().position(|column| column.name == "u").unwrap();
+        master.follow(&columns.iter().map(|column| column.name == "y").collect::<Vec<_>>());
+        let mut both = Both::default();
+        master.run(&grid, 0.5, &mut both, &mut |_| ()).unwrap();
+        assert_eq!((both.rows.len(), both.between.len()), (3, 8));
+        for (time, values) in all.rows() {
+            let row = both.rows.iter().find(|(at, _)| at.to_bits() == time.to_bits());
+            let (_, found) =
+                row.or_else(|| both.between.iter().find(|(at, _)| at.to_bits() == time.to_bits())).unwrap();
+            assert_eq!(found[y].to_bits(), values[y].to_bits(), "{coupling:?} at {time} s");
+        }
+        assert_eq!(both.between[3].1[u].to_bits(), both.rows[0].1[u].to_bits(), "what nobody follows is not read");
     }
 }
 

@@ -10,7 +10,7 @@ function createCharts(parent, data, clock) {
     made.point(clock.shown);
     return made;
   };
-  for (const { title, charts: wanted } of groups) {
+  for (const { title, open, charts: wanted } of groups) {
     const place = document.createElement("div");
     place.className = "charts";
     if (title === "") {
@@ -24,6 +24,7 @@ function createCharts(parent, data, clock) {
     group.append(summary, place);
     parent.append(group);
     group.addEventListener("toggle", () => wanted.forEach((chart) => add(place, chart)), { once: true });
+    group.open = Boolean(open);
   }
   offerOthers(parent, others, (name) => add(lastPlace(parent), plainChart(data, name)));
   clock.on("view", () => charts.forEach((chart) => chart.look()));

@@ -1,7 +1,5 @@
 //! `dualarm completions`
 
-use std::fmt::Write;
-
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Command};
 use clap_complete::Shell;
@@ -28,10 +26,9 @@ pub struct Arguments {
 
 /// Prints the script.
 pub fn run(arguments: &Arguments, command: &mut Command) {
-    let names = || BUILT_IN.iter().map(|built_in| built_in.name);
-    // bash goes on to files where no name fits; other shells would not, so they get the names another way or not at all.
+    // bash goes on to files where no name fits; the other generators would offer nothing but the names.
     if arguments.shell == Shell::Bash {
-        for (subcommand, argument) in [("simulate", "what"), ("scenario", "name")] {
+        for (subcommand, argument) in WITH_NAMES {
             *command = command.clone().mut_subcommand(subcommand, |subcommand| {
                 subcommand.mut_arg(argument, |argument| argument.value_parser(PossibleValuesParser::new(names())))
             });
@@ -40,15 +37,60 @@ pub fn run(arguments: &Arguments, command: &mut Command) {
     // Into memory first: the generators panic when a reader closes the pipe.
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, command, "dualarm", &mut script);
-    let mut script = String::from_utf8_lossy(&script).into_owned();
-    if arguments.shell == Shell::Fish {
-        let names = names().collect::<Vec<_>>().join(" ");
-        for subcommand in ["simulate", "scenario"] {
-            let _ = writeln!(
-                script,
-                "complete -c dualarm -n \"__fish_dualarm_using_subcommand {subcommand}\" -a \"{names}\""
+    print(&with_names(arguments.shell, &String::from_utf8_lossy(&script)));
+}
+
+/// Subcommands, and their arguments that a scenario's name can be.
+const WITH_NAMES: [(&str, &str); 2] = [("simulate", "what"), ("scenario", "name")];
+
+fn names() -> impl Iterator<Item = &'static str> {
+    BUILT_IN.iter().map(|built_in| built_in.name)
+}
+
+/// A generated script that knows the scenarios' names, too, and offers files beside them where the shell does so.
+fn with_names(shell: Shell, script: &str) -> String {
+    // After the line by which a script begins with a subcommand.
+    let insert = |begin: &dyn Fn(&str) -> String, lines: &str| {
+        WITH_NAMES.iter().fold(script.to_owned(), |script, (subcommand, _)| {
+            let begin = begin(subcommand);
+            script.replace(&begin, &format!("{begin}{lines}"))
+        })
+    };
+    match shell {
+        Shell::Zsh => {
+            let function = format!(
+                "\n_dualarm_scenarios() {{\n    _alternative 'scenarios:scenario:({})' 'files:file:_files'\n}}\n\n_dualarm() {{\n",
+                names().collect::<Vec<_>>().join(" ")
             );
+            let is_name = |line: &str| {
+                WITH_NAMES.iter().any(|(_, name)| {
+                    line.starts_with(&format!("'::{name} ")) || line.starts_with(&format!("'*::{name} "))
+                })
+            };
+            let line = |line: &str| match line.rsplit_once(':') {
+                Some((before, _)) if is_name(line) => format!("{before}:_dualarm_scenarios' \\\n"),
+                _ => format!("{line}\n"),
+            };
+            script.lines().map(line).collect::<String>().replacen("\n_dualarm() {\n", &function, 1)
         }
+        Shell::PowerShell => {
+            let kind = "[CompletionResultType]::ParameterValue";
+            let line = |name| format!("            [CompletionResult]::new('{name}', '{name}', {kind}, 'scenario')\n");
+            let lines = names().map(line).collect::<Vec<_>>().concat();
+            insert(&|subcommand| format!("        'dualarm;{subcommand}' {{\n"), &lines)
+        }
+        Shell::Elvish => {
+            let lines =
+                names().map(|name| format!("            cand {name} 'scenario'\n")).collect::<Vec<_>>().concat();
+            insert(&|subcommand| format!("        &'dualarm;{subcommand}'= {{\n"), &lines)
+        }
+        Shell::Fish => {
+            let names = names().collect::<Vec<_>>().join(" ");
+            let line = |(subcommand, _): &(&str, &str)| {
+                format!("complete -c dualarm -n \"__fish_dualarm_using_subcommand {subcommand}\" -a \"{names}\"\n")
+            };
+            script.to_owned() + &WITH_NAMES.iter().map(line).collect::<String>()
+        }
+        _ => script.to_owned(),
     }
-    print(&script);
 }

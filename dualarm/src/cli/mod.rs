@@ -56,7 +56,7 @@ Examples:
   dualarm info plant.fmu                        what an FMU is
   dualarm compare --matrix                      every controller in every case
   dualarm tune --controller pd-tuned            gains from a search
-  dualarm sweep study.toml                      many runs, over ranges of parameters
+  dualarm sweep study.toml                      many runs, over ranges
   dualarm verify                                against exact solutions
 
 Exit codes: 0 success, 1 a simulation, a check or a file failed, 2 wrong usage

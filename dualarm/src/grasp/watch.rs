@@ -42,8 +42,9 @@ impl Observer for GraspWatch {
         unused_gains(master.settings())
     }
 
-    fn wants_every_step(&self) -> bool {
-        self.measured.sink.columns().iter().any(|column| column.name == CONTACT_FORCE)
+    fn follows(&self, column: &Column) -> bool {
+        let signals = self.measured.sink.columns();
+        signals.iter().any(|column| column.name == CONTACT_FORCE) && signals.contains(column)
     }
 
     fn conclude(&mut self) -> Vec<String> {
@@ -53,6 +54,10 @@ impl Observer for GraspWatch {
 
 impl Sink for GraspWatch {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.measured.row(time, values)
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.measured.row(time, values)
     }
 

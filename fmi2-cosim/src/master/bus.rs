@@ -74,6 +74,14 @@ pub(crate) struct Buses {
     boolean: Bus<bool>,
     /// Integers that are wanted as reals.
     crossings: Vec<Crossing>,
+    /// Of each component, who has what it wants.
+    sources: Vec<Vec<usize>>,
+    /// Counts the readings.
+    clock: u64,
+    /// Of each component, when its outputs were fetched last.
+    read_at: Vec<u64>,
+    /// Of each component, when it got its inputs: 0 if somebody else may have given it others since.
+    written_at: Vec<u64>,
 }
 
 struct Crossing {
@@ -99,12 +107,23 @@ impl Buses {
             });
             real.add_wire(descriptions, wire, signal);
         }
-        Self { real, integer, boolean: Bus::new(descriptions, wires), crossings }
+        let count = descriptions.len();
+        let mut sources = vec![Vec::new(); count];
+        for wire in wires {
+            if !sources[wire.to.component].contains(&wire.from.component) {
+                sources[wire.to.component].push(wire.from.component);
+            }
+        }
+        let boolean = Bus::new(descriptions, wires);
+        let (read_at, written_at) = (vec![0; count], vec![0; count]);
+        Self { real, integer, boolean, crossings, sources, clock: 0, read_at, written_at }
     }
 
     /// Fetches the outputs of a component.
     #[inline]
     pub(crate) fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        self.clock += 1;
+        self.read_at[component] = self.clock;
         self.real.read(component, instance)?;
         self.integer.read(component, instance)?;
         for crossing in &self.crossings {
@@ -118,9 +137,25 @@ impl Buses {
     /// Hands a component its inputs.
     #[inline]
     pub(crate) fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        self.written_at[component] = self.clock;
         self.real.write(component, instance)?;
         self.integer.write(component, instance)?;
         self.boolean.write(component, instance)
+    }
+
+    /// Hands a component its inputs, unless nobody has been read since it got them.
+    #[inline]
+    pub(crate) fn refresh(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+        let since = self.written_at[component];
+        if self.sources[component].iter().any(|source| self.read_at[*source] > since) {
+            self.write(component, instance)?;
+        }
+        Ok(())
+    }
+
+    /// Somebody else may give a component inputs.
+    pub(crate) fn forget(&mut self, component: usize) {
+        self.written_at[component] = 0;
     }
 
     /// The signals as they are now, to compare with later.

@@ -152,6 +152,7 @@ impl Master {
     /// # Panics
     /// When there are not that many components.
     pub fn instance(&mut self, component: usize) -> &mut Instance {
+        self.buses.forget(component);
         &mut self.components[component].instance
     }
 
@@ -249,6 +250,15 @@ impl Master {
         let (recording, columns) = Recording::of(&self.described(), wanted);
         self.recording = recording;
         columns
+    }
+
+    /// Has those of the recorded columns read at every communication point, however few rows there are: between two rows
+    /// they go to [`Sink::between`](crate::record::Sink::between). [`Master::record`] forgets it.
+    ///
+    /// # Panics
+    /// When there are not as many of them as columns.
+    pub fn follow(&mut self, columns: &[bool]) {
+        self.recording.follow(columns);
     }
 
     /// What the components have logged since this was last asked: name and message.

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use crate::names::free_name;
 use crate::record::{Column, Kind};
-use fmi2_import::{CallError, Causality, Instance, ModelDescription, ValueReference, Variable};
+use fmi2_import::{CallError, Causality, Instance, ModelDescription, Status, ValueReference, Variable};
 
 /// The outputs that are recorded; one row holds component after component, reals, integers, Booleans.
 #[derive(Default)]
@@ -12,17 +12,78 @@ pub(crate) struct Recording {
     /// Names of the columns, and of the times.
     names: HashSet<String>,
     ports: Vec<Port>,
+    /// Those of the outputs that are read at every communication point.
+    followed: Vec<Port>,
     values: Vec<f64>,
 }
 
 /// The recorded outputs of one component.
 #[derive(Default)]
 struct Port {
-    real: Vec<ValueReference>,
-    integer: Vec<ValueReference>,
-    boolean: Vec<ValueReference>,
-    integers: Vec<i32>,
-    booleans: Vec<bool>,
+    real: Outputs<f64>,
+    integer: Outputs<i32>,
+    boolean: Outputs<bool>,
+}
+
+/// Those of one type, which one call reads.
+#[derive(Default)]
+struct Outputs<T> {
+    references: Vec<ValueReference>,
+    /// Where they stand in a row.
+    columns: Vec<usize>,
+    values: Vec<T>,
+}
+
+impl<T: Copy + Default> Outputs<T> {
+    fn push(&mut self, reference: ValueReference, column: usize) {
+        self.references.push(reference);
+        self.columns.push(column);
+        self.values.push(T::default());
+    }
+
+    fn only(&self, columns: &[bool]) -> Self {
+        let mut some = Self::default();
+        for (reference, column) in self.references.iter().zip(&self.columns).filter(|(_, column)| columns[**column]) {
+            some.push(*reference, *column);
+        }
+        some
+    }
+
+    fn read(
+        &mut self,
+        row: &mut [f64],
+        get: impl FnOnce(&[ValueReference], &mut [T]) -> Result<Status, CallError>,
+        number: impl Fn(T) -> f64,
+    ) -> Result<(), CallError> {
+        if !self.references.is_empty() {
+            get(&self.references, &mut self.values)?;
+            for (column, value) in self.columns.iter().zip(&self.values) {
+                row[*column] = number(*value);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Port {
+    fn push(&mut self, kind: Kind, reference: ValueReference, column: usize) {
+        match kind {
+            Kind::Real => self.real.push(reference, column),
+            Kind::Integer => self.integer.push(reference, column),
+            Kind::Boolean => self.boolean.push(reference, column),
+        }
+    }
+
+    fn only(&self, columns: &[bool]) -> Self {
+        Self { real: self.real.only(columns), integer: self.integer.only(columns), boolean: self.boolean.only(columns) }
+    }
+
+    fn read(&mut self, instance: &mut Instance, row: &mut [f64]) -> Result<(), CallError> {
+        self.real.read(row, |references, values| instance.get_real(references, values), |value| value)?;
+        self.integer.read(row, |references, values| instance.get_integer(references, values), f64::from)?;
+        let number = |value| f64::from(u8::from(value));
+        self.boolean.read(row, |references, values| instance.get_boolean(references, values), number)
+    }
 }
 
 impl Recording {
@@ -34,24 +95,34 @@ impl Recording {
         for (index, (_, description)) in components.iter().enumerate() {
             let outputs: Vec<&Variable> =
                 description.with_causality(Causality::Output).filter(|variable| wanted(&variable.name)).collect();
-            let mut of = |kind: Kind| -> Vec<ValueReference> {
-                let chosen = outputs.iter().filter(|variable| Kind::of(variable.base_type()) == Some(kind));
-                chosen
-                    .map(|variable| {
-                        let name = column_name(components, index, &variable.name);
-                        // One component's variable may be called like another one's with its component.
-                        let name = free_name(&name, |name| taken.contains(name));
-                        taken.insert(name.clone());
-                        columns.push(Column { name, unit: variable.unit().map(str::to_owned), kind });
-                        variable.value_reference
-                    })
-                    .collect()
-            };
-            let [real, integer, boolean] = [Kind::Real, Kind::Integer, Kind::Boolean].map(&mut of);
-            let (integers, booleans) = (vec![0; integer.len()], vec![false; boolean.len()]);
-            ports.push(Port { real, integer, boolean, integers, booleans });
+            let mut port = Port::default();
+            for kind in [Kind::Real, Kind::Integer, Kind::Boolean] {
+                for variable in outputs.iter().filter(|variable| Kind::of(variable.base_type()) == Some(kind)) {
+                    let name = column_name(components, index, &variable.name);
+                    // One component's variable may be called like another one's with its component.
+                    let name = free_name(&name, |name| taken.contains(name));
+                    taken.insert(name.clone());
+                    port.push(kind, variable.value_reference, columns.len());
+                    columns.push(Column { name, unit: variable.unit().map(str::to_owned), kind });
+                }
+            }
+            ports.push(port);
         }
-        (Self { names: taken, ports, values: vec![0.0; columns.len()] }, columns)
+        (Self { names: taken, ports, followed: Vec::new(), values: vec![0.0; columns.len()] }, columns)
+    }
+
+    /// Which columns are read at every communication point, too.
+    pub(crate) fn follow(&mut self, columns: &[bool]) {
+        assert_eq!(columns.len(), self.values.len(), "one truth value for each column");
+        self.followed.clear();
+        if columns.contains(&true) {
+            self.followed.extend(self.ports.iter().map(|port| port.only(columns)));
+        }
+    }
+
+    /// Whether there are any.
+    pub(crate) fn has_followed(&self) -> bool {
+        !self.followed.is_empty()
     }
 
     /// The name of an output that is no column, among those that are.
@@ -66,24 +137,27 @@ impl Recording {
 
     /// The row as the components stand, which come in the order of their descriptions.
     pub(crate) fn read<'a>(&mut self, instances: impl Iterator<Item = &'a mut Instance>) -> Result<&[f64], CallError> {
-        let mut rest = self.values.as_mut_slice();
-        for (port, instance) in self.ports.iter_mut().zip(instances) {
-            let (real, after) = rest.split_at_mut(port.real.len());
-            instance.get_real(&port.real, real)?;
-            let (integer, after) = after.split_at_mut(port.integer.len());
-            instance.get_integer(&port.integer, &mut port.integers)?;
-            for (value, source) in integer.iter_mut().zip(&port.integers) {
-                *value = f64::from(*source);
-            }
-            let (boolean, after) = after.split_at_mut(port.boolean.len());
-            instance.get_boolean(&port.boolean, &mut port.booleans)?;
-            for (value, source) in boolean.iter_mut().zip(&port.booleans) {
-                *value = f64::from(u8::from(*source));
-            }
-            rest = after;
-        }
-        Ok(&self.values)
+        read(&mut self.ports, &mut self.values, instances)
     }
+
+    /// The row with only those columns new that are followed.
+    pub(crate) fn read_followed<'a>(
+        &mut self,
+        instances: impl Iterator<Item = &'a mut Instance>,
+    ) -> Result<&[f64], CallError> {
+        read(&mut self.followed, &mut self.values, instances)
+    }
+}
+
+fn read<'a, 'row>(
+    ports: &mut [Port],
+    row: &'row mut [f64],
+    instances: impl Iterator<Item = &'a mut Instance>,
+) -> Result<&'row [f64], CallError> {
+    for (port, instance) in ports.iter_mut().zip(instances) {
+        port.read(instance, row)?;
+    }
+    Ok(row)
 }
 
 /// Name of the column of times, the first one of every table.

@@ -72,8 +72,8 @@ impl Master {
         Ok(())
     }
 
-    /// Steps over the whole grid. Rows go to `sink` at the start, then every `interval` s, and at the end; `progress`
-    /// hears from time to time how many steps are done.
+    /// Steps over the whole grid. Rows go to `sink` at the start, then every `interval` s, and at the end, and in between
+    /// what [is followed](Master::follow); `progress` hears from time to time how many steps are done.
     ///
     /// # Errors
     /// When an FMU does not complete a step, or a row cannot be kept. After [`MasterError::Ended`] the rows are whole: the
@@ -93,6 +93,8 @@ impl Master {
             self.apply_drives(time, Some(grid.time(index + 1)))?;
             if schedule.is_due(time) {
                 self.put_row(time, sink)?;
+            } else if self.recording.has_followed() {
+                self.put_followed(time, sink)?;
             }
             if let Err(error) = self.step(time, size) {
                 if let MasterError::Ended { time: end, .. } = &error {
@@ -135,6 +137,14 @@ impl Master {
         sink.row(time, values).map_err(MasterError::Record)
     }
 
+    fn put_followed(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
+        let failed = |source| MasterError::Step { time, source };
+        self.exchange().map_err(failed)?;
+        let instances = self.components.iter_mut().map(|component| &mut component.instance);
+        let values = self.recording.read_followed(instances).map_err(failed)?;
+        sink.between(time, values).map_err(MasterError::Record)
+    }
+
     /// The last row of a simulation that a component ended in the step that began at `begin`. Nothing may be set any more.
     fn put_early_end(&mut self, end: f64, begin: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
         // A slave that cannot be read after its end leaves the rows there are.
@@ -172,7 +182,12 @@ impl Master {
     fn step_in_turn(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
         for (index, component) in self.components.iter_mut().enumerate() {
             let mut turn = || {
-                self.buses.write(index, &mut component.instance)?;
+                // Nobody has stepped yet: the first one has its inputs where a row was taken.
+                if index == 0 && self.exchanged {
+                    self.buses.refresh(index, &mut component.instance)?;
+                } else {
+                    self.buses.write(index, &mut component.instance)?;
+                }
                 component.instance.do_step(time, size)?;
                 self.buses.read(index, &mut component.instance)
             };
@@ -190,7 +205,7 @@ impl Master {
             self.read_all()?;
         }
         for (index, component) in self.components.iter_mut().enumerate() {
-            self.buses.write(index, &mut component.instance)?;
+            self.buses.refresh(index, &mut component.instance)?;
         }
         self.exchanged = true;
         Ok(())

@@ -36,6 +36,11 @@ impl<S: Sink> Sink for Pick<S> {
         self.sink.row(time, &self.picked)
     }
 
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.pick(values);
+        self.sink.between(time, &self.picked)
+    }
+
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.pick(values);
         self.sink.end(time, &self.picked)

@@ -63,6 +63,15 @@ pub trait Sink {
     /// When the row cannot be kept.
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()>;
 
+    /// A communication point between two rows, of a run that [follows](crate::master::Master::follow) some columns: these
+    /// have the values of now, all others still those of the last row.
+    ///
+    /// # Errors
+    /// When it cannot be kept.
+    fn between(&mut self, _time: f64, _values: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
+
     /// The run is over. This was the last row; who did not keep it may want to.
     ///
     /// # Errors
@@ -86,6 +95,11 @@ impl<A: Sink, B: Sink> Sink for (A, B) {
         self.1.row(time, values)
     }
 
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.0.between(time, values)?;
+        self.1.between(time, values)
+    }
+
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.0.end(time, values)?;
         self.1.end(time, values)
@@ -97,6 +111,10 @@ impl<S: Sink + ?Sized> Sink for &mut S {
         (**self).row(time, values)
     }
 
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        (**self).between(time, values)
+    }
+
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         (**self).end(time, values)
     }
@@ -105,6 +123,10 @@ impl<S: Sink + ?Sized> Sink for &mut S {
 impl<S: Sink> Sink for Option<S> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.as_mut().map_or(Ok(()), |sink| sink.row(time, values))
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.as_mut().map_or(Ok(()), |sink| sink.between(time, values))
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {

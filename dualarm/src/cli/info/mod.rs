@@ -18,7 +18,7 @@ of the FMU runs, unless you ask for it with --load.
 
 Examples:
   dualarm info dist/DualArmPlant.fmu
-  dualarm info dist/DualArmGrasp-PD.ssp          components, connections, values, variants
+  dualarm info dist/DualArmGrasp-PD.ssp          components, connections
   dualarm info model.fmu --load
   dualarm info model.fmu --variables | grep -i temperature
   dualarm info model.fmu --json | jq '.variables[] | select(.unit == \"rad\") | .name'";

@@ -44,7 +44,7 @@ Examples:
   dualarm simulate my-grasp.toml -o out.csv      a scenario of your own
   dualarm simulate dist/DualArmGrasp-PD.ssp      a system in one file
   dualarm simulate friction --report page.html   a page with the arms in motion
-  dualarm simulate --instruments noise,delay     with noisy sensors and late commands
+  dualarm simulate --instruments noise,delay     noisy sensors, late commands
   dualarm simulate --set EI1=0.12                in every FMU that has EI1
   dualarm simulate --set DualArmPlant.EI1=0.12   in the plant only
   dualarm simulate a.fmu b.fmu --stop 2 -o -     any FMUs; rows to the terminal";
@@ -96,8 +96,9 @@ pub struct Arguments {
     /// Time in s between two rows of the output; 0 for every step [default: 1e-3]
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     interval: Option<f64>,
-    /// Record functions of the controller's proof as further columns, and draw them beside the output
-    #[arg(long, value_enum, value_name = "WHAT", requires = "output")]
+    /// Follow functions of the controller's proof and say whether the bound holds; they are further columns of the output,
+    /// with a figure beside it, and curves of the page
+    #[arg(long, value_enum, value_name = "WHAT")]
     monitor: Option<MonitorName>,
     /// Print the result as JSON
     #[arg(long)]
@@ -206,13 +207,13 @@ fn simulate(
     let file = arguments.output.clone().filter(|_| !to_stdout);
     let mut outcome = Outcome::new(system, master, run, &columns, results, metrics.as_ref(), file);
     outcome.warn(&master.take_log());
-    outcome.monitor = verdict;
+    outcome.monitor.clone_from(&verdict);
     output.finish()?;
     if let (Some(path), Some(rows)) = (&arguments.report, shown) {
         let rows = page::with_columns(rows.into_table(), monitored.as_ref());
         let metrics = metrics.as_ref().ok();
         let controller = controller.as_deref();
-        let page = page::Made { system, run, rows, metrics, models, master, controller };
+        let page = page::Made { system, run, rows, metrics, models, master, controller, verdict: verdict.as_deref() };
         page.write(path)?;
         outcome.report = Some(path.clone());
     }

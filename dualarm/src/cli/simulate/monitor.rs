@@ -86,6 +86,11 @@ impl Sink for Watch {
         self.lyapunov.row(time, values)
     }
 
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.grasp.between(time, values)?;
+        self.lyapunov.between(time, values)
+    }
+
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.grasp.end(time, values)?;
         self.lyapunov.end(time, values)
@@ -100,8 +105,8 @@ impl Observer for Watch {
         self.grasp.begin(master, columns)
     }
 
-    fn wants_every_step(&self) -> bool {
-        self.lyapunov.is_some() || self.grasp.wants_every_step()
+    fn follows(&self, column: &Column) -> bool {
+        self.grasp.follows(column) || self.lyapunov.as_ref().is_some_and(|lyapunov| lyapunov.follows(column))
     }
 
     fn conclude(&mut self) -> Vec<String> {

@@ -164,7 +164,7 @@ impl Outcome {
         text += &self.connected();
         if !self.texts.is_empty() {
             let names: Vec<_> = self.texts.iter().map(String::as_str).collect();
-            text += &listed("texts, which rows leave out (--json has their last values)", &names);
+            text += &listed("texts, which rows leave out (--json has their last values)", &names, width());
         }
         if self.columns == 0 {
             text += "  no FMU has an output that is a number: rows have only times\n";
@@ -210,7 +210,7 @@ impl Outcome {
         if !self.open_inputs.is_empty() {
             lines.push(("open inputs".into(), self.open_inputs.iter().map(String::as_str).collect()));
         }
-        lines.iter().map(|(title, names)| listed(title, names)).collect()
+        lines.iter().map(|(title, names)| listed(title, names, width())).collect()
     }
 
     /// Component and variable of `Component.name`; both may have dots.
@@ -243,22 +243,27 @@ fn open_inputs(system: &System, master: &Master) -> Vec<String> {
     open
 }
 
-/// A line of names, as many as fit.
-fn listed(title: &str, names: &[&str]) -> String {
-    const WIDTH: usize = 80;
-    let mut line = format!("  {}:", one_line(title));
-    let mut length = line.chars().count();
-    for (index, name) in names.iter().enumerate() {
-        let more = format!(" … ({} in all)", names.len());
-        let separator = if index == 0 { " " } else { ", " };
-        length += separator.len() + name.chars().count();
-        if index > 0 && length + more.chars().count() > WIDTH && (index + 1 < names.len() || length > WIDTH) {
-            return line + &more + "\n";
+/// Names after a title, on as many lines of `width` columns as they need. Of very many only the first: `--json` has all.
+fn listed(title: &str, names: &[&str], width: usize) -> String {
+    const SHOWN: usize = 60;
+    let mut text = format!("  {}:", one_line(title));
+    let mut length = text.chars().count();
+    let shown = names.len().min(SHOWN);
+    for (index, name) in names[..shown].iter().enumerate() {
+        let name = one_line(name);
+        let comma = if index + 1 == names.len() { "" } else { "," };
+        let more = 1 + name.chars().count() + comma.len();
+        if index > 0 && length + more > width {
+            text += "\n   ";
+            length = 3;
         }
-        line += separator;
-        line += &one_line(name);
+        let _ = write!(text, " {name}{comma}");
+        length += more;
     }
-    line + "\n"
+    if shown < names.len() {
+        let _ = write!(text, "\n    \u{2026} {} in all, which --json lists", names.len());
+    }
+    text + "\n"
 }
 
 /// What FMUs complain about, each thing once.

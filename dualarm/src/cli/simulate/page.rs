@@ -6,6 +6,7 @@ use std::path::Path;
 use super::monitor;
 use crate::cli::{Failure, report};
 use crate::grasp::metrics::Metrics;
+use crate::report::html::signals::with_decades;
 use crate::report::html::{self, Page, rows};
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::master::Master;
@@ -41,8 +42,9 @@ impl Observer for Watch {
         remarks
     }
 
-    fn wants_every_step(&self) -> bool {
-        self.wants_models || self.others.wants_every_step()
+    fn follows(&self, column: &Column) -> bool {
+        // The page's first rows are those of every step.
+        self.wants_models || self.others.follows(column)
     }
 
     fn conclude(&mut self) -> Vec<String> {
@@ -53,6 +55,10 @@ impl Observer for Watch {
 impl Sink for Watch {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.others.row(time, values)
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.others.between(time, values)
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
@@ -77,7 +83,7 @@ pub fn with_columns(rows: Table, more: Option<&Table>) -> Table {
         // Memory takes every row.
         let _ = all.row(time, &row);
     }
-    all
+    with_decades(all)
 }
 
 /// A run that is over, for its page.
@@ -90,6 +96,8 @@ pub struct Made<'a> {
     pub master: &'a Master,
     /// The component that the metrics judge.
     pub controller: Option<&'a str>,
+    /// What `--monitor` found.
+    pub verdict: Option<&'a str>,
 }
 
 impl Made<'_> {
@@ -140,6 +148,7 @@ impl Made<'_> {
         if !set.is_empty() {
             notes.push(format!("Set: {}.", set.join(", ")));
         }
+        notes.extend(self.verdict.map(|verdict| format!("Monitored: {verdict}.")));
         notes
     }
 }

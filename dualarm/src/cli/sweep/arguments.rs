@@ -20,13 +20,13 @@ goes on where the last one was ended. A run that fails is a row with its error. 
 --isolated.
 
 Examples:
-  dualarm sweep study.toml                        all cores; results/study.parquet
+  dualarm sweep study.toml                        on all cores
   dualarm sweep study.toml -o out.csv --report out.html
   dualarm sweep study.toml --isolated --timeout 5 runs in processes of their own
   dualarm sweep study.toml --runs 0..100          the first hundred only
-  dualarm sweep study.toml --run 42 -o 42.parquet one run again, with its trajectory
+  dualarm sweep study.toml --run 42 -o 42.parquet one run, with its trajectory
   dualarm sweep study.toml --points saltelli.csv --unit
-                                                  points of your own, from 0 to 1
+                                                  points of your own
   python examples/sweep_dask.py study.toml        the same on a cluster";
 
 /// Arguments of `dualarm sweep`.

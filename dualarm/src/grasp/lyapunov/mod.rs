@@ -262,7 +262,7 @@ impl Observer for LyapunovWatch {
         Vec::new()
     }
 
-    fn wants_every_step(&self) -> bool {
+    fn follows(&self, _: &Column) -> bool {
         true
     }
 
@@ -288,5 +288,9 @@ impl Sink for LyapunovWatch {
         }
         self.previous = Some(row);
         Ok(())
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.row(time, values)
     }
 }

@@ -87,6 +87,11 @@ impl Sink for Rows {
         if is_due || is_early { self.picked.row(time, values) } else { Ok(()) }
     }
 
+    /// Of a run in which every column is followed: a page has rows at other times than the output.
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.row(time, values)
+    }
+
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         // A run that ends before its time.
         if self.picked.sink.times().last() == Some(&time) { Ok(()) } else { self.picked.row(time, values) }
@@ -100,7 +105,7 @@ pub fn of_saved(table: &Table) -> (Table, String) {
     let every = table.times().len().div_ceil(MOST_SAVED).max(1);
     let last = table.times().len().saturating_sub(1);
     let rows = (0..=last).filter(|row| row % every == 0 || *row == last);
-    let part = table.part(&columns, rows);
+    let part = super::signals::with_decades(table.part(&columns, rows));
     let mut said = format!("{} rows", table.times().len());
     if every > 1 {
         let _ = write!(said, ", of which curves show one in {every}; faster swings are not drawn as they are");

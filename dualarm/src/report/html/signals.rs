@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::report::figures::SIGNALS;
-use fmi2_cosim::record::Table;
+use fmi2_cosim::record::{Column, Sink, Table};
 
 /// Signals that the picture or a chart of its own shows beside those of the [figures](SIGNALS).
 const MORE: [&str; 8] = [
@@ -25,6 +25,34 @@ pub fn is_known(signal: &str) -> bool {
         || signal.starts_with("deflection1[")
         || signal.starts_with("deflection2[")
 }
+
+/// What `--monitor` records falls by many powers of ten: a page shows the decadic logarithm of each such column that is
+/// nowhere negative, under a name that says so. Exponentials are then lines.
+#[must_use]
+pub fn with_decades(table: Table) -> Table {
+    let is_decaying = |(index, column): (usize, &Column)| {
+        column.name.starts_with(MONITORED) && table.column_at(index).iter().all(|value| *value >= 0.0 || value.is_nan())
+    };
+    let decades: Vec<bool> = table.columns().iter().enumerate().map(is_decaying).collect();
+    if !decades.contains(&true) {
+        return table;
+    }
+    let column = |(column, is_decaying): (&Column, &bool)| match is_decaying {
+        true => Column { name: format!("log10_{}", column.name), unit: None, ..column.clone() },
+        false => column.clone(),
+    };
+    let mut shown = Table::new(table.columns().iter().zip(&decades).map(column).collect());
+    for (time, values) in table.rows() {
+        let value = |(value, is_decaying): (&f64, &bool)| if *is_decaying { value.log10() } else { *value };
+        let row: Vec<f64> = values.iter().zip(&decades).map(value).collect();
+        // Memory takes every row.
+        let _ = shown.row(time, &row);
+    }
+    shown
+}
+
+/// How the columns of `--monitor` begin.
+const MONITORED: &str = "lyapunov_";
 
 /// Other tools write `system.plant.theta1` for what this one calls `theta1`. Gives such columns the plain name, where only one
 /// of them claims it.

@@ -199,8 +199,8 @@ impl Observer for Gauge<'_> {
         Vec::new()
     }
 
-    fn wants_every_step(&self) -> bool {
-        true
+    fn follows(&self, column: &Column) -> bool {
+        (self.wanted.grasp && SIGNALS.contains(&column.name.as_str())) || self.wanted.outputs.contains(&column.name)
     }
 
     fn conclude(&mut self) -> Vec<String> {
@@ -228,6 +228,10 @@ impl Sink for Gauge<'_> {
             tally.add(time, values[*place]);
         }
         Ok(())
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.row(time, values)
     }
 }
 
