@@ -22,8 +22,11 @@ pub const LONGEST_STEP: f64 = 100.0;
 /// No step may take more doublings: each costs a bit of the fastest motions' phase.
 const MOST_DOUBLINGS: u32 = 40;
 
+/// The most energy coordinates.
+pub(crate) const MAX_COORDINATES: usize = 4 * *crate::parameters::ORDER_RANGE.end() + 1;
+
 /// Panels of the largest extended vector.
-pub(crate) const MAX_PANELS: usize = (4 * *crate::parameters::ORDER_RANGE.end() + 1 + 4 * FORCES).div_ceil(LANES);
+pub(crate) const MAX_PANELS: usize = (MAX_COORDINATES + 4 * FORCES).div_ceil(LANES);
 
 /// Where things are in the extended vector (x, Θ, Ψ, g, r) for n = |x|.
 #[derive(Clone, Copy, Debug)]

@@ -71,7 +71,7 @@ impl Fields {
     #[must_use]
     pub fn of(&self, plant: &Plant) -> [Vec<Node>; 2] {
         let k = self.order;
-        let coordinates = &plant.state().coordinates;
+        let coordinates = &plant.energy_coordinates();
         let (moments, velocities) = coordinates.split_at(2 * k);
         let velocities = plant.physical_velocities(velocities);
         std::array::from_fn(|i| {

@@ -16,7 +16,7 @@ pub(crate) const LANES: usize = 12;
 /// Whether the processor has registers of four lanes.
 #[cfg(target_arch = "x86_64")]
 #[inline(always)]
-fn has_wide_registers() -> bool {
+pub(crate) fn has_wide_registers() -> bool {
     #[cfg(test)]
     if narrow::is_on() {
         return false;

@@ -49,6 +49,7 @@
 mod actuator;
 mod basis;
 mod beam;
+mod cache;
 mod contact;
 mod dynamics;
 mod exponential;
@@ -56,6 +57,7 @@ mod extended;
 mod fields;
 mod initial;
 mod kernel;
+mod modal;
 mod parameters;
 mod plant;
 mod propagator;
@@ -75,6 +77,6 @@ pub use parameter_table::{Admissible, InvalidParameter, Parameter, Range, StateV
 pub use parameters::{ActuatorModel, Arm, Channel, ContactModel, Face, ORDER_RANGE, Parameters, Start};
 pub use plant::Plant;
 pub use signals::{Direct, Inputs, Measured, Rates, Uncertainty};
-pub use state::{State, StateError, StepError};
+pub use state::{Basis, State, StateError, StepError};
 pub use state_space::{StateSpace, held_step};
 pub use step_sizes::StepSizes;

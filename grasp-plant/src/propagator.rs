@@ -1,11 +1,10 @@
 //! The exact step of one size: the increment of the extended plant, in the kernel's form.
 
+use crate::cache::OfOneSize;
 use crate::dynamics::FORCES;
 use crate::extended::Extended;
 use crate::kernel::{LANES, Panels};
-use crate::step_sizes::REMEMBERED;
 use nalgebra::DMatrix;
-use std::sync::Arc;
 
 /// The exact step of one size.
 #[derive(Debug)]
@@ -60,27 +59,9 @@ impl Propagator {
     }
 }
 
-/// The propagators of recently used step sizes, most recent first. Clones share them.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Cache {
-    entries: Vec<Arc<Propagator>>,
-}
-
-impl Cache {
-    /// Step sizes kept: as many as the state remembers.
-    pub const CAPACITY: usize = REMEMBERED;
-
-    /// The propagator of step size h, made now if it is not among the [`CAPACITY`](Self::CAPACITY) last used.
-    pub fn get(&mut self, extended: &Extended, h: f64) -> &Propagator {
-        match self.entries.iter().position(|entry| entry.h.to_bits() == h.to_bits()) {
-            Some(0) => (),
-            Some(index) => self.entries[..=index].rotate_right(1),
-            None => {
-                self.entries.truncate(Self::CAPACITY - 1);
-                self.entries.insert(0, Arc::new(Propagator::new(extended, h)));
-            }
-        }
-        &self.entries[0]
+impl OfOneSize for Propagator {
+    fn step_size(&self) -> f64 {
+        self.h
     }
 }
 
@@ -137,19 +118,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn the_cache_is_bounded_and_keeps_what_was_used_last() {
-        let extended = extended(&conservative(4));
-        let mut cache = Cache::default();
-        let first = 1e-3;
-        cache.get(&extended, first);
-        for i in 1..20 {
-            cache.get(&extended, first * f64::from(i + 1));
-            cache.get(&extended, first);
-        }
-        assert_eq!(cache.entries.len(), Cache::CAPACITY);
-        assert_eq!(cache.entries[0].h.to_bits(), first.to_bits());
     }
 }

@@ -7,10 +7,25 @@ use crate::parameters::Parameters;
 use crate::step_sizes::StepSizes;
 use serde::{Deserialize, Serialize};
 
+/// What the coordinates of a [`State`] are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Basis {
+    /// Energy coordinates x, 4k + 1 of them: ½|x|² is the total energy. A plant starts with them, and one whose modes lie too
+    /// close to each other keeps them.
+    #[default]
+    Energy,
+    /// Modal coordinates, which a plant has from its first step on: [`Plant::energy_coordinates`](crate::Plant::energy_coordinates)
+    /// gives the others.
+    Modal,
+}
+
 /// Everything that changes while the plant moves. Together with [`Parameters`] it determines all that follows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Energy coordinates x \[√J\]: ½|x|² is the total energy. 4k + 1 of them, or 4k + 5 where the grasp can open.
+    /// What the coordinates are.
+    pub basis: Basis,
+    /// The moments and velocities of arms and object \[√J\] in this basis. 4k + 5 energy coordinates where the grasp can
+    /// open.
     pub coordinates: Vec<f64>,
     /// θ_1 \[rad\], θ_2 \[rad\], `y_M` \[m\].
     pub position: [f64; 3],
@@ -30,6 +45,7 @@ impl State {
     pub(crate) fn start(parameters: &Parameters, dynamics: &Dynamics) -> Self {
         let start = &parameters.start;
         Self {
+            basis: Basis::Energy,
             coordinates: initial::coordinates(parameters, dynamics),
             position: [start.theta[0], start.theta[1], start.y_object],
             carry: [0.0; 3],
@@ -96,6 +112,9 @@ pub enum StateError {
         /// Number of coordinates of this plant.
         expected: usize,
     },
+    /// The state has modal coordinates, and a plant of these parameters has none.
+    #[error("the state has modal coordinates, which a plant of these parameters does not have")]
+    NotModal,
     /// A number in the state is infinite or not a number.
     #[error("the state has an entry that is not finite")]
     NotFinite,

@@ -75,12 +75,13 @@ fn after(inputs: &Inputs, rates: &Inputs, t: f64) -> Inputs {
     }
 }
 
-fn norm(state: &State) -> f64 {
-    state.coordinates.iter().map(|x| x * x).sum::<f64>().sqrt()
+fn norm(plant: &Plant) -> f64 {
+    plant.energy_coordinates().iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-fn distance(left: &State, right: &State) -> f64 {
-    left.coordinates.iter().zip(&right.coordinates).map(|(l, r)| (l - r).powi(2)).sum::<f64>().sqrt()
+fn distance(left: &Plant, right: &Plant) -> f64 {
+    let (left, right) = (left.energy_coordinates(), right.energy_coordinates());
+    left.iter().zip(right).map(|(l, r)| (l - r).powi(2)).sum::<f64>().sqrt()
 }
 
 fn flat(measured: &Measured, direct: &Direct) -> Vec<f64> {
@@ -137,8 +138,8 @@ proptest! {
         whole.step(h, &inputs, &rates).unwrap();
         parts.step(first, &inputs, &rates).unwrap();
         parts.step(h - first, &after(&inputs, &rates, first), &rates).unwrap();
-        let scale = norm(whole.state()).max(norm(parts.state()));
-        prop_assert!(distance(whole.state(), parts.state()) < 1e-11 * scale, "{:e}", distance(whole.state(), parts.state()) / scale);
+        let scale = norm(&whole).max(norm(&parts));
+        prop_assert!(distance(&whole, &parts) < 1e-11 * scale, "{:e}", distance(&whole, &parts) / scale);
         let work = whole.supplied_energy() - parts.supplied_energy();
         prop_assert!(work.abs() < 1e-10 * scale * scale, "{work:e}");
     }
@@ -186,7 +187,7 @@ proptest! {
             samples.push(values);
             if i == 0 {
                 let analytic = plant.rates(&now, &rates);
-                prop_assert!(analytic.constraint.iter().all(|rate| rate.abs() < 1e-13 * (1.0 + norm(plant.state()))));
+                prop_assert!(analytic.constraint.iter().all(|rate| rate.abs() < 1e-13 * (1.0 + norm(&plant))));
                 let mut exact = flat(&analytic.measured, &analytic.direct);
                 exact.extend([analytic.energy, analytic.supplied_energy]);
                 samples.push(exact);
@@ -199,7 +200,7 @@ proptest! {
             // The error is cδ², and wide − narrow is 3cδ²; below that, rounding of values that may cancel.
             // Values are sums over the state with the rows of C; λ and the powers contain the shears and their rates.
             let row = if i < 12 { size(&space.c, i) } else { size(&space.c, 8) + size(&space.c, 9) + size(&space.c, 10) + size(&space.c, 11) };
-            let rounding = 1e-15 * (1.0 + row) * (1.0 + norm(plant.state())) / delta;
+            let rounding = 1e-15 * (1.0 + row) * (1.0 + norm(&plant)) / delta;
             let tolerance = (wide - narrow).abs() + rounding;
             prop_assert!((narrow - exact).abs() < tolerance, "output {i}: {narrow} for {exact}, tolerance {tolerance:e}");
         }

@@ -9,7 +9,7 @@ use super::layout::SIGN;
 use super::{ContactState, Modes};
 use crate::beam::Beam;
 use crate::parameters::Parameters;
-use crate::state::State;
+use crate::state::{Basis, State};
 use crate::step_sizes::StepSizes;
 
 pub(super) fn state(parameters: &Parameters, modes: &Modes) -> State {
@@ -52,6 +52,7 @@ pub(super) fn state(parameters: &Parameters, modes: &Modes) -> State {
     }
     x[layout.object()] = p.object_mass.sqrt() * start.y_object_dot;
     State {
+        basis: Basis::Energy,
         coordinates: x,
         position: [start.theta[0], start.theta[1], start.y_object],
         carry: [0.0; 3],

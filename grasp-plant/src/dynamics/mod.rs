@@ -44,7 +44,7 @@ pub(crate) const TIP_SHEAR_RATE: [usize; 2] = [3, 4];
 pub(crate) const ROOT_MOMENT_RATE: [usize; 2] = [5, 6];
 const OF_VELOCITIES: usize = 8;
 const OF_MOMENTS: usize = 4;
-const SIGNALS: usize = OF_VELOCITIES + OF_MOMENTS;
+pub(crate) const SIGNALS: usize = OF_VELOCITIES + OF_MOMENTS;
 
 /// The assembled linear system.
 #[derive(Clone, Debug)]

@@ -16,10 +16,10 @@ use super::outputs::{measured, uncertainty};
 use super::step::all_usable;
 use crate::actuator::Actuator;
 use crate::dynamics::{FORCES, VELOCITY};
-use crate::extended::MAX_PANELS;
+use crate::extended::{MAX_COORDINATES, MAX_PANELS};
 use crate::kernel::{LANES, dot};
 use crate::signals::{Inputs, Rates};
-use crate::state::StateError;
+use crate::state::{Basis, StateError};
 use parameter_table::StateVariable;
 
 /// Forces on hubs and object, as the states' derivatives need them.
@@ -59,7 +59,7 @@ impl Plant {
     /// Number of continuous states, 4k + 3.
     #[must_use]
     pub fn state_count(&self) -> usize {
-        self.state.coordinates.len() + 2
+        self.model.dynamics.size() + 2
     }
 
     /// Writes the continuous states: x \[√J\], `y_M` \[m\], supplied energy \[J\].
@@ -68,7 +68,7 @@ impl Plant {
     /// If `out` has not [`state_count`](Self::state_count) entries; so do all functions here that take states.
     pub fn continuous_states(&self, out: &mut [f64]) {
         let (coordinates, others) = self.split_mut(out);
-        coordinates.copy_from_slice(&self.state.coordinates);
+        coordinates.copy_from_slice(self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]));
         others.copy_from_slice(&[self.state.position[2], self.state.supplied_energy]);
     }
 
@@ -97,7 +97,9 @@ impl Plant {
         self.state.position = [first, second, y];
         self.state.carry = [0.0; FORCES];
         self.state.supplied_energy = supplied;
-        self.state.coordinates.copy_from_slice(coordinates);
+        self.state.basis = Basis::Energy;
+        self.state.coordinates.clear();
+        self.state.coordinates.extend_from_slice(coordinates);
         self.signals = signals;
         Ok(())
     }
@@ -110,7 +112,8 @@ impl Plant {
         let forces = self.model.forces(inputs);
         let velocity = VELOCITY.map(|index| self.signals[index]);
         let (coordinates, others) = self.split_mut(out);
-        self.motion(&self.state.coordinates, &forces, coordinates);
+        let mut buffer = [0.0; MAX_COORDINATES];
+        self.motion(self.energy_coordinates_in(&mut buffer), &forces, coordinates);
         others.copy_from_slice(&[velocity[2], dot(&forces, &velocity)]);
     }
 
@@ -150,7 +153,7 @@ impl Plant {
             tip_deflection,
             // By (12), from which the angles follow.
             constraint: [0.0; 2],
-            energy: dot(&self.state.coordinates, x),
+            energy: dot(self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]), x),
             supplied_energy: supplied,
             contact: crate::Contact::default(),
         }
@@ -186,11 +189,11 @@ impl Plant {
     /// Energy coordinates, and the other two states.
     fn split<'a>(&self, states: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         assert_eq!(states.len(), self.state_count(), "number of states");
-        states.split_at(self.state.coordinates.len())
+        states.split_at(self.model.dynamics.size())
     }
 
     fn split_mut<'a>(&self, states: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
         assert_eq!(states.len(), self.state_count(), "number of states");
-        states.split_at_mut(self.state.coordinates.len())
+        states.split_at_mut(self.model.dynamics.size())
     }
 }

@@ -3,16 +3,21 @@
 #[cfg(test)]
 mod bits;
 mod continuous;
+mod modal;
 mod model;
 mod outputs;
+mod registry;
 mod step;
 
+use crate::cache::Cache;
 use crate::contact::Contacts;
 use crate::dynamics::Signals;
+use crate::extended::MAX_COORDINATES;
 use crate::kernel::LANES;
+use crate::modal::{Modal, Table};
 use crate::parameters::Parameters;
-use crate::propagator::Cache;
-use crate::state::{State, StateError};
+use crate::propagator::Propagator;
+use crate::state::{Basis, State, StateError};
 use crate::state_space::StateSpace;
 pub(crate) use model::{MAX_KINK_TIMES, Model};
 use parameter_table::InvalidParameter;
@@ -24,7 +29,7 @@ const MOST_PARTS: u32 = 1 << 22;
 
 /// Two flexible arms grasping an object, (2)–(14), behind their actuators (18)–(20).
 ///
-/// Cloning is cheap: clones share all matrices.
+/// Cloning is cheap: plants of equal parameters share all matrices, in the whole process.
 ///
 /// ```
 /// use grasp_plant::{Inputs, Parameters, Plant};
@@ -39,14 +44,22 @@ const MOST_PARTS: u32 = 1 << 22;
 /// ```
 #[derive(Clone, Debug)]
 pub struct Plant {
+    parameters: Parameters,
     model: Arc<Model>,
     state: State,
     /// Signals of `state`, kept current.
     signals: Signals,
-    cache: Cache,
+    cache: Caches,
     work: Workspace,
     /// What takes over where the grasp can open.
     contacts: Option<Box<Contacts>>,
+}
+
+/// What was made for the step sizes last used.
+#[derive(Clone, Debug, Default)]
+struct Caches {
+    tables: Cache<Table>,
+    propagators: Cache<Propagator>,
 }
 
 /// Buffers of a step, so that it does not allocate.
@@ -56,6 +69,8 @@ struct Workspace {
     drive: Vec<f64>,
     /// Increments, padded.
     increment: Vec<[f64; LANES]>,
+    /// The modal step of a size that is not kept.
+    table: Option<Table>,
     next: State,
 }
 
@@ -66,41 +81,38 @@ impl Plant {
     /// If a parameter is not admissible.
     pub fn new(parameters: Parameters) -> Result<Self, InvalidParameter> {
         parameters.validate()?;
-        let model = Model::new(parameters);
-        let (contacts, state) = match Contacts::new(&model.parameters, model.dynamics.tip_compliance) {
+        let model = registry::model(&parameters);
+        let (contacts, state) = match Contacts::new(&parameters, model.dynamics.tip_compliance) {
             Some((contacts, state)) => (Some(Box::new(contacts)), state),
-            None => (None, State::start(&model.parameters, &model.dynamics)),
+            None => (None, State::start(&parameters, &model.dynamics)),
         };
         let size = model.extended.layout.size();
         let work = Workspace {
             drive: vec![0.0; size],
             increment: vec![[0.0; LANES]; size.div_ceil(LANES)],
+            table: None,
             next: state.clone(),
         };
-        let mut plant = Self {
-            signals: Signals::default(),
-            model: Arc::new(model),
-            state,
-            cache: Cache::default(),
-            work,
-            contacts,
-        };
+        let mut plant =
+            Self { signals: Signals::default(), parameters, model, state, cache: Caches::default(), work, contacts };
         plant.read_signals();
         Ok(plant)
     }
 
     /// Makes the signals those of the state.
     fn read_signals(&mut self) {
-        self.signals = match &self.contacts {
-            None => self.model.dynamics.signals(&self.state.coordinates),
-            Some(contacts) => contacts.signals(&self.state.coordinates),
+        let coordinates = &self.state.coordinates;
+        self.signals = match (&self.contacts, self.modal_of_state()) {
+            (Some(contacts), _) => contacts.signals(coordinates),
+            (None, Some(modal)) => modal.signals(coordinates),
+            (None, None) => self.model.dynamics.signals(coordinates),
         };
     }
 
     /// The parameters.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
-        &self.model.parameters
+        &self.parameters
     }
 
     /// Whether tips can leave the object: then it is [`step`](Self::step) alone that moves the plant, from switch to switch.
@@ -120,7 +132,14 @@ impl Plant {
     /// # Errors
     /// If the state belongs to another order or holds a number that is not finite.
     pub fn set_state(&mut self, state: &State) -> Result<(), StateError> {
-        let (found, expected) = (state.coordinates.len(), self.state.coordinates.len());
+        let expected = match (state.basis, &self.contacts) {
+            (Basis::Energy, None) => self.model.dynamics.size(),
+            // A grasp that can open keeps its energy coordinates.
+            (Basis::Energy, Some(_)) => self.state.coordinates.len(),
+            (Basis::Modal, None) => self.model.modal().ok_or(StateError::NotModal)?.size(),
+            (Basis::Modal, Some(_)) => return Err(StateError::NotModal),
+        };
+        let found = state.coordinates.len();
         if found != expected {
             return Err(StateError::Length { found, expected });
         }
@@ -137,7 +156,8 @@ impl Plant {
         if let (Some(own), Some(contact)) = (&mut self.state.contact, &state.contact) {
             **own = **contact;
         }
-        self.state.coordinates.copy_from_slice(&state.coordinates);
+        self.state.basis = state.basis;
+        self.state.coordinates.clone_from(&state.coordinates);
         self.state.position = state.position;
         self.state.carry = state.carry;
         self.state.supplied_energy = state.supplied_energy;
@@ -146,11 +166,31 @@ impl Plant {
         Ok(())
     }
 
+    /// The modal form, if the state is in its coordinates.
+    fn modal_of_state(&self) -> Option<&Modal> {
+        if self.state.basis == Basis::Modal { self.model.modal() } else { None }
+    }
+
+    /// Energy coordinates x \[√J\], 4k + 1 of them: ½|x|² is the total energy. The last is the rigid motion's: its momentum,
+    /// turned back, over the root of its inertia. 4k + 5 where the grasp can open.
+    #[must_use]
+    pub fn energy_coordinates(&self) -> Vec<f64> {
+        self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]).to_vec()
+    }
+
+    /// The energy coordinates, without allocation: they are the state's, or made in a buffer that has room for any order.
+    fn energy_coordinates_in<'a>(&'a self, buffer: &'a mut [f64; MAX_COORDINATES]) -> &'a [f64] {
+        let Some(modal) = self.modal_of_state() else { return &self.state.coordinates };
+        let energy = &mut buffer[..self.model.dynamics.size()];
+        modal.energy_coordinates(&self.state.coordinates, energy);
+        energy
+    }
+
     /// Returns to the start. What was computed for the step sizes in use is kept.
     pub fn reset(&mut self) {
         self.state = match &self.contacts {
-            None => State::start(&self.model.parameters, &self.model.dynamics),
-            Some(contacts) => contacts.start(&self.model.parameters),
+            None => State::start(&self.parameters, &self.model.dynamics),
+            Some(contacts) => contacts.start(&self.parameters),
         };
         self.read_signals();
     }

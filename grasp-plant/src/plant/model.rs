@@ -1,18 +1,28 @@
 //! What the parameters decide: matrices, actuators, and the maps from inputs and signals to forces and outputs.
 
 use crate::actuator::Actuator;
+use crate::cache::Shared;
 use crate::dynamics::{Dynamics, FORCES, Signals, TIP_SHEAR, TIP_SHEAR_RATE, builtin_forces};
 use crate::extended::Extended;
+use crate::modal::{Modal, Table};
 use crate::parameters::Parameters;
+use crate::propagator::Propagator;
 use crate::signals::{Direct, Inputs};
+use std::sync::OnceLock;
 
-/// What follows from the parameters alone.
+/// What follows from the parameters alone, start values aside.
 #[derive(Debug)]
 pub(crate) struct Model {
+    /// The parameters, with default start values.
     pub parameters: Parameters,
     pub dynamics: Dynamics,
     pub extended: Extended,
     pub actuators: [Actuator; FORCES],
+    /// The modal form, once a step has asked for it; None if there is none.
+    modal: OnceLock<Option<Modal>>,
+    /// Steps of the sizes last used: in modal coordinates, and by dense matrices.
+    pub tables: Shared<Table>,
+    pub propagators: Shared<Propagator>,
 }
 
 /// Most kinks that three ramps can meet.
@@ -25,7 +35,21 @@ impl Model {
         let extended = Extended::new(&dynamics, parameters.length);
         let channels = [&parameters.torque_channel, &parameters.torque_channel, &parameters.force_channel];
         let actuators = channels.map(|channel| Actuator::new(parameters.actuator_model, channel));
-        Self { parameters, dynamics, extended, actuators }
+        Self {
+            parameters,
+            dynamics,
+            extended,
+            actuators,
+            modal: OnceLock::new(),
+            tables: Shared::default(),
+            propagators: Shared::default(),
+        }
+    }
+
+    /// The modal form, if there is one. The first call makes it.
+    #[inline]
+    pub fn modal(&self) -> Option<&Modal> {
+        self.modal.get_or_init(|| Modal::new(&self.dynamics, &self.parameters)).as_ref()
     }
 
     /// Forces that actuators and external disturbances exert together.
@@ -87,13 +111,13 @@ impl Model {
         Direct { torque: [applied[0], applied[1]], force: applied[2], lambda, contact_force: [-lambda[0], lambda[1]] }
     }
 
+    /// Tip deflections of energy coordinates.
     pub fn tip_deflection(&self, x: &[f64]) -> [f64; 2] {
         [0, 1].map(|arm| self.dynamics.tip_compliance[arm] * x[self.dynamics.tip_coordinate(arm)])
     }
 
     /// The homogeneous part of (12), l θ_i − w_i(l) − `y_M`.
-    pub fn constraint(&self, x: &[f64], position: &[f64; 3]) -> [f64; 2] {
-        let tip = self.tip_deflection(x);
+    pub fn constraint(&self, tip: &[f64; 2], position: &[f64; 3]) -> [f64; 2] {
         [0, 1].map(|arm| self.parameters.length * position[arm] - tip[arm] - position[2])
     }
 }

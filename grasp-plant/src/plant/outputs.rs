@@ -7,7 +7,7 @@ use crate::contact::{Contact, ContactState, Contacts};
 use crate::dynamics::{
     FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, Signals, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY, builtin_forces,
 };
-use crate::extended::MAX_PANELS;
+use crate::extended::{MAX_COORDINATES, MAX_PANELS};
 use crate::kernel::{LANES, dot};
 use crate::parameters::Parameters;
 use crate::signals::{Direct, Inputs, Measured, Rates, Uncertainty};
@@ -68,13 +68,18 @@ impl Plant {
     /// Deflections w_i at eleven equally spaced points x = 0 … l \[m\], by arm.
     #[must_use]
     pub fn deflection(&self) -> [[f64; DEFLECTION_POINTS]; 2] {
-        [0, 1].map(|arm| self.model.dynamics.deflection(arm, &self.state.coordinates))
+        let mut buffer = [0.0; MAX_COORDINATES];
+        let x = self.energy_coordinates_in(&mut buffer);
+        [0, 1].map(|arm| self.model.dynamics.deflection(arm, x))
     }
 
     /// Tip deflections w_i(l) \[m\].
     #[must_use]
     pub fn tip_deflection(&self) -> [f64; 2] {
-        self.model.tip_deflection(&self.state.coordinates)
+        match self.modal_of_state() {
+            Some(modal) => modal.tip_deflection(&self.state.coordinates),
+            None => self.model.tip_deflection(&self.state.coordinates),
+        }
     }
 
     /// The constraints φ_i = l θ_i − w_i(l) − `y_M` + L/2 \[m\], eq. (12). They are invariants of the discrete motion, not
@@ -82,14 +87,16 @@ impl Plant {
     #[must_use]
     pub fn constraint(&self) -> [f64; 2] {
         let p = &self.model.parameters;
-        let constraint = self.model.constraint(&self.state.coordinates, &self.state.position);
+        let constraint = self.model.constraint(&self.tip_deflection(), &self.state.position);
         constraint.map(|value| value + p.object_width / 2.0)
     }
 
     /// Kinetic and strain energy \[J\].
     #[must_use]
     pub fn energy(&self) -> f64 {
-        0.5 * dot(&self.state.coordinates, &self.state.coordinates)
+        let mut buffer = [0.0; MAX_COORDINATES];
+        let x = self.energy_coordinates_in(&mut buffer);
+        0.5 * dot(x, x)
     }
 
     /// Work done since the start by actuators and external disturbances \[J\], exact for every step. Without built-in
@@ -108,8 +115,9 @@ impl Plant {
             return self.opening_rates(contacts, inputs, input_rates);
         }
         let Model { dynamics, parameters, .. } = &*self.model;
-        let n = self.state.coordinates.len();
-        let x = &self.state.coordinates[..];
+        let mut coordinates = [0.0; MAX_COORDINATES];
+        let x = self.energy_coordinates_in(&mut coordinates);
+        let n = x.len();
         let forces = self.model.forces(inputs);
         let mut buffer = [[0.0; LANES]; MAX_PANELS];
         dynamics.system_panels.multiply(x, &mut buffer);
@@ -129,7 +137,7 @@ impl Plant {
             uncertainty: uncertainty(parameters, &signals),
             deflection: [0, 1].map(|arm| dynamics.deflection(arm, rate)),
             tip_deflection: self.model.tip_deflection(rate),
-            constraint: self.model.constraint(rate, &velocity),
+            constraint: self.model.constraint(&self.model.tip_deflection(rate), &velocity),
             energy: dot(x, rate),
             supplied_energy: dot(&forces, &velocity),
             contact: Contact::default(),
@@ -151,7 +159,7 @@ impl Plant {
             uncertainty: held(self.state.contact.as_deref(), uncertainty(parameters, &signals)),
             deflection: [0, 1].map(|arm| dynamics.deflection(arm, rate)),
             tip_deflection: self.model.tip_deflection(rate),
-            constraint: self.model.constraint(rate, &velocity),
+            constraint: self.model.constraint(&self.model.tip_deflection(rate), &velocity),
             energy: dot(x, rate),
             supplied_energy: dot(&forces, &velocity),
             contact: moment.contact,

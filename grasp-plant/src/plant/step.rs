@@ -4,20 +4,18 @@ use super::model::{MAX_KINK_TIMES, Model};
 use super::{Plant, Workspace};
 use crate::dynamics::FORCES;
 use crate::kernel::dot;
+use crate::modal::NEGLIGIBLE;
+use crate::propagator::Propagator;
 use crate::signals::Inputs;
 use crate::state::StepError;
-
-/// Coordinates smaller than this \[√J\] become zero after a step. A decaying motion would otherwise end in subnormal
-/// numbers, on which processors are a hundred times slower; the energy given up is below the smallest normal number.
-const NEGLIGIBLE: f64 = 1e-150;
 
 impl Plant {
     /// Advances by h seconds, exactly: commands and disturbances are `inputs` + `rates`·t for 0 ≤ t ≤ h. Zero rates hold
     /// the inputs.
     ///
-    /// A ramp that runs over kinks of an actuator is followed exactly too, piece by piece. The first step of a size costs
-    /// a matrix exponential; the last eight sizes are remembered. When more than eight new sizes come in a row, the steps
-    /// do without and cost a fortieth of that, whatever their sizes.
+    /// A ramp that runs over kinks of an actuator is followed exactly too, piece by piece. The first step of a plant finds its
+    /// modes, and the first of a size the functions of each; the last eight sizes are remembered. A plant without modal form
+    /// has a matrix exponential for each size instead, and a series once more than eight new sizes come in a row.
     ///
     /// # Errors
     /// See [`StepError`]; the plant is then as it was before.
@@ -42,8 +40,13 @@ impl Plant {
         self.work.next.sizes = self.state.sizes;
         self.work.next.sizes.note(h);
         let repeats = self.work.next.sizes.repeat();
-        if *rates == Inputs::ZERO && repeats {
-            self.whole_step(h, &self.model.forces(inputs), None);
+        let modal = self.model.modal().is_some();
+        if *rates == Inputs::ZERO && (repeats | modal) {
+            if modal {
+                self.modal_step(h, inputs, rates, &[], repeats);
+            } else {
+                self.whole_step(h, &self.model.forces(inputs), None);
+            }
         } else {
             // Outputs change at these rates, whatever becomes of the state.
             if !(all_usable(&rates.commands()) & all_usable(&rates.disturbances())) {
@@ -51,7 +54,9 @@ impl Plant {
             }
             let mut times = [0.0; MAX_KINK_TIMES];
             let kinks = self.model.kink_times(h, inputs, rates, &mut times);
-            if kinks.is_empty() && repeats {
+            if modal {
+                self.modal_step(h, inputs, rates, kinks, repeats);
+            } else if kinks.is_empty() && repeats {
                 let force_rates = self.model.force_rates(&at(inputs, rates, h / 2.0), rates);
                 self.whole_step(h, &self.model.forces(inputs), Some(&force_rates));
             } else {
@@ -59,8 +64,13 @@ impl Plant {
             }
         }
         let next = &mut self.work.next;
-        flush(&mut next.coordinates);
-        let signals = self.model.dynamics.signals(&next.coordinates);
+        let signals = match self.model.modal() {
+            Some(modal) => modal.signals(&next.coordinates),
+            None => {
+                flush(&mut next.coordinates);
+                self.model.dynamics.signals(&next.coordinates)
+            }
+        };
         let usable = all_usable(&inputs.disturbances())
             & all_usable(&next.coordinates)
             & all_usable(&next.position)
@@ -83,8 +93,8 @@ impl Plant {
         let mut i = 0.0;
         while i < parts {
             if let Err(error) = self.step(part, &at(inputs, rates, i * part), rates) {
-                self.signals = self.model.dynamics.signals(&before.coordinates);
                 self.state = before;
+                self.read_signals();
                 return Err(error);
             }
             i += 1.0;
@@ -95,8 +105,9 @@ impl Plant {
     /// One step with forces g + r t, into the workspace's next state.
     fn whole_step(&mut self, h: f64, forces: &[f64; FORCES], rates: Option<&[f64; FORCES]>) {
         let n = self.state.coordinates.len();
-        let propagator = self.cache.get(&self.model.extended, h);
-        let Workspace { drive, increment, next } = &mut self.work;
+        let Model { extended, propagators, .. } = &*self.model;
+        let propagator = self.cache.propagators.get(propagators, h, || Propagator::new(extended, h));
+        let Workspace { drive, increment, next, .. } = &mut self.work;
         drive[..n].copy_from_slice(&self.state.coordinates);
         drive[n..n + FORCES].copy_from_slice(forces);
         let mut length = n + FORCES;
@@ -125,7 +136,7 @@ impl Plant {
         let Model { extended, dynamics, parameters, .. } = &*self.model;
         let layout = extended.layout;
         let n = self.state.coordinates.len();
-        let Workspace { drive, increment, next } = &mut self.work;
+        let Workspace { drive, increment, next, .. } = &mut self.work;
         let z = &mut drive[..];
         z[..n].copy_from_slice(&self.state.coordinates);
         next.supplied_energy = self.state.supplied_energy;

@@ -1,0 +1,124 @@
+//! What was computed for the step sizes last used: of a plant, and of all plants that share their matrices.
+
+use crate::step_sizes::REMEMBERED;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Something made for one step size.
+pub(crate) trait OfOneSize {
+    /// The step size \[s\].
+    fn step_size(&self) -> f64;
+}
+
+/// Step sizes kept: as many as a state remembers.
+const CAPACITY: usize = REMEMBERED;
+
+/// The last sizes of one plant, most recent first. Clones share what was made.
+#[derive(Debug)]
+pub(crate) struct Cache<T> {
+    entries: Vec<Arc<T>>,
+}
+
+/// The last sizes of all plants of the same parameters.
+#[derive(Debug)]
+pub(crate) struct Shared<T> {
+    entries: Mutex<Vec<Arc<T>>>,
+}
+
+impl<T> Default for Cache<T> {
+    fn default() -> Self {
+        Self { entries: Vec::new() }
+    }
+}
+
+impl<T> Default for Shared<T> {
+    fn default() -> Self {
+        Self { entries: Mutex::default() }
+    }
+}
+
+impl<T> Clone for Cache<T> {
+    fn clone(&self) -> Self {
+        Self { entries: self.entries.clone() }
+    }
+}
+
+impl<T: OfOneSize> Cache<T> {
+    /// What belongs to step size h, made now if neither this plant nor one that shares with it has it among its last.
+    #[inline]
+    pub fn get(&mut self, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) -> &T {
+        if !self.entries.first().is_some_and(|entry| is_of(entry, h)) {
+            self.bring(shared, h, make);
+        }
+        &self.entries[0]
+    }
+
+    #[cold]
+    fn bring(&mut self, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) {
+        if let Some(index) = self.entries.iter().position(|entry| is_of(entry, h)) {
+            self.entries[..=index].rotate_right(1);
+        } else {
+            self.entries.truncate(CAPACITY - 1);
+            self.entries.insert(0, shared.get(h, make));
+        }
+    }
+}
+
+impl<T: OfOneSize> Shared<T> {
+    fn get(&self, h: f64, make: impl FnOnce() -> T) -> Arc<T> {
+        // What a panicking thread left is consistent.
+        let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(index) = entries.iter().position(|entry| is_of(entry, h)) {
+            entries[..=index].rotate_right(1);
+        } else {
+            entries.truncate(CAPACITY - 1);
+            entries.insert(0, Arc::new(make()));
+        }
+        Arc::clone(&entries[0])
+    }
+}
+
+fn is_of<T: OfOneSize>(entry: &Arc<T>, h: f64) -> bool {
+    entry.step_size().to_bits() == h.to_bits()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Of(f64);
+
+    impl OfOneSize for Of {
+        fn step_size(&self) -> f64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn the_cache_is_bounded_and_keeps_what_was_used_last() {
+        let (shared, mut cache) = (Shared::default(), Cache::default());
+        let first = 1e-3;
+        for i in 1..20 {
+            for h in [first * f64::from(i + 1), first] {
+                assert_eq!(cache.get(&shared, h, || Of(h)).0.to_bits(), h.to_bits());
+            }
+        }
+        assert_eq!(cache.entries.len(), CAPACITY);
+        assert_eq!(shared.entries.lock().unwrap().len(), CAPACITY);
+        assert_eq!(cache.entries[0].0.to_bits(), first.to_bits());
+    }
+
+    /// What one plant has made, another of the same parameters takes.
+    #[test]
+    fn sizes_are_made_once() {
+        let (shared, mut made) = (Shared::default(), 0);
+        for mut cache in [Cache::default(), Cache::default()] {
+            for h in [1e-3, 2e-3, 1e-3] {
+                cache.get(&shared, h, || {
+                    made += 1;
+                    Of(h)
+                });
+            }
+        }
+        assert_eq!(made, 2);
+    }
+}
