@@ -74,6 +74,13 @@ pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send
         Ok(())
     }
 
+    /// Takes over, when an instance is reset, what the model before has computed and what does not depend on its state, like
+    /// matrices or tables: what is kept need not be made again. Called on a new model; everything must come out the same
+    /// without it.
+    fn inherit(&mut self, before: Self) {
+        drop(before);
+    }
+
     /// Called after the host has changed a tunable parameter while stepping, or in event mode. If it fails, the old value is put back and
     /// `retuned` is called once more.
     ///

@@ -26,11 +26,9 @@ pub enum DecayError {
 fn at_rest(parameters: &Parameters, theta: [f64; 2], y_object: f64) -> Result<DVector<f64>, DecayError> {
     let start = Start { theta, y_object, theta_dot: [0.0; 2], y_object_dot: 0.0 };
     let plant = Plant::new(Parameters { start, ..parameters.clone() })?;
-    let state = plant.state();
-    Ok(DVector::from_iterator(
-        state.coordinates.len() + 1,
-        state.coordinates.iter().copied().chain([state.position[2]]),
-    ))
+    let mut state = plant.energy_coordinates();
+    state.push(plant.state().position[2]);
+    Ok(DVector::from_vec(state))
 }
 
 /// The rate \[1/s\] at which amplitudes fall between a half and the whole of `duration` \[s\] after the start, commands

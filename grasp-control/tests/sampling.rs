@@ -5,15 +5,14 @@
 use grasp_control::laws::pd::{Pd, PdGains};
 use grasp_control::laws::pds::{Limits, Pds, PdsGains};
 use grasp_control::{Arms, Inputs, Law, Measurements};
-use grasp_plant::{ActuatorModel, Parameters, Plant};
+use grasp_plant::{ActuatorModel, Basis, Parameters, Plant, State};
 use nalgebra::DMatrix;
 
 /// Coordinates of the plant, its three positions, and the three commands that are on their way.
 fn advance(plant: &mut Plant, law: &mut dyn Law, h: f64, late: bool, state: &[f64]) -> Vec<f64> {
-    let mut inner = plant.state().clone();
-    let n = inner.coordinates.len();
-    inner.coordinates.copy_from_slice(&state[..n]);
-    inner.position.copy_from_slice(&state[n..n + 3]);
+    let (coordinates, rest) = state.split_at(state.len() - 6);
+    let mut inner = State { basis: Basis::Energy, coordinates: coordinates.to_vec(), ..plant.state().clone() };
+    inner.position.copy_from_slice(&rest[..3]);
     inner.carry = [0.0; 3];
     plant.set_state(&inner).unwrap();
     let m = plant.measured();
@@ -31,22 +30,22 @@ fn advance(plant: &mut Plant, law: &mut dyn Law, h: f64, late: bool, state: &[f6
         ..Inputs::default()
     };
     let fresh = law.commands(&inputs).to_array();
-    let acting = if late { [state[n + 3], state[n + 4], state[n + 5]] } else { fresh };
+    let acting = if late { [rest[3], rest[4], rest[5]] } else { fresh };
     let driven = grasp_plant::Inputs {
         torque_command: [acting[0], acting[1]],
         force_command: acting[2],
         ..grasp_plant::Inputs::ZERO
     };
     plant.step(h, &driven, &grasp_plant::Inputs::ZERO).unwrap();
-    let after = plant.state();
-    after.coordinates.iter().chain(&after.position).chain(&fresh).copied().collect()
+    let position = plant.state().position;
+    plant.energy_coordinates().into_iter().chain(position).chain(fresh).collect()
 }
 
 /// The largest magnitude of the eigenvalues of one step, without the two of the invariants of (12), which are 1.
 fn radius(law: &mut dyn Law, h: f64, late: bool) -> f64 {
     let parameters = Parameters { actuator_model: ActuatorModel::Ideal, ..Parameters::default() };
     let mut plant = Plant::new(parameters).unwrap();
-    let size = plant.state().coordinates.len() + 6;
+    let size = plant.energy_coordinates().len() + 6;
     // The loop is affine: columns are differences from where zero goes.
     let offset = advance(&mut plant, law, h, late, &vec![0.0; size]);
     let mut matrix = DMatrix::zeros(size, size);

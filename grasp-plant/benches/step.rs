@@ -1,4 +1,4 @@
-//! `cargo bench -p grasp-plant`: time of a step, of a new step size, of one that is new in every step, and of a new plant, printed per order.
+//! `cargo bench -p grasp-plant`: time of a step, of a new step size, of one that is new in every step, of a new plant, and of one with its first step, printed per order.
 
 #![allow(clippy::doc_markdown)]
 
@@ -21,7 +21,7 @@ fn nanoseconds(repetitions: u32, mut task: impl FnMut()) -> f64 {
 
 fn main() {
     println!(
-        "order   hold+measured   ramp+measured   direct   fields   kinked ramp   new size   always new   new plant"
+        "order   hold+measured   ramp+measured   direct   fields   kinked ramp   new size   always new   new plant   with a step"
     );
     for order in [4, 8, 12, 16, 24] {
         let parameters = Parameters { order, ..Parameters::default() };
@@ -59,14 +59,24 @@ fn main() {
             h *= 1.0 + 1e-9;
             plant.step(h, &Inputs::ZERO, &Inputs::ZERO).expect("valid");
         });
-        let plants = nanoseconds(20, || {
-            black_box(Plant::new(Parameters { order, ..Parameters::default() }).expect("valid"));
+        // Each a little other than the last: equal ones would share.
+        let mut parameters = Parameters { order, ..Parameters::default() };
+        let plants = nanoseconds(1, || {
+            parameters.object_mass *= 1.0 + 1e-9;
+            black_box(Plant::new(parameters.clone()).expect("valid"));
+        });
+        let started = nanoseconds(1, || {
+            parameters.object_mass *= 1.0 + 1e-9;
+            let mut plant = Plant::new(parameters.clone()).expect("valid");
+            plant.step(1e-4, &Inputs::ZERO, &Inputs::ZERO).expect("valid");
+            black_box(plant);
         });
         println!(
-            "{order:5} {hold:12.0} ns {ramped:12.0} ns {direct:5.0} ns {fields:5.0} ns {broken:10.0} ns {:8.0} µs {:9.1} µs {:9.0} µs",
+            "{order:5} {hold:12.0} ns {ramped:12.0} ns {direct:5.0} ns {fields:5.0} ns {broken:10.0} ns {:8.1} µs {:9.1} µs {:9.0} µs {:11.0} µs",
             new / 1e3,
             always / 1e3,
-            plants / 1e3
+            plants / 1e3,
+            started / 1e3
         );
     }
 }

@@ -31,8 +31,9 @@
 //!
 //! # Time stepping
 //! Between communication points the plant is linear and its inputs are known (held, or ramped), so [`Plant::step`] is
-//! exact for every step size: accuracy does not depend on it. Where contacts open and close, it is exact from one switch to the
-//! next, wherever in a step that is. Results do not depend on the processor's vector units.
+//! exact for every step size: accuracy does not depend on it. It is made in modal coordinates, in time proportional to their
+//! number; where contacts open and close, it is exact from one switch to the next, wherever in a step that is. Results do not
+//! depend on the processor's vector units.
 //!
 //! # As differential equations
 //! [`Plant::derivatives`] and its neighbours give the same plant as an explicit system of ordinary differential equations in
@@ -40,8 +41,8 @@
 //!
 //! # Modules
 //! [`Plant`] is the entry point. Behind it: parameters and their tables, actuators, the beam operators (`beam`), their assembly
-//! (`dynamics`), the exponential, the propagator, and the kernel that every step comes down to; what can open
-//! has a module of its own (`contact`).
+//! (`dynamics`), the modal form (`modal`) with the loops that a step comes down to, and, for plants that have none, the exponential, the
+//! propagator and the kernel; what can open has a module of its own (`contact`).
 #![doc = include_str!("../README.md")]
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]

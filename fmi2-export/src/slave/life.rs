@@ -70,7 +70,9 @@ impl<M: Model> Live for Slave<M> {
         // A failed model may have left anything there.
         self.direction = None;
         self.strings.clear();
-        drop(old);
+        if old.phase != Phase::Error {
+            self.state.model.inherit(old.model);
+        }
         Ok(())
     }
 }

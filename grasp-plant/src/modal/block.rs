@@ -202,7 +202,7 @@ mod tests {
             Block::Diagonal { lambda } => [[lambda[0], Twofold::default()], [Twofold::default(), lambda[1]]],
         };
         let size = matrix.as_flattened().iter().map(|entry| entry.hi.abs()).sum::<f64>() * h;
-        let halvings = (0..).find(|k| size < f64::from(1u32 << k) / 4.0).unwrap();
+        let halvings = (0..30).find(|k| size < f64::from(1u32 << k) / 4.0).unwrap();
         let z = scaled(matrix, h / f64::from(1u32 << halvings));
         // z^j/(j+m)! for m = 3, then upwards.
         let mut factorial = Twofold::from(6.0);
@@ -271,7 +271,13 @@ mod tests {
                             // Entries of a block with a ratio are of different sizes by nature: relative to what the block
                             // itself has in that place, or to the diagonal.
                             let ratio = match block {
-                                Block::Elliptic { ratio, .. } if row != column => ratio.powi(1 - 2 * row as i32),
+                                Block::Elliptic { ratio, .. } if row != column => {
+                                    if row == 0 {
+                                        ratio
+                                    } else {
+                                        1.0 / ratio
+                                    }
+                                }
                                 Block::Hyperbolic { upper, lower, .. } if row != column => {
                                     h * if row == 0 { upper } else { lower }
                                 }

@@ -28,8 +28,7 @@ pub(super) fn planes(vibration: &Vibration, system: &DMatrix<f64>) -> Option<Pla
         let blocks: Vec<Matrix2<f64>> = motions.iter().map(|m| Matrix2::from_fn(|i, j| m[i][j].hi)).collect();
         let correction = correction(&error, &blocks)?;
         let size = correction.amax();
-        // NaN included.
-        if !(size < 1e3) {
+        if size.is_nan() || size > 1e3 {
             return None;
         }
         for (j, motion) in motions.iter_mut().enumerate() {

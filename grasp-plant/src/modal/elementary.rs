@@ -24,8 +24,9 @@ fn nearest(x: f64) -> f64 {
 
 /// `x` · 2^k for whole k from −1200 to 1200.
 fn times_power_of_two(x: f64, k: f64) -> f64 {
-    // Each half is far inside the range of normal numbers.
+    // Each half is far inside the range of normal numbers; what is cast is whole and positive.
     let half = nearest(k / 2.0);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let power = |k: f64| f64::from_bits(((k + 1023.0) as u64) << 52);
     x * power(half) * power(k - half)
 }
@@ -55,7 +56,7 @@ pub(super) fn exponential(x: f64) -> (f64, f64) {
 /// Sine, cosine and cosine − 1 of an angle below 2⁵⁰.
 pub(super) fn sine_cosine(angle: Twofold) -> (f64, f64, f64) {
     /// π/2 in three parts.
-    const HALF_PI: [f64; 3] = [1.570_796_326_794_896_6, 6.123_233_995_736_766e-17, -1.497_384_904_859_183_3e-33];
+    const HALF_PI: [f64; 3] = [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_183_3e-33];
     let quarters = nearest(angle.hi * std::f64::consts::FRAC_2_PI);
     let (product, error) = two_product(quarters, HALF_PI[0]);
     let (lower, lower_error) = two_product(quarters, HALF_PI[1]);
@@ -78,13 +79,15 @@ pub(super) fn sine_cosine(angle: Twofold) -> (f64, f64, f64) {
     let cosine = 1.0 + cosine_less_one;
     // The quarter turn, modulo four.
     let turn = quarters - 4.0 * nearest(quarters / 4.0);
-    let (sine, cosine, cosine_less_one) = match turn as i32 {
-        0 => return (sine, cosine, cosine_less_one),
-        1 => (cosine, -sine, -sine - 1.0),
-        -1 => (-cosine, sine, sine - 1.0),
-        _ => (-sine, -cosine, -cosine - 1.0),
-    };
-    (sine, cosine, cosine_less_one)
+    if turn == 0.0 {
+        (sine, cosine, cosine_less_one)
+    } else if turn == 1.0 {
+        (cosine, -sine, -sine - 1.0)
+    } else if turn == -1.0 {
+        (-cosine, sine, sine - 1.0)
+    } else {
+        (-sine, -cosine, -cosine - 1.0)
+    }
 }
 
 #[cfg(test)]

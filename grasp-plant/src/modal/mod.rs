@@ -16,26 +16,32 @@
 mod block;
 mod damped;
 mod elementary;
+mod modes;
 mod plane;
+mod readings;
 mod step;
+mod table;
 mod twofold;
 mod undamped;
 mod vibration;
 
-pub(crate) use step::{NEGLIGIBLE, Table, Travel};
+pub(crate) use step::{NEGLIGIBLE, Travel};
+pub(crate) use table::Table;
 
-use crate::dynamics::{Dynamics, FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, Signals, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY};
+use crate::dynamics::{Dynamics, FORCES, Signals};
 use crate::kernel::{LANES as PANEL, Panels};
 use crate::parameters::Parameters;
 use block::Block;
+use modes::Modes;
 use nalgebra::DMatrix;
-use step::{GROUP, LANES, Motion, Readings, Rigid};
+use readings::Readings;
+use step::{Motion, Rigid};
 use twofold::{Long, Twofold};
 use vibration::Vibration;
 
 /// The largest condition of modal coordinates in which a plant is stepped: rounding of a coordinate, 1e-16 of it, may be so many
 /// times as much of the whole motion.
-const WORST_CONDITION: f64 = 1e7;
+const WORST_CONDITION: f64 = 1e6;
 
 /// A plant in modal coordinates.
 #[derive(Debug)]
@@ -50,7 +56,7 @@ pub(crate) struct Modal {
     basis_panels: Panels,
     /// Modal coordinates per energy coordinate, nearly.
     inverse: Panels,
-    /// Length of the largest row of the inverse: by how much a coordinate can exceed the motion that it is part of.
+    /// By how much a coordinate can exceed the motion that it is part of.
     condition: f64,
 }
 
@@ -58,120 +64,20 @@ impl Modal {
     /// None if the planes are too close to each other.
     pub fn new(dynamics: &Dynamics, parameters: &Parameters) -> Option<Self> {
         let vibration = Vibration::new(dynamics, parameters);
-        let n = 2 * vibration.size;
-        let planes = if vibration.certain {
-            undamped::planes(&vibration)
-        } else {
-            damped::planes(&vibration, &dynamics.system.view((0, 0), (n, n)).into_owned())
-        }?;
-        let count = planes.planes.len();
-        let mut blocks = Vec::with_capacity(count);
-        let mut columns: Vec<[Long; 2]> = Vec::with_capacity(count);
-        let mut rows: Vec<[Vec<f64>; 2]> = Vec::with_capacity(count);
-        for (j, mut plane) in planes.planes.into_iter().enumerate() {
-            let mut both = [0, 1].map(|i| planes.inverse.row(2 * j + i).iter().copied().collect::<Vec<f64>>());
-            if !vibration.certain {
-                plane.orthonormalise(&mut both);
-            }
-            blocks.push(plane.standardise(&mut both));
-            columns.push(plane.basis);
-            rows.push(both);
-        }
-        let rigid_moments = vibration.rigid_moments();
-        let groups = count.div_ceil(LANES);
-        // Where a block's coordinates are.
-        let place = |block: usize, i: usize| block / LANES * GROUP + i * LANES + block % LANES;
-        let (length, whole) = (groups * GROUP + 1, n + 1);
-        let mut basis = DMatrix::zeros(whole, length);
-        let mut inverse = DMatrix::zeros(length, whole);
-        for (j, (columns, rows)) in columns.iter().zip(&rows).enumerate() {
-            for i in 0..2 {
-                let mut column = basis.column_mut(place(j, i));
-                column.rows_mut(0, n).copy_from_slice(&columns[i].hi);
-                column[n] = columns[i].dot_plain(&rigid_moments).hi;
-                for (m, entry) in rows[i].iter().enumerate() {
-                    inverse[(place(j, i), m)] = *entry;
-                }
-            }
-        }
-        (basis[(n, length - 1)], inverse[(length - 1, n)]) = (1.0, 1.0);
-        for (m, moment) in rigid_moments.iter().enumerate() {
-            inverse[(length - 1, m)] = -moment;
-        }
-
-        let forces: Vec<Vec<f64>> = vibration
-            .inputs
-            .column_iter()
-            .map(|column| [&vec![0.0; vibration.size][..], column.as_slice()].concat())
-            .collect();
-        let solved: Vec<Vec<f64>> = forces.iter().map(|force| solve(force, &columns, &rows)).collect();
-        let gains: Vec<[[f64; FORCES]; 2]> =
-            (0..count).map(|j| [0, 1].map(|i| std::array::from_fn(|force| solved[force][2 * j + i]))).collect();
-
-        let row = |signal: usize| -> Vec<f64> { dynamics.signal_rows.row(signal).iter().take(n).copied().collect() };
-        let velocity_rows = VELOCITY.map(row);
-        let moment_rows = [ROOT_MOMENT, TIP_SHEAR].map(|both| both.map(row));
-        let rigid_velocities = VELOCITY.map(|signal| dynamics.signal_rows[(signal, n)]);
-        let mut signals = vec![[Signals::default(); GROUP]; groups];
-        let mut rigid_signals = Signals::default();
-        for (signal, velocity) in VELOCITY.into_iter().zip(rigid_velocities) {
-            rigid_signals[signal] = velocity;
-        }
-        let mut positions = vec![[[[0.0; LANES]; 2]; FORCES]; groups];
-        let mut drift = [Twofold::default(); FORCES];
-        let mut condition = 0.0f64;
-        let reach = dynamics.tip_compliance[0].max(dynamics.tip_compliance[1]);
-        for (j, columns) in columns.iter().enumerate() {
-            let (lane, motion) = (j % LANES, blocks[j].matrix());
-            let signals = &mut signals[j / LANES];
-            let mut object_rate = [0.0; 2];
-            for (i, column) in columns.iter().enumerate() {
-                let hidden = column.dot_plain(&rigid_moments);
-                for (f, signal) in VELOCITY.into_iter().enumerate() {
-                    let velocity = column.dot_plain(&velocity_rows[f]) + Twofold::from(rigid_velocities[f]) * hidden;
-                    signals[i * LANES + lane][signal] = velocity.hi;
-                }
-                object_rate[i] = signals[i * LANES + lane][VELOCITY[2]];
-            }
-            let rates = [ROOT_MOMENT_RATE, TIP_SHEAR_RATE];
-            for ((signal, rate), rows) in [ROOT_MOMENT, TIP_SHEAR].into_iter().zip(rates).zip(&moment_rows) {
-                for arm in 0..2 {
-                    let read = [0, 1].map(|i| columns[i].dot_plain(&rows[arm]).hi);
-                    for i in 0..2 {
-                        // The moments change by Λ alone, and Λ has lost nothing that K's rows lose by cancellation.
-                        signals[i * LANES + lane][signal[arm]] = read[i];
-                        signals[i * LANES + lane][rate[arm]] = read[0] * motion[0][i] + read[1] * motion[1][i];
-                    }
-                }
-            }
-            let place = &mut positions[j / LANES];
-            let [[a, b], [c, d]] = blocks[j].inverse();
-            let object = [object_rate[0] * a + object_rate[1] * c, object_rate[0] * b + object_rate[1] * d];
-            for i in 0..2 {
-                for arm in 0..2 {
-                    place[arm][i][lane] = dynamics.tip_compliance[arm] * columns[i].hi[dynamics.tip_coordinate(arm)];
-                }
-                place[2][i][lane] = object[i];
-                for (force, drift) in drift.iter_mut().enumerate() {
-                    *drift = *drift - Twofold::product(object[i], gains[j][i][force]);
-                }
-                let row = rows[j][i].iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-                condition = condition.max(row * (object[i].abs() / reach).max(1.0));
-            }
-        }
+        let modes = Modes::find(&vibration, dynamics)?;
+        let (basis, inverse) = modes.maps();
+        let gains = modes.gains(&vibration);
+        let readings = modes.readings(&vibration, dynamics);
+        let rigid = modes::rigid(&vibration, &readings, &gains);
         let modal = Self {
-            blocks,
+            condition: modes.condition(&readings, dynamics),
+            blocks: modes.blocks,
             gains,
-            readings: Readings { signals, rigid: rigid_signals, positions },
-            rigid: Rigid {
-                gain: vibration.rigid_inputs,
-                velocity: rigid_signals[VELOCITY[2]],
-                drift: drift.map(|drift| drift.hi),
-            },
+            readings,
+            rigid,
             basis_panels: Panels::new(&basis),
             basis,
             inverse: Panels::new(&inverse),
-            condition,
         };
         (modal.condition < WORST_CONDITION && modal.is_finite()).then_some(modal)
     }
@@ -260,24 +166,6 @@ impl Modal {
     pub fn condition(&self) -> f64 {
         self.condition
     }
-}
-
-/// z with V z = `right`, V being all bases side by side.
-fn solve(right: &[f64], columns: &[[Long; 2]], rows: &[[Vec<f64>; 2]]) -> Vec<f64> {
-    let read = |rest: &[f64]| -> Vec<f64> {
-        rows.as_flattened().iter().map(|row| row.iter().zip(rest).map(|(r, x)| r * x).sum()).collect()
-    };
-    let mut z = read(right);
-    for _ in 0..2 {
-        let mut rest = Long::of(right);
-        for (z, column) in z.iter().zip(columns.as_flattened()) {
-            rest.add_multiple(Twofold::from(-z), column);
-        }
-        for (z, change) in z.iter_mut().zip(read(&rest.hi)) {
-            *z += change;
-        }
-    }
-    z
 }
 
 #[cfg(test)]

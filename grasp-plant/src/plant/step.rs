@@ -64,12 +64,11 @@ impl Plant {
             }
         }
         let next = &mut self.work.next;
-        let signals = match self.model.modal() {
-            Some(modal) => modal.signals(&next.coordinates),
-            None => {
-                flush(&mut next.coordinates);
-                self.model.dynamics.signals(&next.coordinates)
-            }
+        let signals = if let Some(modal) = self.model.modal() {
+            modal.signals(&next.coordinates)
+        } else {
+            flush(&mut next.coordinates);
+            self.model.dynamics.signals(&next.coordinates)
         };
         let usable = all_usable(&inputs.disturbances())
             & all_usable(&next.coordinates)

@@ -23,6 +23,9 @@ pub struct DualArmPlant {
     /// The plant, once there is a start.
     #[serde(with = "plant_state")]
     plant: Option<Plant>,
+    /// The plant of the run before a reset: one of equal parameters takes over what was computed for it.
+    #[serde(skip)]
+    before: Option<Plant>,
     /// Whether the user knows that contact was lost in this run.
     told_of_contact: bool,
     /// Whether the user knows that actuators are mostly at their limits in this run.
@@ -66,6 +69,7 @@ impl Default for DualArmPlant {
             inputs: Inputs::ZERO,
             input_rates: Inputs::ZERO,
             plant: None,
+            before: None,
             told_of_contact: false,
             told_of_limits: false,
             time_at_limits: 0.0,
@@ -199,11 +203,20 @@ impl Model for DualArmPlant {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         (self.told_of_contact, self.told_of_limits, self.time_at_limits) = (false, false, 0.0);
         let parameters = self.parameters();
-        match &mut self.plant {
-            Some(plant) if *plant.parameters() == parameters => plant.reset(),
-            plant => *plant = Some(Plant::new(parameters).map_err(Failure::error)?),
+        match self.plant.as_mut().or(self.before.as_mut()) {
+            Some(plant) if *plant.parameters() == parameters => {
+                plant.reset();
+                self.plant = self.plant.take().or(self.before.take());
+            }
+            _ => self.plant = Some(Plant::new(parameters).map_err(Failure::error)?),
         }
+        // Kept until now: of a plant that differs in its start alone the new one shares the matrices.
+        self.before = None;
         Ok(())
+    }
+
+    fn inherit(&mut self, before: Self) {
+        self.before = before.plant.or(before.before);
     }
 
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
