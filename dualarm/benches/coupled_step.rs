@@ -60,8 +60,10 @@ fn coupled(criterion: &mut Criterion, name: &str, mut master: Master) {
 
 /// The bare arithmetic of a step: see `common`.
 fn floors(criterion: &mut Criterion) {
-    let mut product = common::DenseProduct::new(8);
-    criterion.bench_function("floor/dense product 36 x 36", |bencher| bencher.iter(|| product.multiply()));
+    let mut modal = common::ModalStep::new(8);
+    criterion.bench_function("floor/modal step of 16 blocks", |bencher| {
+        bencher.iter(|| modal.make(black_box([0.1, -0.1, 0.05])));
+    });
     criterion.bench_function("floor/exp and tanh of NABFC", |bencher| {
         bencher.iter(|| common::transcendentals(black_box(-1e-3)));
     });

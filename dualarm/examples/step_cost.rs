@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::{Case, DenseProduct, RUN, Result, Slave, open, transcendentals};
+use common::{Case, ModalStep, RUN, Result, Slave, open, transcendentals};
 use dualarm::grasp::{NABFC, PLANT};
 
 /// Steps before counting begins: the caches of step sizes are filled, the motion is under way.
@@ -75,8 +75,8 @@ fn nanoseconds(repetitions: u32, mut task: impl FnMut()) -> f64 {
 
 fn time(folder: &std::path::Path) -> Result<()> {
     println!("{:<44}{:>10}", "", "ns");
-    let mut product = DenseProduct::new(8);
-    let plant_floor = nanoseconds(2000, || _ = black_box(product.multiply()));
+    let mut modal = ModalStep::new(8);
+    let plant_floor = nanoseconds(2000, || _ = black_box(modal.make(black_box([0.1, -0.1, 0.05]))));
     let controller_floor = nanoseconds(2000, || _ = black_box(transcendentals(black_box(-1e-3))));
     let floor = |name: &str| match name {
         "plant" => Some(plant_floor),
@@ -84,7 +84,7 @@ fn time(folder: &std::path::Path) -> Result<()> {
         "coupled" | "master" => Some(plant_floor + controller_floor),
         _ => None,
     };
-    println!("{:<44}{plant_floor:>10.0}", "floor plant: dense product 36 x 36");
+    println!("{:<44}{plant_floor:>10.0}", "floor plant: 16 blocks, 14 readings");
     println!("{:<44}{controller_floor:>10.0}", "floor nabfc: 38 exp, 3 tanh");
     for name in Case::NAMES.into_iter().chain([Case::DEFAULT]) {
         let mut case = Case::new(name, folder)?;
@@ -165,9 +165,9 @@ fn sizes(folder: &std::path::Path) -> Result<()> {
 struct Cost {
     /// A step \[ns\].
     step: f64,
-    /// The bare product \[ns\].
+    /// The bare arithmetic \[ns\].
     floor: f64,
-    /// The first step of a size \[µs\].
+    /// The first step \[µs\].
     new_size: f64,
     /// Instantiation and initialisation \[µs\].
     start: f64,
@@ -190,7 +190,7 @@ fn cost(folder: &std::path::Path, order: i32, count: usize) -> Result<Cost> {
         plants.push(Slave::new(&fmu, &common::COMMANDS, &common::MEASURED, Some(order), empty())?);
     }
     let start = begin.elapsed().as_secs_f64() * 1e6 / count as f64;
-    // The first step makes the propagator.
+    // The first step finds the modes, and what the size does to them.
     let begin = Instant::now();
     plants.iter_mut().for_each(Slave::do_step);
     let new_size = begin.elapsed().as_secs_f64() * 1e6 / count as f64;
@@ -202,8 +202,8 @@ fn cost(folder: &std::path::Path, order: i32, count: usize) -> Result<Cost> {
             plant.step(&[0.01, -0.01, 0.1], &mut outputs);
         }
     }) / count as f64;
-    let mut product = DenseProduct::new(usize::try_from(order).unwrap_or_default());
-    let floor = nanoseconds(2000, || _ = black_box(product.multiply()));
+    let mut modal = ModalStep::new(usize::try_from(order).unwrap_or_default());
+    let floor = nanoseconds(2000, || _ = black_box(modal.make(black_box([0.1, -0.1, 0.05]))));
     Ok(Cost { step, floor, new_size, start, memory })
 }
 

@@ -216,36 +216,50 @@ impl Case {
     }
 }
 
-/// A dense product of the size of the plant's propagator at an order: (4k + 4)² multiplications and additions in the
-/// plainest form that vectorises, column after column into one vector.
-pub struct DenseProduct {
-    size: usize,
-    matrix: Vec<f64>,
-    x: Vec<f64>,
-    y: Vec<f64>,
+/// Signals and travels that the plant reads from its coordinates in every step.
+const READINGS: usize = 14;
+
+/// The arithmetic of the plant's step in modal coordinates in the plainest form that vectorises, and nothing else: for each of 2k
+/// blocks a 2 × 2 matrix and a gain for three forces, then eleven signals of all coordinates and the travel of three points.
+pub struct ModalStep {
+    /// Four entries of the matrix and six of the gain, by block.
+    blocks: [Vec<f64>; 10],
+    coordinates: [Vec<f64>; 2],
+    readings: [Vec<[f64; READINGS]>; 2],
 }
 
-impl DenseProduct {
+impl ModalStep {
     pub fn new(order: usize) -> Self {
-        let size = 4 * order + 4;
-        let entry = |i: usize| (i as f64).sin() * 0.01;
+        let size = 2 * order;
+        let entries = |first: usize| (first..first + size).map(|i| (i as f64).sin() * 0.01).collect::<Vec<f64>>();
+        let readings = |first: usize| (first..first + size).map(|i| [(i as f64).cos(); READINGS]).collect();
         Self {
-            size,
-            matrix: (0..size * size).map(entry).collect(),
-            x: (0..size).map(entry).collect(),
-            y: vec![0.0; size],
+            blocks: std::array::from_fn(entries),
+            coordinates: [entries(3), entries(5)],
+            readings: [readings(1), readings(2)],
         }
     }
 
     #[inline(never)]
-    pub fn multiply(&mut self) -> f64 {
-        self.y.fill(0.0);
-        for (column, x) in self.matrix.chunks_exact(self.size).zip(&self.x) {
-            for (y, entry) in self.y.iter_mut().zip(column) {
-                *y += entry * x;
+    pub fn make(&mut self, forces: [f64; 3]) -> f64 {
+        let size = self.readings[0].len();
+        let [a, b, c, d, gains @ ..] = self.blocks.each_ref().map(|entries| &entries[..size]);
+        let [x, y] = self.coordinates.each_mut().map(|entries| &mut entries[..size]);
+        let [f, g, h] = forces;
+        for i in 0..size {
+            let (before, other) = (x[i], y[i]);
+            x[i] += a[i] * before + b[i] * other + (gains[0][i] * f + gains[1][i] * g + gains[2][i] * h);
+            y[i] += c[i] * before + d[i] * other + (gains[3][i] * f + gains[4][i] * g + gains[5][i] * h);
+        }
+        let mut sums = [0.0; READINGS];
+        for (rows, coordinates) in self.readings.iter().zip([x, y]) {
+            for (row, coordinate) in rows.iter().zip(coordinates) {
+                for (sum, entry) in sums.iter_mut().zip(row) {
+                    *sum += entry * *coordinate;
+                }
             }
         }
-        self.y[0]
+        sums.iter().sum()
     }
 }
 
