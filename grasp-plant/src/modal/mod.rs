@@ -16,6 +16,7 @@
 mod block;
 mod damped;
 mod elementary;
+mod four;
 mod modes;
 mod plane;
 mod readings;

@@ -3,6 +3,9 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
+use super::four::Four;
+#[cfg(target_arch = "x86_64")]
+use super::four::Wide;
 use super::table::{GROUP, LANES, Lanes};
 use crate::dynamics::{FORCES, SIGNALS, Signals};
 
@@ -19,20 +22,28 @@ pub(super) struct Readings {
 impl Readings {
     /// The signals of coordinates.
     #[inline(always)]
-    fn signals_here(&self, coordinates: &[f64]) -> Signals {
+    fn signals_here<V: Four>(&self, coordinates: &[f64]) -> Signals {
+        const ROWS: usize = SIGNALS / LANES;
         let (groups, rest) = coordinates.as_chunks::<GROUP>();
-        let (mut first, mut second) = ([0.0; SIGNALS], [0.0; SIGNALS]);
+        // Two sums for each, or each addition would wait for the one before.
+        let (mut first, mut second) = ([V::splat(0.0); ROWS], [V::splat(0.0); ROWS]);
         for (columns, group) in self.signals.iter().zip(groups) {
             for lane in 0..LANES {
-                let (x, y) = (group[lane], group[LANES + lane]);
-                for row in 0..SIGNALS {
-                    first[row] += columns[lane][row] * x;
-                    second[row] += columns[LANES + lane][row] * y;
+                let (x, y) = (V::splat(group[lane]), V::splat(group[LANES + lane]));
+                let (left, right) = (columns[lane].as_chunks().0, columns[LANES + lane].as_chunks().0);
+                for row in 0..ROWS {
+                    first[row] = first[row].plus(V::load(&left[row]).times(x));
+                    second[row] = second[row].plus(V::load(&right[row]).times(y));
                 }
             }
         }
-        let rigid = rest.first().copied().unwrap_or_default();
-        std::array::from_fn(|row| first[row] + second[row] + self.rigid[row] * rigid)
+        let rigid = V::splat(rest.first().copied().unwrap_or_default());
+        let mut signals = [0.0; SIGNALS];
+        for (row, lanes) in signals.as_chunks_mut().0.iter_mut().enumerate() {
+            let of_rigid = V::load(&self.rigid.as_chunks().0[row]).times(rigid);
+            *lanes = first[row].plus(second[row]).plus(of_rigid).lanes();
+        }
+        signals
     }
 
     /// w_1(l) and w_2(l).
@@ -54,12 +65,12 @@ impl Readings {
             // SAFETY: the processor has it.
             return unsafe { self.signals_wide(coordinates) };
         }
-        self.signals_here(coordinates)
+        self.signals_here::<Lanes>(coordinates)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx")]
     fn signals_wide(&self, coordinates: &[f64]) -> Signals {
-        self.signals_here(coordinates)
+        self.signals_here::<Wide>(coordinates)
     }
 }

@@ -6,8 +6,11 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
+use super::four::Four;
+#[cfg(target_arch = "x86_64")]
+use super::four::Wide;
 use super::readings::Readings;
-use super::table::{GROUP, Gain, LANES, Lanes, Table};
+use super::table::{LANES, Lanes, Table};
 use crate::dynamics::FORCES;
 
 /// Coordinates smaller than this \[√J\] become zero after a step. A decaying motion would otherwise end in subnormal
@@ -59,92 +62,87 @@ impl Motion<'_> {
         #[cfg(target_arch = "x86_64")]
         if crate::kernel::has_wide_registers() {
             // SAFETY: the processor has it.
-            return unsafe { self.make_wide(next) };
+            return unsafe { if self.rates.is_some() { self.make_ramped(next) } else { self.make_held(next) } };
         }
-        self.make_here(next)
+        if self.rates.is_some() { self.make_here::<Lanes, true>(next) } else { self.make_here::<Lanes, false>(next) }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx")]
-    fn make_wide(self, next: &mut [f64]) -> Travel {
-        self.make_here(next)
+    fn make_held(self, next: &mut [f64]) -> Travel {
+        self.make_here::<Wide, false>(next)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx")]
+    fn make_ramped(self, next: &mut [f64]) -> Travel {
+        self.make_here::<Wide, true>(next)
     }
 
     #[inline(always)]
-    fn make_here(self, next: &mut [f64]) -> Travel {
+    fn make_here<V: Four, const RAMPED: bool>(self, next: &mut [f64]) -> Travel {
         let Self { table, readings, rigid, from, forces, rates } = self;
-        let (from, rest) = from.as_chunks::<GROUP>();
-        let (next, rest_next) = next.as_chunks_mut::<GROUP>();
-        let (mut total, mut integral) = ([[0.0; LANES]; FORCES], [[0.0; LANES]; FORCES]);
-        for (i, ((from, next), (held, positions))) in
-            from.iter().zip(next).zip(table.held.iter().zip(&readings.positions)).enumerate()
+        let (from, rest) = from.as_chunks::<LANES>();
+        let (next, rest_next) = next.as_chunks_mut::<LANES>();
+        let forces_4 = splat::<V>(forces);
+        let no_rates = [0.0; FORCES];
+        let rates = rates.unwrap_or(&no_rates);
+        let rates_4 = splat::<V>(rates);
+        let (mut total, mut integral) = ([V::splat(0.0); FORCES], [V::splat(0.0); FORCES]);
+        let tables = table.held.iter().zip(&table.ramped).zip(&readings.positions);
+        for ((from, next), ((held, ramped), positions)) in
+            from.as_chunks::<2>().0.iter().zip(next.as_chunks_mut::<2>().0).zip(tables)
         {
-            let mut change = moved(from, &held.increment, &held.gain, forces);
-            if let Some(rates) = rates {
-                let ramped = &table.ramped[i];
-                let more = driven(&ramped.gain, rates);
-                let area = moved(from, &ramped.integral, &ramped.gain, forces);
-                let area_more = driven(&ramped.integral_gain, rates);
-                for c in 0..2 {
-                    for lane in 0..LANES {
-                        change[c][lane] += more[c][lane];
-                    }
-                }
-                for (integral, position) in integral.iter_mut().zip(positions) {
-                    for lane in 0..LANES {
-                        integral[lane] += position[0][lane] * (area[0][lane] + area_more[0][lane])
-                            + position[1][lane] * (area[1][lane] + area_more[1][lane]);
-                    }
-                }
-            }
-            // What the coordinates really change by, rounding included, so that positions and coordinates stay together.
-            let mut real = [[0.0; LANES]; 2];
+            let coordinates = [V::load(&from[0]), V::load(&from[1])];
             for c in 0..2 {
-                for lane in 0..LANES {
-                    let before = from[c * LANES + lane];
-                    let after = before + change[c][lane];
-                    let after = if after.abs() < NEGLIGIBLE { 0.0 } else { after };
-                    next[c * LANES + lane] = after;
-                    real[c][lane] = after - before;
+                let mut change = moved(&coordinates, &held.increment[c], &held.gain[c], &forces_4);
+                if RAMPED {
+                    change = change.plus(driven(&ramped.gain[c], &rates_4));
+                    let area = moved(&coordinates, &ramped.integral[c], &ramped.gain[c], &forces_4)
+                        .plus(driven(&ramped.integral_gain[c], &rates_4));
+                    for f in 0..FORCES {
+                        integral[f] = integral[f].plus(V::load(&positions[f][c]).times(area));
+                    }
                 }
-            }
-            for (total, position) in total.iter_mut().zip(positions) {
-                for lane in 0..LANES {
-                    total[lane] += position[0][lane] * real[0][lane] + position[1][lane] * real[1][lane];
+                let before = coordinates[c];
+                let after = before.plus(change).kept();
+                next[c] = after.lanes();
+                // What the coordinates really change by, rounding included, so that positions and coordinates stay together.
+                let real = after.minus(before);
+                for f in 0..FORCES {
+                    total[f] = total[f].plus(V::load(&positions[f][c]).times(real));
                 }
             }
         }
-        let sum = |lanes: [Lanes; FORCES]| lanes.map(|l| (l[0] + l[1]) + (l[2] + l[3]));
-        let mut travel = Travel { total: sum(total), integral: sum(integral) };
+        let mut travel = Travel::default();
+        for f in 0..FORCES {
+            let (total, integral) = (total[f].lanes(), integral[f].lanes());
+            travel.total[f] = (total[0] + total[1]) + (total[2] + total[3]);
+            travel.integral[f] = (integral[0] + integral[1]) + (integral[2] + integral[3]);
+        }
         let (Some(before), Some(after)) = (rest.first(), rest_next.first_mut()) else { return travel };
-        rigid.step(table.h, *before, forces, rates, after, &mut travel);
+        rigid.step(table.h, *before, forces, RAMPED.then_some(rates), after, &mut travel);
         travel
     }
 }
 
-/// Matrix times coordinates, and gain times forces, of a group.
 #[inline(always)]
-fn moved(from: &[f64; GROUP], matrix: &[[Lanes; 2]; 2], gain: &Gain, forces: &[f64; FORCES]) -> [Lanes; 2] {
-    let mut change = driven(gain, forces);
-    for c in 0..2 {
-        for lane in 0..LANES {
-            change[c][lane] += matrix[c][0][lane] * from[lane] + matrix[c][1][lane] * from[LANES + lane];
-        }
-    }
-    change
+fn splat<V: Four>(forces: &[f64; FORCES]) -> [V; FORCES] {
+    [V::splat(forces[0]), V::splat(forces[1]), V::splat(forces[2])]
 }
 
-/// Gain times forces, of a group.
+/// One coordinate of each block: a row of its matrix times the coordinates, and of its gain times forces.
 #[inline(always)]
-fn driven(gain: &Gain, forces: &[f64; FORCES]) -> [Lanes; 2] {
-    let mut change = [[0.0; LANES]; 2];
-    for c in 0..2 {
-        for lane in 0..LANES {
-            change[c][lane] =
-                gain[c][0][lane] * forces[0] + gain[c][1][lane] * forces[1] + gain[c][2][lane] * forces[2];
-        }
-    }
-    change
+fn moved<V: Four>(coordinates: &[V; 2], row: &[Lanes; 2], gain: &[Lanes; FORCES], forces: &[V; FORCES]) -> V {
+    let own = V::load(&row[0]).times(coordinates[0]).plus(V::load(&row[1]).times(coordinates[1]));
+    own.plus(driven(gain, forces))
+}
+
+/// A row of each block's gain times forces.
+#[inline(always)]
+fn driven<V: Four>(gain: &[Lanes; FORCES], forces: &[V; FORCES]) -> V {
+    let first = V::load(&gain[0]).times(forces[0]).plus(V::load(&gain[1]).times(forces[1]));
+    first.plus(V::load(&gain[2]).times(forces[2]))
 }
 
 impl Rigid {

@@ -1,0 +1,129 @@
+//! Four numbers side by side: in one wide register, or one by one where the processor has none.
+//!
+//! Both ways do the same operations, none fused, so both give the same bits. Loops are written once, for any [`Four`].
+
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
+use super::step::NEGLIGIBLE;
+use super::table::Lanes;
+
+pub(super) trait Four: Copy {
+    fn splat(value: f64) -> Self;
+    fn load(lanes: &Lanes) -> Self;
+    fn lanes(self) -> Lanes;
+    fn plus(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn times(self, other: Self) -> Self;
+    /// Zero where it is [`NEGLIGIBLE`].
+    fn kept(self) -> Self;
+}
+
+impl Four for Lanes {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        [value; 4]
+    }
+
+    #[inline(always)]
+    fn load(lanes: &Lanes) -> Self {
+        *lanes
+    }
+
+    #[inline(always)]
+    fn lanes(self) -> Lanes {
+        self
+    }
+
+    #[inline(always)]
+    fn plus(self, other: Self) -> Self {
+        [self[0] + other[0], self[1] + other[1], self[2] + other[2], self[3] + other[3]]
+    }
+
+    #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        [self[0] - other[0], self[1] - other[1], self[2] - other[2], self[3] - other[3]]
+    }
+
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        [self[0] * other[0], self[1] * other[1], self[2] * other[2], self[3] * other[3]]
+    }
+
+    #[inline(always)]
+    fn kept(mut self) -> Self {
+        for x in &mut self {
+            if x.abs() < NEGLIGIBLE {
+                *x = 0.0;
+            }
+        }
+        self
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use wide::Wide;
+
+#[cfg(target_arch = "x86_64")]
+mod wide {
+    use super::{Four, Lanes, NEGLIGIBLE};
+    use std::arch::x86_64::{
+        __m256d, _CMP_NLT_UQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_cmp_pd, _mm256_loadu_pd,
+        _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd, _mm256_sub_pd,
+    };
+
+    /// A register of four lanes. Only functions that are called where the processor has AVX may make one.
+    #[derive(Clone, Copy)]
+    pub struct Wide(__m256d);
+
+    impl Four for Wide {
+        #[inline(always)]
+        fn splat(value: f64) -> Self {
+            // SAFETY: the processor has AVX, see `Wide`.
+            Self(unsafe { _mm256_set1_pd(value) })
+        }
+
+        #[inline(always)]
+        fn load(lanes: &Lanes) -> Self {
+            // SAFETY: the processor has AVX, see `Wide`; four numbers are read of four.
+            Self(unsafe { _mm256_loadu_pd(lanes.as_ptr()) })
+        }
+
+        #[inline(always)]
+        fn lanes(self) -> Lanes {
+            let mut lanes = [0.0; 4];
+            // SAFETY: the processor has AVX, see `Wide`; four numbers are written to four.
+            unsafe { _mm256_storeu_pd(lanes.as_mut_ptr(), self.0) };
+            lanes
+        }
+
+        #[inline(always)]
+        fn plus(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX, see `Wide`.
+            Self(unsafe { _mm256_add_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn minus(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX, see `Wide`.
+            Self(unsafe { _mm256_sub_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn times(self, other: Self) -> Self {
+            // SAFETY: the processor has AVX, see `Wide`.
+            Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn kept(self) -> Self {
+            // SAFETY: the processor has AVX, see `Wide`.
+            unsafe {
+                let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0);
+                // What is no number is kept, as it is above.
+                let keep = _mm256_cmp_pd::<_CMP_NLT_UQ>(size, _mm256_set1_pd(NEGLIGIBLE));
+                Self(_mm256_and_pd(self.0, keep))
+            }
+        }
+    }
+}
