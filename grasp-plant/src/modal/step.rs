@@ -104,13 +104,10 @@ impl Motion<'_> {
                         integral[f] = integral[f].plus(V::load(&positions[f][c]).times(area));
                     }
                 }
-                let before = coordinates[c];
-                let after = before.plus(change).kept();
-                next[c] = after.lanes();
-                // What the coordinates really change by, rounding included, so that positions and coordinates stay together.
-                let real = after.minus(before);
+                next[c] = coordinates[c].plus(change).kept().lanes();
+                // The change itself, not what rounding leaves of it in the coordinates: short steps move positions smoothly.
                 for f in 0..FORCES {
-                    total[f] = total[f].plus(V::load(&positions[f][c]).times(real));
+                    total[f] = total[f].plus(V::load(&positions[f][c]).times(change));
                 }
             }
         }

@@ -87,6 +87,11 @@ fn modal_steps_are_the_dense_ones() {
     for order in [4, 5, 8, 12, 24] {
         for parameters in plants() {
             let parameters = Parameters { order, ..parameters };
+            if parameters.kelvin_voigt > 0.0 && parameters.root_uncertainty == 0.0 && parameters.tip_uncertainty == 0.0
+            {
+                assert!(Modal::new(&Dynamics::new(&parameters), &parameters).is_none());
+                continue;
+            }
             let mut both = Both::new(&parameters);
             for h in [1e-9, 1e-4, 1e-3, 0.05, 1.0] {
                 let (error, rounding) = difference(&mut both, h);
