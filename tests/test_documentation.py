@@ -53,8 +53,8 @@ def test_files_are_where_the_standard_wants_them(name: str) -> None:
     assert 100 <= height <= 512
     assert content["documentation/licenses/license.txt"] == (ROOT / "LICENSE").read_bytes()
     assert content[INDEX].lower().startswith(b"<!doctype html>")
-    # NABFC, the largest, holds two laws.
-    assert fmu_path(name).stat().st_size < 750_000
+    # NABFC, the largest, holds two laws behind two interfaces.
+    assert fmu_path(name).stat().st_size < 800_000
 
 
 @each_fmu
@@ -264,6 +264,7 @@ def test_the_figure_of_a_controller_is_the_grasp(name: str, tmp_path: Path) -> N
     if name == "NabfcController":
         # A state: what depends on inputs at once is shown with those of the step before, as FMPy records it.
         assert found["m_hat"][1:] == pytest.approx(commands["m_hat"][1:], rel=0, abs=1e-9)
-    # In the end both tips press with 0.5 N; PD is still ringing then.
+    # In the end both tips press with 0.5 N. PD, which takes four seconds, is only on its way there.
     for arm in (1, 2):
-        assert forces[f"contact_force{arm}"][-1] == pytest.approx(0.5, rel=0.25 if name == "PdController" else 0.05)
+        force = forces[f"contact_force{arm}"][-1]
+        assert 0.25 < force < 0.5 if name == "PdController" else force == pytest.approx(0.5, rel=0.05)

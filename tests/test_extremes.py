@@ -217,9 +217,10 @@ def test_grasp_over_a_million_steps(long_run: tuple[str, dict[str, Any]]) -> Non
         assert np.ptp(signals[name][late]) < 1e-10
     for name in ("m_hat", "J1_hat", "pi1_hat", "W_norm", "U1_norm"):
         if name in signals:
-            # What has leaked away, down to the rounding of a unit, has nothing left to lose.
+            # What has leaked away has nothing left to lose but rounding: moments of 0.05 N.m are read from modes, whose basis has
+            # a condition of some hundred, and an estimate of what is left over follows that.
             size = np.abs(signals[name][late])
-            assert np.all((np.diff(size) <= 0.0) | (size[1:] < 1e-15)), name
+            assert np.all((np.diff(size) <= 0.0) | (size[1:] < 1e-14)), name
 
 
 def test_constraint_over_a_million_steps(long_run: tuple[str, dict[str, Any]]) -> None:

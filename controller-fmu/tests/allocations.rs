@@ -86,7 +86,8 @@ fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
     }
 }
 
-/// The first instance also holds the layout, which it shares with those after it.
+/// The first instance also holds the layout, which it shares with those after it: for NABFC that of 304 continuous states, each
+/// with its derivative and the states and inputs that this depends on.
 fn an_instance_is_small_and_leaves_nothing_behind() {
     for model in controller_fmu::FMUS.models() {
         let description = model.description().unwrap();
@@ -103,7 +104,7 @@ fn an_instance_is_small_and_leaves_nothing_behind() {
             let (first, with_layout) = create();
             let (second, alone) = create();
             println!("{}: first instance {with_layout} bytes, another {alone} bytes", description.name);
-            assert!((1..256 << 10).contains(&with_layout) && (1..16 << 10).contains(&alone));
+            assert!((1..1 << 20).contains(&with_layout) && (1..16 << 10).contains(&alone));
             // SAFETY: as a host does.
             unsafe {
                 calls::free_instance(first);

@@ -55,6 +55,7 @@ impl<M: ModelExchange> Equations<'_, M> {
     }
 
     /// Whether there are event indicators.
+    #[must_use]
     pub fn has_indicators(&self) -> bool {
         self.continuous().is_some_and(|continuous| continuous.indicator_count > 0)
     }

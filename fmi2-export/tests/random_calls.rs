@@ -102,6 +102,7 @@ use Phase::{Continuous, Discarded, Event, Failed, Initialization, Instantiated, 
 
 /// When a variable can be set: found out by trying.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "one answer per phase")]
 struct Settable {
     before: bool,
     stepping: bool,
@@ -154,9 +155,9 @@ impl Profile {
         let in_mode = |continuous: bool| {
             let slave = fmu.instantiate_as(MODEL_EXCHANGE, guid).ok()?;
             if continuous {
-                slave.start()
+                slave.start();
             } else {
-                slave.initialize()
+                slave.initialize();
             }
             Some(slave)
         };

@@ -13,7 +13,7 @@ pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl Modes {
     /// The length of (x, g), by which rounding is measured.
-    pub fn magnitude(&self, x: &[f64], forces: &[f64]) -> f64 {
+    pub fn magnitude(x: &[f64], forces: &[f64]) -> f64 {
         x.iter().chain(forces).map(|value| value * value).sum::<f64>().sqrt()
     }
 

@@ -34,6 +34,9 @@
 //! may end it, [`series`] their first root, [`complementarity`] who pushes when that is not decided by continuity, [`step`] puts
 //! them together. So a step has no cuts of its own: it goes from switch to switch.
 
+// A side's number stands in several arrays at once.
+#![allow(clippy::needless_range_loop)]
+
 mod assembly;
 mod complementarity;
 mod decay;
@@ -86,7 +89,7 @@ struct Modes {
     object_mass: f64,
     delassus: Delassus,
     /// By `touching[0] + 2 touching[1]`.
-    modes: [Mode; 4],
+    by_touching: [Mode; 4],
     /// Rows of the plant's signals.
     signals: Panels,
     /// S_i from x: rows.
@@ -118,7 +121,7 @@ impl Modes {
             tip_masses: p.arms.map(|arm| arm.tip_mass),
             object_mass: p.object_mass,
             delassus: Delassus::new(p.arms.map(|arm| arm.tip_mass), p.object_mass),
-            modes,
+            by_touching: modes,
             signals: Panels::new(&assembly.signals),
             shear: DMatrix::from_rows(&assembly.shear),
             relaxation: p.faces.map(|face| face.stiffness / face.damping),
@@ -129,7 +132,7 @@ impl Modes {
     }
 
     fn mode(&self, touching: Touching) -> &Mode {
-        &self.modes[mode_index(touching)]
+        &self.by_touching[mode_index(touching)]
     }
 
     fn signals(&self, x: &[f64]) -> Signals {
@@ -192,7 +195,7 @@ impl Contacts {
 
     /// The longest step done in one piece \[s\].
     pub fn longest_part(&self) -> f64 {
-        self.modes.modes.iter().map(Mode::longest_piece).fold(f64::INFINITY, f64::min)
+        self.modes.by_touching.iter().map(Mode::longest_piece).fold(f64::INFINITY, f64::min)
     }
 
     /// Whether a state is one that this plant can be in.

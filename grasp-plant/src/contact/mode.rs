@@ -142,6 +142,7 @@ impl Mode {
         let increment =
             DMatrix::from_fn(layout.increments(), layout.drive(), |row, column| whole[(row, source(column))]);
         // Bessel functions of half the argument: these many coefficients are above rounding.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 14 and MOST_TERMS")]
         let terms = (14.0 + 1.25 * duration / self.base * TAYLOR_NORM).ceil().min((MOST_TERMS - 2) as f64) as usize;
         let rule = gauss(terms);
         let transposed = Panels::new(&self.matrix.transpose());

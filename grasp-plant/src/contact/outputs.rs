@@ -1,8 +1,8 @@
 //! Outputs of a grasp that can open, and their derivatives.
 
-use super::Contacts;
 use super::layout::SIGN;
 use super::mode::Mode;
+use super::{Contacts, Modes};
 use crate::dynamics::FORCES;
 use crate::kernel::LANES;
 use crate::state::State;
@@ -34,7 +34,7 @@ impl Contacts {
         let (modes, x) = (&*self.modes, &state.coordinates[..]);
         let touching = state.contact.as_deref().map_or([false; 2], |contact| contact.touching);
         if modes.rigid {
-            let (force, pushing) = modes.pushing(x, forces, touching, modes.magnitude(x, forces));
+            let (force, pushing) = modes.pushing(x, forces, touching, Modes::magnitude(x, forces));
             return (force, modes.mode(pushing));
         }
         let mode = modes.mode(touching);

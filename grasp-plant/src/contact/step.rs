@@ -45,7 +45,7 @@ impl Contacts {
         rates: &Inputs,
     ) -> Result<(), StepError> {
         // So that no later switch has to allocate.
-        for mode in &self.modes.modes {
+        for mode in &self.modes.by_touching {
             mode.ladder();
         }
         let longest = self.longest_part();
@@ -73,7 +73,7 @@ impl Contacts {
             let parts = (duration / longest).ceil().max(1.0);
             let part = duration / parts;
             let pieces =
-                (kinks.is_empty() && sizes.repeat()).then(|| self.cache.get(&self.modes.modes, part, REMEMBERED));
+                (kinks.is_empty() && sizes.repeat()).then(|| self.cache.get(&self.modes.by_touching, part, REMEMBERED));
             self.drive[n + FORCES..].copy_from_slice(&force_rates);
             let mut i = 0.0;
             while i < parts {
@@ -128,7 +128,7 @@ impl Part<'_> {
     }
 
     fn magnitude(&self) -> f64 {
-        self.modes.magnitude(&self.drive[..self.modes.layout.size()], self.forces())
+        Modes::magnitude(&self.drive[..self.modes.layout.size()], self.forces())
     }
 
     /// Opens rigid sides that forces which jumped would pull.
