@@ -134,9 +134,9 @@ fn bounces_of_light_arms_come_when_a_ball_would_bounce() {
         let flight = 2.0 * e.powi(n) * speed / acceleration;
         let impacts = |plant: &Plant| plant.state().contact.as_deref().unwrap().impacts;
         plant.step(bounce - margin - now, &inputs, &Inputs::ZERO).unwrap();
-        assert_eq!(impacts(&plant), [n as u32 - 1, 0], "{n}");
+        assert_eq!(impacts(&plant), [n.cast_unsigned() - 1, 0], "{n}");
         plant.step(2.0 * margin, &inputs, &Inputs::ZERO).unwrap();
-        assert_eq!(impacts(&plant), [n as u32, 0], "{n}");
+        assert_eq!(impacts(&plant), [n.cast_unsigned(), 0], "{n}");
         now = bounce + margin;
         bounce += flight;
     }
