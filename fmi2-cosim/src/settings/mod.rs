@@ -1,6 +1,6 @@
 //! Values a user gives to variables by name: `name=value` or `Component.name=value`.
 //!
-//! [`meaning`] finds the variables that a name means, [`fit`] makes values of their types.
+//! `meaning` finds the variables that a name means, `fit` makes values of their types.
 
 mod fit;
 mod meaning;
