@@ -51,7 +51,7 @@ impl<M: ModelExchange> Equations<'_, M> {
 
     /// Nominal values of the continuous states.
     pub fn nominals(&self) -> impl Iterator<Item = f64> {
-        self.continuous().into_iter().flat_map(|continuous| &continuous.states).map(|slot| slot.nominal)
+        self.layout().nominals()
     }
 
     /// Whether there are event indicators.
@@ -62,10 +62,8 @@ impl<M: ModelExchange> Equations<'_, M> {
 
     /// Puts time and states into the model; whether it can have them.
     pub fn set(&self, model: &mut M, time: f64, states: &[f64]) -> bool {
-        self.tell_time(model, time);
-        for (slot, value) in self.continuous().into_iter().flat_map(|continuous| &continuous.states).zip(states) {
-            *(self.layout().reals[slot.state as usize].lens)(model) = *value;
-        }
+        self.layout().tell_time(model, time);
+        self.layout().write_states(model, states);
         states.iter().all(|value| value.is_finite()) && model.states_set().is_ok()
     }
 
@@ -73,29 +71,20 @@ impl<M: ModelExchange> Equations<'_, M> {
     pub fn states(&self, model: &mut M, states: &mut [f64]) {
         let Some(continuous) = self.continuous() else { return };
         self.layout().evaluate(continuous.state_evaluations, model);
-        for (slot, state) in continuous.states.iter().zip(states) {
-            *state = *(self.layout().reals[slot.state as usize].lens)(model);
-        }
+        states.iter_mut().zip(self.layout().states(model)).for_each(|(to, state)| *to = state);
     }
 
     /// Their time derivatives.
     pub fn derivatives(&self, model: &mut M, derivatives: &mut [f64]) {
         let Some(continuous) = self.continuous() else { return };
         self.layout().evaluate(continuous.derivative_evaluations, model);
-        for (slot, derivative) in continuous.states.iter().zip(derivatives) {
-            *derivative = *(self.layout().reals[slot.derivative as usize].lens)(model);
-        }
+        derivatives.iter_mut().zip(self.layout().derivatives(model)).for_each(|(to, derivative)| *to = derivative);
     }
 
     /// The event indicators.
     pub fn indicators<'m>(&self, model: &'m mut M) -> &'m [f64] {
-        match self.continuous().and_then(|continuous| continuous.indicators.as_ref()) {
-            Some((evaluation, lens)) => {
-                self.layout().evaluate(*evaluation, model);
-                lens(model)
-            }
-            None => &[],
-        }
+        self.layout().evaluate(self.continuous().map_or(0, Continuous::indicator_evaluations), model);
+        self.layout().indicators(model)
     }
 
     /// Brings the discrete states up to date at a time.
@@ -103,14 +92,8 @@ impl<M: ModelExchange> Equations<'_, M> {
     /// # Errors
     /// If the model cannot go on.
     pub fn update(&self, model: &mut M, time: f64, step: &mut Step<'_>) -> Result<EventUpdate, Failure> {
-        self.tell_time(model, time);
+        self.layout().tell_time(model, time);
         model.new_discrete_states(&mut Moment::new(time, step.warn))
-    }
-
-    fn tell_time(&self, model: &mut M, time: f64) {
-        if let Some(lens) = &self.layout().time {
-            *lens(model) = time;
-        }
     }
 }
 

@@ -104,6 +104,13 @@ pub(crate) struct Continuous<M> {
     pub indicator_count: usize,
 }
 
+impl<M> Continuous<M> {
+    /// What fills in the event indicators.
+    pub fn indicator_evaluations(&self) -> u64 {
+        self.indicators.as_ref().map_or(0, |(evaluation, _)| *evaluation)
+    }
+}
+
 /// Value references of a continuous state.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StateSlot {
@@ -200,7 +207,7 @@ impl<M: Model> Layout<M> {
         }
         // Whatever an input is to them, it is not said for each.
         self.input_dependent |= continuous.derivative_evaluations;
-        self.input_dependent |= continuous.indicators.as_ref().map_or(0, |(evaluation, _)| *evaluation);
+        self.input_dependent |= continuous.indicator_evaluations();
         self.continuous = Some(continuous);
     }
 
@@ -260,6 +267,48 @@ impl<M: Model> Layout<M> {
             }
             todo &= todo - 1;
         }
+    }
+
+    fn state_slots(&self) -> impl Iterator<Item = &StateSlot> {
+        self.continuous.iter().flat_map(|continuous| &continuous.states)
+    }
+
+    /// The continuous states, as their fields have them.
+    pub fn states(&self, model: &mut M) -> impl Iterator<Item = f64> {
+        self.state_slots().map(|slot| *(self.reals[slot.state as usize].lens)(model))
+    }
+
+    /// Writes the fields of the continuous states.
+    pub fn write_states(&self, model: &mut M, values: &[f64]) {
+        for (slot, value) in self.state_slots().zip(values) {
+            *(self.reals[slot.state as usize].lens)(model) = *value;
+        }
+    }
+
+    /// The states' time derivatives, as their fields have them.
+    pub fn derivatives(&self, model: &mut M) -> impl Iterator<Item = f64> {
+        self.state_slots().map(|slot| *(self.reals[slot.derivative as usize].lens)(model))
+    }
+
+    /// The states' nominal values.
+    pub fn nominals(&self) -> impl Iterator<Item = f64> {
+        self.state_slots().map(|slot| slot.nominal)
+    }
+
+    /// The event indicators, as their field has them.
+    pub fn indicators<'m>(&self, model: &'m mut M) -> &'m [f64] {
+        match self.continuous.as_ref().and_then(|continuous| continuous.indicators.as_ref()) {
+            Some((_, lens)) => lens(model),
+            None => &[],
+        }
+    }
+
+    /// Tells the model the time, if it wants to know it; whether it does.
+    pub fn tell_time(&self, model: &mut M, time: f64) -> bool {
+        if let Some(lens) = &self.time {
+            *lens(model) = time;
+        }
+        self.time.is_some()
     }
 
     /// Whether any output's time derivative can be asked for.

@@ -90,7 +90,9 @@ impl<M: Model> Serve for Exported<M> {
     fn instantiate(&'static self, kind: Kind, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
         let refused = |error: DeclarationError| Refusal::error(error.to_string());
         let (layout, guid) = (self.layout().map_err(refused)?, self.guid().map_err(refused)?);
-        Ok(Box::new(Slave::<M>::new(layout, guid, kind, resources.clone())?))
+        let slave = Slave::<M>::new(layout, guid, kind, resources.clone());
+        // The layout was made before; without an instance nobody else would take it away.
+        Ok(Box::new(slave.inspect_err(|_| self.tidy())?))
     }
 
     fn tidy(&self) {

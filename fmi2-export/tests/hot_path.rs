@@ -2,10 +2,10 @@
 
 use std::ffi::CString;
 use std::hint::black_box;
-use std::ptr::{null, null_mut};
+use std::ptr::null;
 
 use allocation_counter::measure;
-use fmi2_export::ffi::types::{CallbackFunctions, EventInfo, Status};
+use fmi2_export::ffi::types::{EventInfo, Status};
 
 #[path = "../examples/misbehaving.rs"]
 #[allow(missing_docs, dead_code)]
@@ -18,18 +18,11 @@ use linked::*;
 #[test]
 fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
     let guid = CString::new(model::FMUS.models()[0].description().unwrap().guid).unwrap();
-    let functions = CallbackFunctions {
-        logger: None,
-        allocate_memory: None,
-        free_memory: None,
-        step_finished: None,
-        component_environment: null_mut(),
-    };
     let (input, output, order, kind) = (0, 3, 1, 2);
     let (mut real, mut integer, mut boolean) = (0.5, 1, 1);
     // SAFETY: as a host does.
     unsafe {
-        let c = fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &functions, 0, 1);
+        let c = fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &NO_CALLBACKS, 0, 1);
         assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
         assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
         assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);
@@ -61,17 +54,10 @@ fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
 #[test]
 fn what_a_solver_asks_for_allocates_nothing() {
     let guid = CString::new(model::FMUS.models()[0].description().unwrap().guid).unwrap();
-    let functions = CallbackFunctions {
-        logger: None,
-        allocate_memory: None,
-        free_memory: None,
-        step_finished: None,
-        component_environment: null_mut(),
-    };
     let (input, output, state, derivative) = (0, 3, 6, 7);
     // SAFETY: as a host does.
     unsafe {
-        let c = fmi2Instantiate(c"a".as_ptr(), 0, guid.as_ptr(), null(), &functions, 0, 1);
+        let c = fmi2Instantiate(c"a".as_ptr(), 0, guid.as_ptr(), null(), &NO_CALLBACKS, 0, 1);
         assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), Status::Ok);
         assert_eq!(fmi2EnterInitializationMode(c), Status::Ok);
         assert_eq!(fmi2ExitInitializationMode(c), Status::Ok);

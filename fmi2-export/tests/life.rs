@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::real::{all_libraries, count, reals, set_reals, trajectory};
-use common::{ERROR, Fmu, OK};
+use common::{ERROR, Fmu, OK, sizes_of_all_magnitudes};
 
 /// Runs a check with every model of every library there is.
 fn with_every_model(check: impl Fn(&Fmu, &str, &Path)) {
@@ -101,13 +101,7 @@ fn steps_of_any_size_add_up() {
         let slave = fmu.instantiate(guid);
         slave.initialize();
         let mut time = 0.0;
-        for i in 0..60 {
-            // From 5e-324 s to 2 s, up and down.
-            let size = match i {
-                0 => 5e-324,
-                1 => 1e-300,
-                i => f64::powi(2.0, -(i * 7 % 40) + 1),
-            };
+        for size in sizes_of_all_magnitudes() {
             let status = slave.step(time, size);
             assert!(status == OK, "{}: {size:?} {:?}", path.display(), slave.log);
             time += size;

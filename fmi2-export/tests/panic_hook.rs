@@ -2,10 +2,10 @@
 
 use std::ffi::CString;
 use std::panic::catch_unwind;
-use std::ptr::{null, null_mut};
+use std::ptr::null;
 use std::sync::Mutex;
 
-use fmi2_export::ffi::types::{CallbackFunctions, Status};
+use fmi2_export::ffi::types::Status;
 use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize};
 
@@ -63,15 +63,8 @@ fn panic_outside() {
 
 fn instance() -> C {
     let guid = CString::new(FMUS.models()[0].description().unwrap().guid).unwrap();
-    let functions = CallbackFunctions {
-        logger: None,
-        allocate_memory: None,
-        free_memory: None,
-        step_finished: None,
-        component_environment: null_mut(),
-    };
     // SAFETY: as a host does.
-    let c = unsafe { fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &functions, 0, 0) };
+    let c = unsafe { fmi2Instantiate(c"a".as_ptr(), 1, guid.as_ptr(), null(), &NO_CALLBACKS, 0, 0) };
     assert!(!c.is_null());
     c
 }

@@ -8,7 +8,7 @@ mod common;
 #[allow(missing_docs, dead_code)]
 mod models;
 
-use common::{DISCARD, EventInfo, Fmu, MODEL_EXCHANGE, OK, Slave};
+use common::{DISCARD, EventInfo, Fmu, MODEL_EXCHANGE, OK, Slave, sizes_of_all_magnitudes};
 
 const BALL: usize = 0;
 const VAN_DER_POL: usize = 1;
@@ -246,13 +246,7 @@ fn steps_of_any_size_add_up() {
         let slave = fmu.instantiate(&guid(model));
         slave.initialize();
         let mut time = 0.0;
-        for i in 0..60 {
-            // From 5e-324 s to 2 s, up and down.
-            let size = match i {
-                0 => 5e-324,
-                1 => 1e-300,
-                i => f64::powi(2.0, -(i * 7 % 40) + 1),
-            };
+        for size in sizes_of_all_magnitudes() {
             assert_eq!(slave.step(time, size), OK, "{model}: {size:?} {:?}", slave.log);
             time += size;
         }

@@ -98,9 +98,7 @@ fn find_model(
     for (index, model) in library.models.iter().enumerate() {
         let its = model.guid().map_err(|e| Refusal::error(e.to_string()))?;
         if its == guid {
-            // What instances share is made before one may turn out to be impossible; then no instance will take it away.
-            let slave = model.instantiate(kind, resources).inspect_err(|_| model.tidy())?;
-            return Ok((index, slave));
+            return Ok((index, model.instantiate(kind, resources)?));
         }
         known.push(its);
     }

@@ -6,7 +6,7 @@ use super::{Slave, all};
 use crate::exchange::{Completed, EventUpdate, Moment};
 use crate::exchange_phase::ExchangeCall;
 use crate::layout::Continuous;
-use crate::model::Model;
+use crate::model::{Failure, Model};
 use crate::out::Out;
 use crate::phase::{Kind, Phase};
 use crate::status::{Outcome, Refusal};
@@ -45,24 +45,19 @@ impl<M: Model> BeIntegrated for Slave<M> {
         self.evaluate_states()?;
         let mut before = std::mem::take(&mut self.values);
         before.clear();
-        before.extend(self.states());
+        before.extend(self.layout.states(&mut self.state.model));
         let result = update(&mut self.state.model, &mut Moment::new(self.state.time, warn));
         self.state.stale = all();
         let states_changed = match result {
             Ok(_) => {
                 self.evaluate_states()?;
-                !self.states().map(f64::to_bits).eq(before.iter().map(|value| value.to_bits()))
+                let now = self.layout.states(&mut self.state.model);
+                !now.map(f64::to_bits).eq(before.iter().map(|value| value.to_bits()))
             }
             Err(_) => false,
         };
         self.values = before;
-        match result {
-            Ok(update) => Ok(EventInfo { update, states_changed }),
-            Err(failure) => {
-                self.state.phase = Phase::Error;
-                Err(Refusal::error(failure.to_string()))
-            }
-        }
+        result.map(|update| EventInfo { update, states_changed }).map_err(|failure| self.failed(&failure))
     }
 
     fn enter_continuous_time_mode(&mut self) -> Outcome {
@@ -76,10 +71,7 @@ impl<M: Model> BeIntegrated for Slave<M> {
         let completed = continuous.exchange.step_completed;
         let result = completed(&mut self.state.model, &mut Moment::new(self.state.time, warn));
         self.state.stale = all();
-        result.map_err(|failure| {
-            self.state.phase = Phase::Error;
-            Refusal::error(failure.to_string())
-        })
+        result.map_err(|failure| self.failed(&failure))
     }
 
     fn set_time(&mut self, time: f64) -> Outcome {
@@ -103,11 +95,11 @@ impl<M: Model> BeIntegrated for Slave<M> {
         let states_set = continuous.exchange.states_set;
         let mut before = std::mem::take(&mut self.values);
         before.clear();
-        before.extend(self.states());
-        self.write_states(values);
+        before.extend(self.layout.states(&mut self.state.model));
+        self.layout.write_states(&mut self.state.model, values);
         let result = states_set(&mut self.state.model);
         if result.is_err() {
-            self.write_states(&before);
+            self.layout.write_states(&mut self.state.model, &before);
         }
         self.values = before;
         self.state.stale = all();
@@ -119,11 +111,8 @@ impl<M: Model> BeIntegrated for Slave<M> {
         check_count(ExchangeCall::GetDerivatives, "continuous states", continuous.states.len(), values.len())?;
         let wanted = continuous.derivative_evaluations;
         self.evaluate(wanted)?;
-        let Self { layout, state, values: scratch, .. } = self;
-        let Some(continuous) = &layout.continuous else { return Ok(()) };
-        let reals = layout.reals.as_slice();
-        scratch.clear();
-        scratch.extend(continuous.states.iter().map(|slot| *(reals[slot.derivative as usize].lens)(&mut state.model)));
+        self.values.clear();
+        self.values.extend(self.layout.derivatives(&mut self.state.model));
         self.give(values, |slave, i| {
             let slot = slave.layout.continuous.as_ref()?.states.get(i)?;
             Some(slave.name(&slave.layout.reals[slot.derivative as usize].slot).to_owned())
@@ -133,13 +122,10 @@ impl<M: Model> BeIntegrated for Slave<M> {
     fn get_event_indicators(&mut self, values: Out<'_, f64>) -> Outcome {
         let continuous = self.check_exchange(ExchangeCall::GetEventIndicators)?;
         check_count(ExchangeCall::GetEventIndicators, "event indicators", continuous.indicator_count, values.len())?;
-        let wanted = continuous.indicators.as_ref().map_or(0, |(evaluation, _)| *evaluation);
+        let wanted = continuous.indicator_evaluations();
         self.evaluate(wanted)?;
-        let Self { layout, state, values: scratch, .. } = self;
-        scratch.clear();
-        if let Some((_, lens)) = layout.continuous.as_ref().and_then(|continuous| continuous.indicators.as_ref()) {
-            scratch.extend_from_slice(lens(&mut state.model));
-        }
+        self.values.clear();
+        self.values.extend_from_slice(self.layout.indicators(&mut self.state.model));
         self.give(values, |_, i| Some(format!("event indicator {}", i + 1)))
     }
 
@@ -147,14 +133,14 @@ impl<M: Model> BeIntegrated for Slave<M> {
         let continuous = self.check_exchange(ExchangeCall::GetContinuousStates)?;
         check_count(ExchangeCall::GetContinuousStates, "continuous states", continuous.states.len(), values.len())?;
         self.evaluate_states()?;
-        values.write(self.states());
+        values.write(self.layout.states(&mut self.state.model));
         Ok(())
     }
 
     fn get_nominals(&mut self, values: Out<'_, f64>) -> Outcome {
         let continuous = self.check_exchange(ExchangeCall::GetNominals)?;
         check_count(ExchangeCall::GetNominals, "continuous states", continuous.states.len(), values.len())?;
-        values.write(continuous.states.iter().map(|slot| slot.nominal));
+        values.write(self.layout.nominals());
         Ok(())
     }
 }
@@ -184,19 +170,10 @@ impl<M: Model> Slave<M> {
         self.evaluate(wanted)
     }
 
-    /// The continuous states, as their fields have them.
-    fn states(&mut self) -> impl Iterator<Item = f64> {
-        let (layout, model) = (&self.layout, &mut self.state.model);
-        let slots = layout.continuous.iter().flat_map(|continuous| &continuous.states);
-        slots.map(|slot| *(layout.reals[slot.state as usize].lens)(model))
-    }
-
-    /// Writes the fields of the continuous states.
-    fn write_states(&mut self, values: &[f64]) {
-        let Some(continuous) = &self.layout.continuous else { return };
-        for (slot, value) in continuous.states.iter().zip(values) {
-            *(self.layout.reals[slot.state as usize].lens)(&mut self.state.model) = *value;
-        }
+    /// What a host hears when the model cannot go on: the instance is at its end.
+    fn failed(&mut self, failure: &Failure) -> Refusal {
+        self.state.phase = Phase::Error;
+        Refusal::error(failure.to_string())
     }
 
     /// Gives the host the numbers in `self.values`, if the model could compute them.

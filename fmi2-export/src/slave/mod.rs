@@ -123,8 +123,7 @@ impl<M: Model> Slave<M> {
 
     /// Tells the model the time, if it wants to know it.
     fn tell_time(&mut self) {
-        if let Some(time) = &self.layout.time {
-            *time(&mut self.state.model) = self.state.time;
+        if self.layout.tell_time(&mut self.state.model, self.state.time) {
             self.state.stale = all();
         }
     }

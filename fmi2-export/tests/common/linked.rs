@@ -2,11 +2,22 @@
 //! a library. Tests of model crates include this file, too.
 
 use std::ffi::{c_char, c_int, c_void};
+use std::ptr::null_mut;
 
 use fmi2_export::ffi::types::{CallbackFunctions, EventInfo, FmuState, Status};
 
 /// `fmi2Component`.
 pub type C = *mut c_void;
+
+/// A host that hears nothing.
+#[allow(dead_code)]
+pub const NO_CALLBACKS: CallbackFunctions = CallbackFunctions {
+    logger: None,
+    allocate_memory: None,
+    free_memory: None,
+    step_finished: None,
+    component_environment: null_mut(),
+};
 
 // Each test uses a part of it.
 #[allow(dead_code, clashing_extern_declarations, clippy::too_many_arguments)]

@@ -318,3 +318,12 @@ impl Slave<'_> {
         bytes
     }
 }
+
+/// Sizes of steps from 5e-324 s to 2 s, up and down.
+pub fn sizes_of_all_magnitudes() -> impl Iterator<Item = f64> {
+    (0..60).map(|i| match i {
+        0 => 5e-324,
+        1 => 1e-300,
+        i => f64::powi(2.0, -(i * 7 % 40) + 1),
+    })
+}
