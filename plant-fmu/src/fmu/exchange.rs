@@ -135,15 +135,7 @@ impl ModelExchange for DualArmPlant {
     }
 
     fn step_completed(&mut self, moment: &mut Moment<'_>) -> Result<Completed, Failure> {
-        if !self.told_of_contact
-            && let Some(plant) = &self.plant
-        {
-            let forces = plant.direct(&self.inputs).contact_force;
-            if Self::is_pulled(forces) {
-                self.told_of_contact = true;
-                Self::tell_of_lost_contact(moment.time, forces, |text| moment.warn(text));
-            }
-        }
+        self.watch_contact(moment.time, |text| moment.warn(text));
         Ok(Completed::Continue)
     }
 

@@ -107,6 +107,19 @@ impl DualArmPlant {
         contact_force[0].min(contact_force[1]) < -Self::TENSION
     }
 
+    /// Tells the user when a tip is pulled, once.
+    fn watch_contact(&mut self, time: f64, warn: impl FnOnce(fmt::Arguments<'_>)) {
+        if self.told_of_contact {
+            return;
+        }
+        let Some(plant) = &self.plant else { return };
+        let forces = plant.direct(&self.inputs).contact_force;
+        if Self::is_pulled(forces) {
+            self.told_of_contact = true;
+            Self::tell_of_lost_contact(time, forces, warn);
+        }
+    }
+
     #[cold]
     fn tell_of_lost_contact(time: f64, contact_force: [f64; 2], warn: impl FnOnce(fmt::Arguments<'_>)) {
         let [first, second] = contact_force;
@@ -222,14 +235,8 @@ impl Model for DualArmPlant {
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
         plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)?;
-        if !self.told_of_contact {
-            let forces = plant.direct(&self.inputs).contact_force;
-            if Self::is_pulled(forces) {
-                self.told_of_contact = true;
-                Self::tell_of_lost_contact(step.time + step.size, forces, |text| step.warn(text));
-            }
-        }
         let limited = plant.limited(&self.inputs);
+        self.watch_contact(step.time + step.size, |text| step.warn(text));
         if limited[0] | limited[1] | limited[2] {
             self.limited(step, limited);
         } else {
