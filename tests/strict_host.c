@@ -14,6 +14,12 @@
  *   load DONE FILE              goes on from such states, which stand after so many steps
  *   run STEPS SIZE              initialises and runs; the last line
  *
+ * Model exchange: what comes after
+ *
+ *   exchange                    makes the following slaves for it
+ *   size S STATES INDICATORS    how many continuous states and event indicators slave S has
+ *   integrate STEPS SIZE        initialises and integrates all as one system; the last line instead of `run`
+ *
  * Prints the values asked for, one a line, and then the number of warnings the loggers were told. Two other last lines:
  *
  *   panic VR VALUE              slave 0 panics in a step when this integer is set; the host must live on, and the slave
@@ -41,9 +47,22 @@ typedef struct {
     void *environment;
 } Callbacks;
 
+typedef struct { int again, terminate, nominals, states, has_next_time; double next_time; } EventInfo;
+
 typedef struct {
     Component c;
     void *library;
+    /* Of model exchange: where its states are among those of all. */
+    size_t states, first, indicators, first_indicator;
+    int (*enter_event_mode)(Component);
+    int (*new_discrete_states)(Component, EventInfo *);
+    int (*enter_continuous_time_mode)(Component);
+    int (*completed)(Component, int, int *, int *);
+    int (*set_time)(Component, double);
+    int (*set_states)(Component, const double *, size_t);
+    int (*get_states)(Component, double *, size_t);
+    int (*get_derivatives)(Component, double *, size_t);
+    int (*get_indicators)(Component, double *, size_t);
     int (*setup)(Component, int, double, double, int, double);
     int (*enter)(Component);
     int (*leave)(Component);
@@ -66,13 +85,15 @@ typedef struct { int from, to; Reference output, input; } Wire;
 typedef struct { long step; int slave; Reference input; double value; } Drive;
 typedef struct { int slave; Reference output; } Read;
 
-enum { SLAVES = 8, WIRES = 64, DRIVES = 200000, READS = 64 };
+enum { STATES = 1000, SLAVES = 8, WIRES = 64, DRIVES = 200000, READS = 64 };
 static Slave slaves[SLAVES];
 static Wire wires[WIRES];
 static Drive drives[DRIVES];
 static Read reads[READS];
 static int slave_count, wire_count, drive_count, read_count, warnings, errors;
 static long trace_every, steps_done;
+static int exchange;
+static size_t state_count, indicator_count;
 static char save_to[4096], load_from[4096];
 
 static void fail(const char *what, double time, int status) {
@@ -135,7 +156,18 @@ static void open_slave(const char *path, const char *guid) {
     *(void **)&s->serialize = symbol(library, "fmi2SerializeFMUstate");
     *(void **)&s->deserialize = symbol(library, "fmi2DeSerializeFMUstate");
     *(void **)&s->free = symbol(library, "fmi2FreeInstance");
-    s->c = instantiate(name, 1, guid, "", &callbacks, 0, 1);
+    if (exchange) {
+        *(void **)&s->enter_event_mode = symbol(library, "fmi2EnterEventMode");
+        *(void **)&s->new_discrete_states = symbol(library, "fmi2NewDiscreteStates");
+        *(void **)&s->enter_continuous_time_mode = symbol(library, "fmi2EnterContinuousTimeMode");
+        *(void **)&s->completed = symbol(library, "fmi2CompletedIntegratorStep");
+        *(void **)&s->set_time = symbol(library, "fmi2SetTime");
+        *(void **)&s->set_states = symbol(library, "fmi2SetContinuousStates");
+        *(void **)&s->get_states = symbol(library, "fmi2GetContinuousStates");
+        *(void **)&s->get_derivatives = symbol(library, "fmi2GetDerivatives");
+        *(void **)&s->get_indicators = symbol(library, "fmi2GetEventIndicators");
+    }
+    s->c = instantiate(name, exchange ? 0 : 1, guid, "", &callbacks, 0, 1);
     if (!s->c) fail("fmi2Instantiate", 0, -1);
 }
 
@@ -263,9 +295,115 @@ static void run(long steps, double size) {
     printf("%d\n", warnings);
 }
 
+/* Sets time and states of all, and what they tell each other then. */
+static void put(double time, const double *z) {
+    for (int i = 0; i < slave_count; i++) {
+        Slave *s = &slaves[i];
+        ok(s->set_time(s->c, time), "fmi2SetTime", time);
+        ok(s->set_states(s->c, z + s->first, s->states), "fmi2SetContinuousStates", time);
+    }
+    for (int i = 0; i < slave_count; i++) hand_on(i, time);
+}
+
+static void rates(double time, const double *z, double *dz) {
+    put(time, z);
+    for (int i = 0; i < slave_count; i++) {
+        Slave *s = &slaves[i];
+        ok(s->get_derivatives(s->c, dz + s->first, s->states), "fmi2GetDerivatives", time);
+    }
+}
+
+/* On which side of zero the event indicators are; whether that is elsewhere than before. */
+static int look(int *sides, double time) {
+    static double values[STATES];
+    int moved = 0;
+    for (int i = 0; i < slave_count; i++) {
+        Slave *s = &slaves[i];
+        ok(s->get_indicators(s->c, values + s->first_indicator, s->indicators), "fmi2GetEventIndicators", time);
+    }
+    for (size_t i = 0; i < indicator_count; i++) {
+        moved |= sides[i] != (values[i] > 0);
+        sides[i] = values[i] > 0;
+    }
+    return moved;
+}
+
+/* Brings all discrete states up to date; the slaves are in event mode. */
+static void update(double *z, double time) {
+    for (int i = 0; i < slave_count; i++) {
+        Slave *s = &slaves[i];
+        EventInfo info = {1, 0, 0, 0, 0, 0.0};
+        while (info.again) {
+            ok(s->new_discrete_states(s->c, &info), "fmi2NewDiscreteStates", time);
+            if (info.terminate) fail("a slave wants to end", time, 0);
+        }
+        ok(s->enter_continuous_time_mode(s->c), "fmi2EnterContinuousTimeMode", time);
+    }
+    for (int i = 0; i < slave_count; i++) hand_on(i, time);
+    for (int i = 0; i < slave_count; i++) {
+        Slave *s = &slaves[i];
+        ok(s->get_states(s->c, z + s->first, s->states), "fmi2GetContinuousStates", time);
+    }
+}
+
+/* All slaves as one system, by the classical Runge-Kutta method; events at the ends of steps, as the Reference FMUs' fmusim. */
+static void integrate(long steps, double h) {
+    static double z[STATES], x[STATES], k[4][STATES];
+    static int sides[STATES];
+    size_t n = state_count;
+    int events = 0;
+    for (int i = 0; i < slave_count; i++) start(&slaves[i], 1, steps * h);
+    for (int i = 0; i < slave_count; i++) hand_on(i, 0);
+    for (int i = 0; i < slave_count; i++) ok(slaves[i].leave(slaves[i].c), "fmi2ExitInitializationMode", 0);
+    update(z, 0);
+    look(sides, 0);
+    for (long step = 0; step < steps; step++) {
+        double time = step * h;
+        int event;
+        rates(time, z, k[0]);
+        for (size_t i = 0; i < n; i++) x[i] = z[i] + h / 2 * k[0][i];
+        rates(time + h / 2, x, k[1]);
+        for (size_t i = 0; i < n; i++) x[i] = z[i] + h / 2 * k[1][i];
+        rates(time + h / 2, x, k[2]);
+        for (size_t i = 0; i < n; i++) x[i] = z[i] + h * k[2][i];
+        rates(time + h, x, k[3]);
+        for (size_t i = 0; i < n; i++) z[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
+        put(time + h, z);
+        event = look(sides, time + h);
+        for (int i = 0; i < slave_count; i++) {
+            int wants_event = 0, wants_end = 0;
+            ok(slaves[i].completed(slaves[i].c, 1, &wants_event, &wants_end), "fmi2CompletedIntegratorStep", time + h);
+            if (wants_end) fail("a slave wants to end", time + h, 0);
+            event |= wants_event;
+        }
+        if (event) {
+            for (int i = 0; i < slave_count; i++)
+                ok(slaves[i].enter_event_mode(slaves[i].c), "fmi2EnterEventMode", time + h);
+            update(z, time + h);
+            look(sides, time + h);
+            events++;
+        }
+        if (trace_every && (step + 1) % trace_every == 0) trace(time + h);
+    }
+    for (int i = 0; i < slave_count; i++) {
+        ok(slaves[i].terminate(slaves[i].c), "fmi2Terminate", steps * h);
+        slaves[i].free(slaves[i].c);
+    }
+    printf("%d\n", events);
+}
+
+/* How many states and event indicators a slave has. */
+static void set_size(int slave, unsigned states, unsigned indicators) {
+    Slave *s = &slaves[slave];
+    s->states = states, s->first = state_count, state_count += states;
+    s->indicators = indicators, s->first_indicator = indicator_count, indicator_count += indicators;
+    if (state_count > STATES || indicator_count > STATES) fail("too many states", 0, -1);
+}
+
 int main(void) {
     static char line[4096], path[4096], guid[64];
     int slave, integer;
+    unsigned states, indicators;
     long count;
     double value;
     while (fgets(line, sizeof line, stdin)) {
@@ -297,6 +435,13 @@ int main(void) {
         } else if (sscanf(line, "cycles %ld %63s %4095[^\r\n]", &count, guid, path) == 3) {
             for (long i = 0; i < count; i++) cycle(path, guid);
             printf("%ld\n", count);
+            return 0;
+        } else if (strncmp(line, "exchange", 8) == 0) {
+            exchange = 1;
+        } else if (sscanf(line, "size %d %u %u", &slave, &states, &indicators) == 3) {
+            set_size(slave, states, indicators);
+        } else if (sscanf(line, "integrate %ld %lf", &count, &value) == 2) {
+            integrate(count, value);
             return 0;
         } else if (sscanf(line, "run %ld %lf", &count, &value) == 2) {
             run(count, value);

@@ -21,6 +21,7 @@ import pytest
 from .judges import different, read_table
 from .judges.rust_fmi import UnavailableError, program
 from .support.contract import CONTROLLERS, FMUS
+from .support.exchange import Grasp, Model, fixed_steps
 from .support.harness import CoSimulation, Fmu
 
 STEP, STEPS = 1e-4, 1000
@@ -53,6 +54,29 @@ def test_rust_fmi_gives_the_same_bits(controller: str, coupling: str, judge: Pat
     assert np.array_equal(theirs.time, ours.time)
     assert np.ptp(ours["theta1"]) > 1e-3  # something happened
     assert different(theirs, ours) == []
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+def test_rust_fmi_integrates_with_the_same_bits(controller: str, judge: Path, fmus: dict[str, Fmu]) -> None:
+    """By model exchange as one system: the states, rates and events of our own host."""
+    pair, size, steps = (fmus["DualArmPlant"], fmus[controller]), 5e-6, 400
+    command = [judge, *(str(fmu.path) for fmu in pair), "exchange", repr(size), str(steps)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    theirs = read_table(done.stdout)
+    with Model(pair[0]) as plant, Model(pair[1]) as law:
+        outputs = [model.reader(model.fmu.names("output", "Real")) for model in (plant, law)]
+        rows: list[list[float]] = []
+        fixed_steps(
+            Grasp(plant, law), size, steps, lambda t: rows.append([t, *(v for port in outputs for v in port.read())])
+        )
+    names = ["time", *(name for port in outputs for name in port.names)]
+    assert ["time", *theirs.signals] == names
+    ours = np.array(rows)
+    assert np.ptp(ours[:, names.index("theta1")]) > 1e-6  # something happened
+    assert np.array_equal(theirs.time, ours[:, 0])
+    for i, name in enumerate(names[1:], 1):
+        assert np.array_equal(theirs[name], ours[:, i]), name
 
 
 @pytest.mark.parametrize("name", FMUS)

@@ -12,9 +12,10 @@ from fmpy import simulate_fmu
 from fmpy.fmi1 import FMICallException
 
 from .oracle import exchange as monolith
+from .support import exponential
 from .support.contract import MEASURED
 from .support.exchange import Grasp, Model, integrate
-from .support.harness import CoSimulation, Fmu
+from .support.harness import Fmu
 from .support.paths import description, fmu_path
 
 CONTROLLERS = ("NabfcController", "PdsController", "PdController")
@@ -56,18 +57,41 @@ def test_the_description_offers_both_interfaces(name: str) -> None:
 
 
 def test_fmpy_integrates_the_plant_with_cvode() -> None:
-    """Against co-simulation, which is exact. CVode keeps 1e-9 of each state's nominal value a step, and takes 500 between outputs."""
+    """Against co-simulation, which is exact, over 0.2 s: what CVode is off falls with its tolerance, for forces, too.
+
+    Each step may err by the tolerance times a state's nominal value, 0.1 sqrt(J); a tip force is about 100
+    N/sqrt(J) times the bending modes, of which the first are hardly damped, so the errors of thousands of steps
+    stay. In the first 2 ms, in which the forces are below 1e-4 N, a tolerance of 1e-9 leaves them 7 % off.
+    """
+    stop, rows = 0.2, 1000
     torque = {"tau1_cmd": 0.05, "tau2_cmd": -0.05}
-    outputs = ("theta1", "y_object", "energy", "supplied_energy")
-    common = dict(filename=str(fmu_path("DualArmPlant")), stop_time=0.002, output=outputs, start_values=torque)
-    exact = simulate_fmu(fmi_type="CoSimulation", output_interval=1e-4, **common)
-    found = simulate_fmu(
-        fmi_type="ModelExchange", solver="CVode", output_interval=1e-4, relative_tolerance=1e-9, record_events=False, **common
+    # What a tolerance of 1e-11 leaves, in parts of the largest value.
+    smooth = dict.fromkeys(("theta1", "theta2", "y_object", "supplied_energy"), 1e-9)
+    forces = dict.fromkeys(("tip_shear1", "tip_shear2", "contact_force1", "contact_force2"), 2e-5)
+    limits = {**smooth, "energy": 1e-6, "root_moment1": 1e-6, "root_moment2": 1e-6, **forces}
+    common: dict[str, Any] = dict(
+        filename=str(fmu_path("DualArmPlant")),
+        stop_time=stop,
+        output=list(limits),
+        start_values=torque,
+        output_interval=stop / rows,
     )
-    for name in outputs:
-        values, expected = np.array(found[name]).view(np.ndarray), np.array(exact[name]).view(np.ndarray)
-        # In 2 ms the motion is a ten-thousandth of the nominal values.
-        assert np.abs(values - expected).max() < 1e-3 * np.abs(expected).max(), name
+    exact = simulate_fmu(fmi_type="CoSimulation", **common)
+    assert len(exact) == rows + 1
+
+    def errors(tolerance: float) -> dict[str, float]:
+        # CVode takes at most 500 steps from one row to the next.
+        found = simulate_fmu(
+            fmi_type="ModelExchange", solver="CVode", relative_tolerance=tolerance, record_events=False, **common
+        )
+        assert np.array(found["time"]) == pytest.approx(np.array(exact["time"]), abs=1e-12)
+        return {n: np.abs(np.array(found[n]) - exact[n]).max() / np.abs(np.array(exact[n])).max() for n in limits}
+
+    coarse, fine = errors(1e-9), errors(1e-11)
+    for name, limit in limits.items():
+        assert fine[name] < limit, name
+        # A hundredth of the tolerance, with an order of 4 or 5: at least ten times better.
+        assert fine[name] < 0.1 * coarse[name] or fine[name] < 1e-12, name
 
 
 @pytest.mark.parametrize("name", ("DualArmPlant", *CONTROLLERS))
@@ -99,63 +123,44 @@ def test_the_jacobian_is_that_of_the_derivatives_and_outputs(name: str, fmus: di
             assert np.abs(exact - quotient) / scale == pytest.approx(0, abs=1e-6)
 
 
-@pytest.mark.parametrize("case", ("nabfc", "nabfc_saturated", "pds_saturated", "pd_saturated"))
+@pytest.mark.parametrize("case", ("nabfc_saturated", "pds", "pds_saturated", "pd", "pd_saturated"))
 def test_wired_into_one_system_the_grasp_is_the_monolithic_solution(
     case: str, fmus: dict[str, Fmu], oracle: dict[str, Any]
 ) -> None:
-    """No communication step: plant and controller under one solver, events located, to 1e-9 of each output's largest value."""
+    """No communication step: both under one solver for 50 ms, events located, to 1e-9 of each output's largest value.
+
+    PD and PDS by a solver that lives by the FMUs' Jacobian; NABFC, whose Jacobian has hundreds of rows, by an
+    explicit one. It passes its limit late, at 48 ms.
+    """
     solution = oracle[case]
-    name = solution["controller"]
-    plant, law = fmus["DualArmPlant"], fmus[name]
-    with Model(plant) as arms, Model(law) as controller:
+    name, rows = solution["controller"], solution["at"]
+    with Model(fmus["DualArmPlant"]) as arms, Model(fmus[name]) as controller:
         grasp = Grasp(arms, controller)
         own = {**PAPER[name], "lambda1_ref": solution["lambda1_ref"], "theta1_ref": solution["theta1_ref"]}
         for model, settings in ((arms, {}), (controller, own)):
             model.set(**{k: v for k, v in {**solution["settings"], **settings}.items() if k in model.fmu.variables})
-        z, names, found = grasp.start(), monolith.OUTPUTS, []
+        names, found = monolith.OUTPUTS, []
         outputs = arms.reader(names)
 
         def at(_t: float, z: np.ndarray) -> None:
             grasp.put(z)
             found.append(outputs.read())
 
-        # 10 ms: every millisecond costs SciPy two thousand evaluations. The saturations of PD and PDS are in the first of them.
-        rows = solution["at"][:1]
         times = [row["t"] for row in rows]
-        nominal = np.concatenate([arms.nominals, controller.nominals])
-        events = integrate(
-            grasp.rates, z, times[-1], times, grasp.indicators, grasp.event, at, rtol=1e-11, atol=1e-15 * nominal
-        )
+        if name == "NabfcController":
+            nominal = np.concatenate([arms.nominals, controller.nominals])
+            options = {"rtol": 1e-11, "atol": 1e-15 * nominal}
+            z = grasp.start()
+            events = integrate(grasp.rates, z, times[-1], times, grasp.indicators, grasp.event, at, **options)
+        else:
+            events = exponential.integrate(grasp, times[-1], times, at, 1e-10)
     expected = np.array([[row[output] for output in names] for row in rows])
-    scale = np.abs([[row[output] for output in names] for row in solution["at"]]).max(axis=0)
+    scale = np.abs(expected).max(axis=0)
     error = np.array([solution["error"][output] for output in names])
     assert np.all(np.abs(np.array(found) - expected) < 1e-9 * scale + error), np.abs(np.array(found) - expected) / scale
     # Of the plant's and the law's events some are the commands' at the actuators' limits.
-    for time in (time for time in solution["events"] if time < times[-1]):
+    for time in solution["events"]:
         assert min(abs(time - event) for event in events) < 1e-10 + solution["event_error"], time
-
-
-def test_the_default_law_is_the_limit_of_its_samples(fmus: dict[str, Fmu]) -> None:
-    """NABFC's own law has no monolithic solution here: co-simulation at two steps, whose errors are of first order, leads to it."""
-    names, stop = monolith.OUTPUTS, 0.005
-    ends = []
-    for step in (2e-5, 1e-5):
-        with CoSimulation([fmus["DualArmPlant"], fmus["NabfcController"]], "gauss_seidel") as sampled:
-            run = sampled.run(stop, step, names, round(stop / step))
-            ends.append(np.array([run[name][-1] for name in names]))
-    limit, step_error = 2 * ends[1] - ends[0], np.abs(ends[1] - ends[0])
-    with Model(fmus["DualArmPlant"]) as arms, Model(fmus["NabfcController"]) as controller:
-        grasp, outputs, found = Grasp(arms, controller), arms.reader(names), []
-        z = grasp.start()
-
-        def at(_t: float, z: np.ndarray) -> None:
-            grasp.put(z)
-            found.append(outputs.read())
-
-        nominal = np.concatenate([arms.nominals, controller.nominals])
-        integrate(grasp.rates, z, stop, [stop], grasp.indicators, grasp.event, at, rtol=1e-9, atol=1e-11 * nominal)
-    # What is left is of second order: a small share of what the last halving changed.
-    assert np.all(np.abs(found[0] - limit) < 0.1 * step_error + 1e-8 * np.abs(limit)), np.abs(found[0] - limit) / step_error
 
 
 def test_saved_states_of_model_exchange_lead_back_to_the_same_bits(fmus: dict[str, Fmu]) -> None:

@@ -1,12 +1,16 @@
 //! Runs plant and controller with the `fmi` crate of rust-fmi, wired by equal names, and prints a CSV table.
 //!
 //! ```text
-//! rust-fmi-judge <PLANT.fmu> <CONTROLLER.fmu> <gauss-seidel | jacobi> <STEP> <STEPS>
+//! rust-fmi-judge <PLANT.fmu> <CONTROLLER.fmu> <gauss-seidel | jacobi | exchange> <STEP> <STEPS>
 //! ```
+//!
+//! With `exchange` it integrates both as one system by model exchange: see the module of that name.
 //!
 //! Numbers are printed so that they read back as the same double. The table is for comparison with another importer
 //! that makes the same calls in the same order, so nothing is rounded or interpolated. Half way through, both states are
 //! serialised and the run goes on in new instances that were given the bytes.
+
+mod exchange;
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -35,10 +39,13 @@ fn main() -> ExitCode {
 
 fn run(arguments: &[String]) -> Anyhow<String> {
     let [plant, controller, coupling, step, steps] = arguments else {
-        return Err("usage: rust-fmi-judge PLANT.fmu CONTROLLER.fmu gauss-seidel|jacobi STEP STEPS".into());
+        return Err("usage: rust-fmi-judge PLANT.fmu CONTROLLER.fmu gauss-seidel|jacobi|exchange STEP STEPS".into());
     };
     let (step, steps): (f64, u32) = (step.parse()?, steps.parse()?);
     let imports: [Fmi2Import; 2] = [fmi::import::from_path(plant)?, fmi::import::from_path(controller)?];
+    if coupling == "exchange" {
+        return exchange::run(&imports, step, steps);
+    }
     let mut slaves = [Slave::new(&imports[0])?, Slave::new(&imports[1])?];
     let wires = [Wire::new(&slaves[0], &slaves[1]), Wire::new(&slaves[1], &slaves[0])];
     let jacobi = match coupling.as_str() {
@@ -97,6 +104,15 @@ fn run(arguments: &[String]) -> Anyhow<String> {
     Ok(table)
 }
 
+/// Names and value references of all real inputs or outputs.
+fn reals(import: &Fmi2Import, causality: Causality) -> Vec<(String, u32)> {
+    let variables = &import.model_description().model_variables.variables;
+    let wanted = |variable: &&ScalarVariable| {
+        variable.causality == causality && matches!(variable.elem, ScalarVariableElement::Real(_))
+    };
+    variables.iter().filter(wanted).map(|v| (v.name.clone(), v.value_reference)).collect()
+}
+
 /// One FMU as rust-fmi sees it.
 struct Slave {
     instance: InstanceCS,
@@ -107,17 +123,12 @@ struct Slave {
 
 impl Slave {
     fn new(import: &Fmi2Import) -> Anyhow<Self> {
-        let description = import.model_description();
-        let real = |causality: Causality| {
-            description.model_variables.variables.iter().filter(move |variable: &&ScalarVariable| {
-                variable.causality == causality && matches!(variable.elem, ScalarVariableElement::Real(_))
-            })
-        };
+        let (output_names, outputs) = reals(import, Causality::Output).into_iter().unzip();
         Ok(Self {
-            instance: InstanceCS::new(import, &description.model_name, false, true)?,
-            inputs: real(Causality::Input).map(|v| (v.name.clone(), v.value_reference)).collect(),
-            output_names: real(Causality::Output).map(|v| v.name.clone()).collect(),
-            outputs: real(Causality::Output).map(|v| v.value_reference).collect(),
+            instance: InstanceCS::new(import, &import.model_description().model_name, false, true)?,
+            inputs: reals(import, Causality::Input).into_iter().collect(),
+            output_names,
+            outputs,
         })
     }
 
