@@ -404,12 +404,15 @@ def test_a_summary_lists_every_wire_within_80_columns() -> None:
 
 def test_a_page_of_a_search(tmp_path: Path) -> None:
     page, preset = tmp_path / "page.html", tmp_path / "preset.toml"
-    options = ["--evaluations", "8", "--cases", "undisturbed,light", "-p", "kp=50..2000", "-p", "kv=2..200"]
+    # All gains it has, as nothing names some.
+    options = ["--evaluations", "8", "--cases", "undisturbed,light"]
     done = dualarm("tune", "-c", "pd-tuned", *options, "--out", str(preset), "--report", str(page), "--workers", "1")
     assert done.returncode == 0, done.stderr
     text = page.read_text(encoding="utf-8")
     for part in ("Gains", "Cases, after the search", "The way of the search", "after the search", "--evaluations 8"):
         assert part in text
+    gains = preset.read_text(encoding="utf-8")
+    assert all(f"{gain} =" in gains for gain in ("kp", "kv", "kp1", "kv1", "kp2", "kv2"))
 
 
 TANK = '''

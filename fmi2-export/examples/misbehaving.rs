@@ -40,6 +40,8 @@ fmi2_export::enumeration! {
         UpdateFails = "update fails": "The discrete states cannot be updated",
         UpdatePanics = "update panics": "Updating the discrete states panics",
         UpdateNeverEnds = "update never ends": "It wants to be repeated forever, and the simulation to end",
+        UpdateLosesTime = "update loses time": "It says that its next event comes at NaN",
+        UpdateNeverComes = "update never comes": "It says that its next event comes at infinity",
         CompletedFails = "completed fails": "A completed step is not taken well",
         CompletedPanics = "completed panics": "A completed step makes it panic",
         CompletedEnds = "completed ends": "After a completed step it wants the simulation to end",
@@ -264,6 +266,8 @@ impl ModelExchange for Misbehaving {
         match self.fault {
             Fault::UpdateFails => Err(Failure::discard("update")),
             Fault::UpdatePanics => panic!("update"),
+            Fault::UpdateLosesTime => Ok(EventUpdate { next_time: Some(f64::NAN), ..EventUpdate::default() }),
+            Fault::UpdateNeverComes => Ok(EventUpdate { next_time: Some(f64::INFINITY), ..EventUpdate::default() }),
             Fault::UpdateNeverEnds => Ok(EventUpdate { again: true, terminate: true, next_time: None }),
             Fault::StepWarns => {
                 moment.warn(format_args!("100 %s of #r1#"));

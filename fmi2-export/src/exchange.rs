@@ -118,7 +118,7 @@ pub struct EventUpdate {
     pub again: bool,
     /// The simulation is at its end.
     pub terminate: bool,
-    /// When the next event comes for certain (s), if one does.
+    /// When the next event comes for certain (s), if one does. Infinity is as good as none; NaN is a failure.
     pub next_time: Option<f64>,
 }
 

@@ -170,6 +170,9 @@ impl<M: Model> Layout<M> {
             layout.add(index, variable);
         }
         layout.variables = list;
+        // Grown by doubling, and kept as long as there are instances.
+        layout.variables.shrink_to_fit();
+        layout.reals.shrink_to_fit();
         if let Some(exchange) = exchange {
             layout.add_continuous(exchange, indicators);
         }

@@ -166,12 +166,22 @@ pub enum Failure {
     /// It cannot be done (`fmi2Error`).
     #[error("{0}")]
     Error(String),
+    /// What all instances share is beyond repair (`fmi2Fatal`): the host can call no function of the FMU any more, for none of its
+    /// instances, and has to load it anew. A model that shares nothing has no use for it. A panic is no reason: it ends one
+    /// instance, and a reset starts it again.
+    #[error("{0}")]
+    Fatal(String),
 }
 
 impl Failure {
     /// [`Failure::Error`] from anything that displays.
     pub fn error(reason: impl std::fmt::Display) -> Self {
         Self::Error(reason.to_string())
+    }
+
+    /// [`Failure::Fatal`] from anything that displays.
+    pub fn fatal(reason: impl std::fmt::Display) -> Self {
+        Self::Fatal(reason.to_string())
     }
 
     /// [`Failure::Discard`] from anything that displays.

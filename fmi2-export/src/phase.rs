@@ -35,7 +35,7 @@ impl Kind {
 }
 
 /// State of an instance in the standard's state machines. `stepInProgress` and `stepCanceled` do not occur, because
-/// `fmi2DoStep` always finishes before it returns; `fatal` does not, because a failed instance never harms another.
+/// `fmi2DoStep` always finishes before it returns; `fatal` is no state of an instance but of the library: see `served`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Phase {
     Instantiated,

@@ -6,6 +6,7 @@
 //! A library can be loaded and unloaded many times in the life of a host, and the memory of statics is not freed then.
 //! So nothing here keeps memory once the last instance is gone.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
 use crate::handles::Handles;
@@ -108,13 +109,26 @@ impl<M: Model> Serve for Exported<M> {
 pub struct Served {
     pub(crate) models: &'static [&'static dyn Serve],
     pub(crate) states: Handles,
+    /// A model has said that what all instances share is beyond repair.
+    lost: AtomicBool,
 }
 
 impl Served {
     /// For a static.
     #[must_use]
     pub const fn new(models: &'static [&'static dyn Serve]) -> Self {
-        Self { models, states: Handles::new() }
+        Self { models, states: Handles::new(), lost: AtomicBool::new(false) }
+    }
+
+    /// Whether `fmi2Fatal` has been returned: then "it is not possible to call any other function for any of the FMU instances"
+    /// (FMI 2.0.4, section 2.1.3).
+    pub(crate) fn is_lost(&self) -> bool {
+        self.lost.load(Ordering::Relaxed)
+    }
+
+    /// For as long as the library stays loaded.
+    pub(crate) fn lose(&self) {
+        self.lost.store(true, Ordering::Relaxed);
     }
 }
 

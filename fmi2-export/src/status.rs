@@ -1,5 +1,7 @@
 //! How a call went (FMI 2.0.4, section 2.1.3).
 
+use crate::model::Failure;
+
 /// `fmi2Status`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +14,7 @@ pub enum Status {
     Discard = 2,
     /// Refused or failed.
     Error = 3,
-    /// All instances are corrupted. Never returned here.
+    /// What all instances share is beyond repair: only where a model says so ([`Failure::Fatal`]).
     Fatal = 4,
     /// Runs in the background. Never returned here.
     Pending = 5,
@@ -28,6 +30,12 @@ pub(crate) struct Refusal {
 impl Refusal {
     pub fn error(message: impl Into<String>) -> Self {
         Self { status: Status::Error, message: message.into() }
+    }
+
+    /// Of a model that could not do something that a host cannot retry in another way: only steps and states are discarded.
+    pub fn of(failure: &Failure) -> Self {
+        let status = if matches!(failure, Failure::Fatal(_)) { Status::Fatal } else { Status::Error };
+        Self { status, message: failure.to_string() }
     }
 
     pub fn discard(message: impl Into<String>) -> Self {

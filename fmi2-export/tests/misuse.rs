@@ -351,7 +351,7 @@ fn one_bad_value_of_several_changes_none() {
         let texts = [c"a".as_ptr(), c"b".as_ptr()];
         refused(&slave, "", || fmu.fmi2SetString(c, [INPUT, vr].as_ptr(), 2, texts.as_ptr()));
     }
-    for bad in [0, 35, -1, c_int::MAX, c_int::MIN] {
+    for bad in [0, 37, -1, c_int::MAX, c_int::MIN] {
         refused(&slave, "is no item of Fault", || {
             fmu.fmi2SetInteger(c, [INPUT + INTEGER, FAULT].as_ptr(), 2, [2, bad].as_ptr())
         });
@@ -800,6 +800,26 @@ fn a_model_that_cannot_compute_is_heard_of_and_the_solver_may_try_again() {
     assert_eq!(slave.set_integer(FAULT, Fault::StepWarns as i32), OK);
     assert_eq!(slave.update(), EventInfo { has_next_time: 1, next_time: 1.0, ..EventInfo::default() });
     assert_eq!(slave.message(), "100 %%s of ##r1##");
+    let slave = bring_exchange(&fmu, guid, ExchangeState::EventMode);
+    assert_eq!(slave.set_integer(FAULT, Fault::UpdateNeverComes as i32), OK);
+    assert_eq!(slave.update(), EventInfo::default());
+    for (fault, says) in [
+        (Fault::UpdateLosesTime, "its next event comes at t = NaN"),
+        (Fault::StepGivesNan, "state is NaN after an event at t = 0.0 s"),
+    ] {
+        let slave = bring_exchange(&fmu, guid, ExchangeState::EventMode);
+        assert_eq!(slave.set_integer(FAULT, fault as i32), OK);
+        let mut info = EventInfo { again: 7, ..EventInfo::default() };
+        assert_eq!(fmu.fmi2NewDiscreteStates(slave.component, &raw mut info), ERROR);
+        assert!(slave.message().contains(says), "{}", slave.message());
+        assert_eq!(info.again, 7, "written though failed");
+        assert_eq!(
+            fmu.fmi2EnterContinuousTimeMode(slave.component),
+            ERROR,
+            "nothing leads on but a saved state or a reset"
+        );
+    }
+    let slave = with(Fault::None);
     let mut nominal = f64::NAN;
     assert_eq!(fmu.fmi2GetNominalsOfContinuousStates(slave.component, &raw mut nominal, 1), OK);
     assert_eq!(nominal, 2.0, "an order of magnitude has no sign");

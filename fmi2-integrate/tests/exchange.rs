@@ -204,6 +204,28 @@ fn time_events_come_when_they_were_said_to() {
 }
 
 #[test]
+fn the_time_may_go_back_and_a_saved_state_knows_the_next_event() {
+    let fmu = load();
+    let (slave, other) = (exchange(&fmu, STAIRS), exchange(&fmu, STAIRS));
+    slave.initialize();
+    slave.update();
+    // A solver looks ahead and comes back; nothing has happened before it says so.
+    for time in [1.5, 0.25, -1.0, 1.0] {
+        assert_eq!(slave.set_time(time), OK);
+    }
+    assert_eq!(fmu.fmi2EnterEventMode(slave.component), OK);
+    assert_eq!(slave.update().next_time, 2.0);
+    assert_eq!(other.load(&slave.blob()), OK);
+    let mut y = 0;
+    assert_eq!(fmu.fmi2GetInteger(other.component, &2, 1, &mut y), OK);
+    assert_eq!(y, 1);
+    assert_eq!(other.set_time(3.0), OK);
+    assert_eq!(fmu.fmi2EnterEventMode(other.component), OK);
+    let info = other.update();
+    assert_eq!((info.next_time, info.states_changed), (4.0, 0), "both events that were due, and no states to change");
+}
+
+#[test]
 fn the_description_has_what_a_host_needs() {
     let xml = models::FMUS.models()[BALL].description().unwrap().xml;
     for part in [

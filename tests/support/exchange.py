@@ -13,10 +13,11 @@ import numpy as np
 from fmpy.fmi2 import FMU2Model, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from .contract import COMMANDS, MEASURED
-from .slave import Fmu, Message, Slave
+from .slave import Fmu, FmuError, Message, Slave
 
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 REFERENCES = ctypes.POINTER(ctypes.c_uint)
+DISCARD = 2
 
 
 class EventInfo(ctypes.Structure):
@@ -178,9 +179,14 @@ class Grasp:
         self.exchange()
 
     def rates(self, _t: float, z: np.ndarray) -> np.ndarray:
-        """The right-hand side."""
-        self.put(z)
-        return np.concatenate([self.plant.rates(), self.controller.rates()])
+        """The right-hand side; NaN where a model discards states, so that the solver tries a shorter step."""
+        try:
+            self.put(z)
+            return np.concatenate([self.plant.rates(), self.controller.rates()])
+        except FmuError as error:
+            if error.status != DISCARD:
+                raise
+            return np.full_like(z, np.nan)
 
     def jacobian(self, _t: float, z: np.ndarray) -> np.ndarray:
         """Its exact derivative, from the directional derivatives of both."""

@@ -29,6 +29,8 @@ TYPES = {"Real": ctypes.c_double, "Integer": ctypes.c_int, "Enumeration": ctypes
 class FmuError(Exception):
     """A call to an FMU did not return OK; the text holds what the FMU logged."""
 
+    status = 0
+
 
 class Fmu:
     """An unpacked FMU with its description; instances are made from it. Removed from disk by `close`."""
@@ -100,7 +102,9 @@ class Slave:
             status = function(component, *arguments)
             if status != OK:
                 said = "; ".join(message.text for message in self.log[-3:])
-                raise FmuError(f"{self.name}: {name} returned status {status}: {said}")
+                error = FmuError(f"{self.name}: {name} returned status {status}: {said}")
+                error.status = status
+                raise error
 
         return call
 

@@ -207,10 +207,11 @@ fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
     let fmu = lab.fmu(&contender.fmu).map_err(CellError::from)?;
     let description = fmu.description();
     let mut dimensions = if arguments.parameters.is_empty() {
-        // The two laws of NABFC have gains of their own in one FMU.
+        // The two laws of NABFC have gains of their own in one FMU; whatever has no choice of laws uses all it has.
         let law = contender.settings.iter().rev().find(|setting| setting.target == "law");
         let has_root_strain = law.is_none_or(|law| ["root_strain", "2"].contains(&law.value.to_string().as_str()));
-        Dimension::gains(description, |name| name.starts_with("r_") == has_root_strain)?
+        let has_laws = description.variables.iter().any(|variable| variable.name == "law");
+        Dimension::gains(description, |name| !has_laws || name.starts_with("r_") == has_root_strain)?
     } else {
         let parse = |text: &String| Dimension::parse(text, description);
         arguments.parameters.iter().map(parse).collect::<Result<_, _>>()?

@@ -60,17 +60,33 @@ pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outc
     let Some(shared) = (unsafe { occupy(component) }) else { return Status::Error };
     // SAFETY: `busy` was false, so this is the only reference until it is false again.
     let instance = unsafe { &mut *shared.instance.get() };
-    let status = match guarded(|| run(instance)) {
-        Ok(Ok(())) => Status::Ok,
-        Ok(Err(refusal)) => refused(instance, &refusal),
-        Err(message) => panicked(instance, &message),
+    let status = if instance.library.is_lost() {
+        refused(instance, &lost())
+    } else {
+        match guarded(|| run(instance)) {
+            Ok(Ok(())) => Status::Ok,
+            Ok(Err(refusal)) => refused(instance, &refusal),
+            Err(message) => panicked(instance, &message),
+        }
     };
     shared.busy.store(false, Ordering::Release);
     status
 }
 
+/// Why nothing can be called any more.
 #[cold]
-fn refused(instance: &Instance, refusal: &Refusal) -> Status {
+pub fn lost() -> Refusal {
+    let message = "fmi2Fatal has been returned: nothing can be called for any instance of this FMU but fmi2FreeInstance, until it is \
+                   loaded anew";
+    Refusal { status: Status::Fatal, message: message.into() }
+}
+
+#[cold]
+fn refused(instance: &mut Instance, refusal: &Refusal) -> Status {
+    if refusal.status == Status::Fatal {
+        instance.library.lose();
+        instance.slave.poison();
+    }
     instance.logger.log(refusal.status, Category::of(refusal.status), format_args!("{}", refusal.message));
     refusal.status
 }

@@ -7,7 +7,7 @@ use std::ptr;
 use std::sync::atomic::AtomicBool;
 
 use super::arguments::{strings, text};
-use super::instance::{Instance, Shared, call, guarded, occupy};
+use super::instance::{Instance, Shared, call, guarded, lost, occupy};
 use super::logger::Logger;
 use super::panics;
 use super::types::{Boolean, CO_SIMULATION, CallbackFunctions, Component, MODEL_EXCHANGE};
@@ -67,10 +67,13 @@ pub unsafe fn instantiate(
             let guid = unsafe { text(guid, "fmuGUID") }?;
             // SAFETY: the host's promise.
             let location = if resource_location.is_null() { c"" } else { unsafe { CStr::from_ptr(resource_location) } };
+            if library.is_lost() {
+                return Err(lost());
+            }
             find_model(library, guid, kind, &Resources::located(location.to_bytes()))
         })
     });
-    let reason = match result {
+    let (status, reason) = match result {
         Ok(Ok((model, slave))) => {
             logger.log(Status::Ok, Category::Events, format_args!("instantiated"));
             let instance = UnsafeCell::new(Instance { library, model, logger, slave });
@@ -79,12 +82,15 @@ pub unsafe fn instantiate(
             unsafe { panics::watch(&raw const (*shared).busy) };
             return shared.cast();
         }
-        Ok(Err(refusal)) => refusal.message,
-        Err(message) => format!("internal error in the model: {message}"),
+        Ok(Err(refusal)) => (refusal.status, refusal.message),
+        Err(message) => (Status::Error, format!("internal error in the model: {message}")),
     };
+    if status == Status::Fatal {
+        library.lose();
+    }
     // "If a null pointer is returned, then functions->logger is called with detailed information about the reason."
     logger.enable_all();
-    logger.log(Status::Error, Category::Error, format_args!("fmi2Instantiate failed: {reason}"));
+    logger.log(status, Category::Error, format_args!("fmi2Instantiate failed: {reason}"));
     ptr::null_mut()
 }
 

@@ -48,16 +48,15 @@ impl<M: Model> BeIntegrated for Slave<M> {
         before.extend(self.layout.states(&mut self.state.model));
         let result = update(&mut self.state.model, &mut Moment::new(self.state.time, warn));
         self.state.stale = all();
-        let states_changed = match result {
-            Ok(_) => {
+        let result = match result {
+            Ok(update) => {
                 self.evaluate_states()?;
-                let now = self.layout.states(&mut self.state.model);
-                !now.map(f64::to_bits).eq(before.iter().map(|value| value.to_bits()))
+                self.after_event(update, &before)
             }
-            Err(_) => false,
+            Err(failure) => Err(failure),
         };
         self.values = before;
-        result.map(|update| EventInfo { update, states_changed }).map_err(|failure| self.failed(&failure))
+        result.map_err(|failure| self.failed(&failure))
     }
 
     fn enter_continuous_time_mode(&mut self) -> Outcome {
@@ -103,7 +102,10 @@ impl<M: Model> BeIntegrated for Slave<M> {
         }
         self.values = before;
         self.state.stale = all();
-        result.map_err(|failure| Refusal::discard(failure.to_string()))
+        result.map_err(|failure| match failure {
+            Failure::Fatal(_) => Refusal::of(&failure),
+            Failure::Discard(message) | Failure::Error(message) => Refusal::discard(message),
+        })
     }
 
     fn get_derivatives(&mut self, values: Out<'_, f64>) -> Outcome {
@@ -170,10 +172,34 @@ impl<M: Model> Slave<M> {
         self.evaluate(wanted)
     }
 
+    /// What the host is told after an event, if it can go on from there: no solver begins at NaN.
+    fn after_event(&mut self, mut update: EventUpdate, before: &[f64]) -> Result<EventInfo, Failure> {
+        let now = self.layout.states(&mut self.state.model);
+        let states_changed = !now.map(f64::to_bits).eq(before.iter().map(|value| value.to_bits()));
+        let broken = self.layout.states(&mut self.state.model).enumerate().find(|(_, value)| !value.is_finite());
+        if let Some((i, value)) = broken {
+            let slot = self.layout.continuous.as_ref().and_then(|continuous| continuous.states.get(i));
+            let name = slot.map_or("a state", |slot| self.name(&self.layout.reals[slot.state as usize].slot));
+            return Err(Failure::error(format_args!(
+                "{name} is {value:?} after an event at t = {:?} s",
+                self.state.time
+            )));
+        }
+        match update.next_time {
+            Some(time) if time.is_nan() => {
+                return Err(Failure::error("the model says that its next event comes at t = NaN"));
+            }
+            // Never, that is.
+            Some(f64::INFINITY) => update.next_time = None,
+            _ => {}
+        }
+        Ok(EventInfo { update, states_changed })
+    }
+
     /// What a host hears when the model cannot go on: the instance is at its end.
     fn failed(&mut self, failure: &Failure) -> Refusal {
         self.state.phase = Phase::Error;
-        Refusal::error(failure.to_string())
+        Refusal::of(failure)
     }
 
     /// Gives the host the numbers in `self.values`, if the model could compute them.

@@ -84,7 +84,7 @@ impl<M: Model> Slave<M> {
         let initialize = self.initializer();
         if let Err(failure) = initialize(&mut self.state.model, &experiment) {
             self.state.model = before;
-            return Err(Refusal::error(failure.to_string()));
+            return Err(Refusal::of(&failure));
         }
         self.state.uninitialized = false;
         self.state.stale = all();

@@ -63,7 +63,7 @@ impl<M: Model> State<M> {
     /// The model has been told where its files are.
     fn new(kind: Kind, resources: &Resources) -> Result<Self, Refusal> {
         let mut model = M::default();
-        model.resources(resources).map_err(|failure| Refusal::error(failure.to_string()))?;
+        model.resources(resources).map_err(|failure| Refusal::of(&failure))?;
         Ok(Self {
             kind,
             phase: Phase::Instantiated,

@@ -140,7 +140,7 @@ impl<M: Model> Slave<M> {
                     self.state.model = *old;
                 }
                 let undone = self.state.model.retuned();
-                return Err(Refusal::error(undone.err().unwrap_or(failure).to_string()));
+                return Err(Refusal::of(&undone.err().unwrap_or(failure)));
             }
             self.state.stale = all();
         } else if changed.inputs() {

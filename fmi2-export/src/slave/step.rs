@@ -38,9 +38,9 @@ impl<M: Model> Advance for Slave<M> {
                 self.state.phase = Phase::StepFailed;
                 Err(Refusal::discard(message))
             }
-            Err(Failure::Error(message)) => {
+            Err(failure) => {
                 self.state.phase = Phase::Error;
-                Err(Refusal::error(message))
+                Err(Refusal::of(&failure))
             }
         }
     }

@@ -55,6 +55,8 @@ pub enum Fault {
     UpdateFails,
     UpdatePanics,
     UpdateNeverEnds,
+    UpdateLosesTime,
+    UpdateNeverComes,
     CompletedFails,
     CompletedPanics,
     CompletedEnds,

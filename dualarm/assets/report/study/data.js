@@ -30,6 +30,8 @@ function createAxis(column) {
     low,
     high,
     logarithmic,
+    /** Where a value stands, from 0 to 1. */
+    place: (value) => (scale(value) - first) / (last - first),
     /** Where a row stands, from 0 to 1; above 1 where it has no value. */
     at: (row) => (numbers[row] === null ? 1.06 : (scale(numbers[row]) - first) / (last - first)),
     /** The value at a place. */
@@ -76,6 +78,28 @@ function format(value) {
   if (Number.isInteger(value) && Math.abs(value) < 1e9) return String(value);
   const size = Math.abs(value);
   return size >= 1e-3 && size < 1e5 ? String(Number(value.toPrecision(4))) : value.toExponential(2);
+}
+
+/** Values at which an axis has a line: round ones, and no more than fit; texts by their numbers. */
+function ticks({ texts, low, high, logarithmic }) {
+  const within = (values) => values.filter((value) => value >= low && value <= high);
+  if (texts) {
+    const stride = Math.ceil(texts.length / 8);
+    return texts.map((_, index) => index).filter((index) => index % stride === 0);
+  }
+  if (logarithmic) {
+    const decades = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) decades.push(power);
+    const every = (digits) => within(decades.flatMap((power) => digits.map((digit) => Number(`${digit}e${power}`))));
+    const choices = [[1, 2, 5], [1, 3], [1]].map(every);
+    return choices.find((values) => values.length <= 8) ?? choices[2];
+  }
+  const least = (high - low) / 6;
+  const decade = 10 ** Math.floor(Math.log10(least));
+  const step = [1, 2, 5, 10].map((digit) => digit * decade).find((size) => size >= least);
+  const values = [];
+  for (let i = Math.ceil(low / step); i * step <= high; i++) values.push(Number((i * step).toPrecision(12)));
+  return values;
 }
 
 /** Makes the canvas as fine as the screen and gives its context and size in CSS pixels. */

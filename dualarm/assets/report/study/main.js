@@ -58,5 +58,18 @@ document.getElementById("all").addEventListener("click", () => {
 });
 createTheme(document.getElementById("theme"), draw);
 addEventListener("resize", draw);
+// On paper the plots are light, whatever the screen is.
+addEventListener("beforeprint", () => {
+  const root = document.documentElement;
+  const shown = root.dataset.theme;
+  const use = (theme) => {
+    if (theme) root.dataset.theme = theme;
+    else delete root.dataset.theme;
+    colours.clear();
+    draw();
+  };
+  use("light");
+  addEventListener("afterprint", () => use(shown), { once: true });
+});
 draw();
 document.documentElement.dataset.ready = "";

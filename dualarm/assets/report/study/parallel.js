@@ -10,6 +10,8 @@ function createParallel(canvas, choose, changed) {
   function draw(shown) {
     rows = shown;
     shownAxes = [...axes.filter(({ role }) => role === "parameter"), view.y];
+    // On a narrow screen the axes keep their distance, and the plot is moved sideways.
+    canvas.style.setProperty("--axes", shownAxes.length);
     const { context, width, height } = prepare(canvas);
     const [w, h] = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
     across = (index) => MARGIN.left + (shownAxes.length > 1 ? index / (shownAxes.length - 1) : 0.5) * w;
@@ -52,8 +54,8 @@ function createParallel(canvas, choose, changed) {
     // Neighbours' names do not touch: every other one is a line higher.
     context.fillText(axis.name, edge, index % 2 ? 14 : 30);
     context.fillStyle = colour("--soft");
-    context.fillText(tick(axis, 1), edge, MARGIN.top - 6);
-    context.fillText(tick(axis, 0), edge, up(0) + 16);
+    context.fillText(caption(axis, axis.value(1)), edge, MARGIN.top - 6);
+    context.fillText(caption(axis, axis.value(0)), edge, up(0) + 16);
   }
 
   /** The axis under the pointer, if there is one. */

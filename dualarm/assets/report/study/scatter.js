@@ -13,10 +13,11 @@ function createScatter(canvas, choose) {
     grid(context, across, up);
     points = rows.map((row) => ({ row, x: across(Math.min(view.x.at(row), 1.02)), y: up(view.y.at(row)) }));
     context.globalAlpha = rows.length > 3000 ? 0.45 : 0.75;
+    const radius = rows.length > 1000 ? 1.5 : 2.5;
     for (const { row, x, y } of points) {
       context.fillStyle = context.strokeStyle = colourOf(row);
       if (succeeded(row)) {
-        context.fillRect(x - 1.5, y - 1.5, 3, 3);
+        context.fillRect(x - radius, y - radius, 2 * radius, 2 * radius);
       } else {
         context.beginPath();
         context.moveTo(x - 3, y - 3);
@@ -41,17 +42,29 @@ function createScatter(canvas, choose) {
   function grid(context, across, up) {
     context.strokeStyle = colour("--grid");
     context.fillStyle = colour("--soft");
-    for (const place of [0, 0.25, 0.5, 0.75, 1]) {
+    const line = (from, to) => {
       context.beginPath();
-      context.moveTo(across(0), up(place));
-      context.lineTo(across(1), up(place));
-      context.moveTo(across(place), up(0));
-      context.lineTo(across(place), up(1.06));
+      context.moveTo(...from);
+      context.lineTo(...to);
       context.stroke();
-      context.textAlign = place === 1 ? "right" : "center";
-      context.fillText(tick(view.x, place), across(place) + (place === 1 ? MARGIN.right - 4 : 0), up(0) + 16);
+    };
+    let free = -Infinity;
+    for (const value of ticks(view.x)) {
+      const x = across(view.x.place(value));
+      line([x, up(0)], [x, up(1.06)]);
+      const text = caption(view.x, value);
+      const half = context.measureText(text).width / 2;
+      // Texts do not touch: the next one is left out then.
+      if (x - half < free) continue;
+      free = x + half + 8;
+      context.textAlign = "center";
+      context.fillText(text, x, up(0) + 16);
+    }
+    for (const value of ticks(view.y)) {
+      const y = up(view.y.place(value));
+      line([across(0), y], [across(1), y]);
       context.textAlign = "right";
-      context.fillText(tick(view.y, place), across(0) - 6, up(place) + 4);
+      context.fillText(caption(view.y, value), across(0) - 6, y + 4);
     }
     context.fillStyle = colour("--ink");
     context.textAlign = "center";
@@ -79,8 +92,7 @@ function createScatter(canvas, choose) {
   return draw;
 }
 
-/** What stands at a place of an axis. */
-function tick(axis, place) {
-  const value = axis.value(place);
+/** How an axis writes one of its values. */
+function caption(axis, value) {
   return axis.texts ? (axis.texts[Math.round(value)] ?? "") : format(value);
 }

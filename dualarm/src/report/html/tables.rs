@@ -278,14 +278,15 @@ fn all_of(model: &ModelParameters, of: &str) -> String {
     html + "</details>"
 }
 
-/// The paper's figures, folded, each to be taken away.
+/// The paper's figures, folded, or a single one, each to be taken away.
 #[must_use]
 pub fn figures(figures: &[NamedFigure]) -> String {
     if figures.is_empty() {
         return String::new();
     }
-    let mut html = String::from(
-        "<section aria-labelledby=\"figures-title\"><h2 id=\"figures-title\">Figures</h2><details class=\"figures\"><summary>",
+    let open = if figures.len() == 1 { " open" } else { "" };
+    let mut html = format!(
+        "<section aria-labelledby=\"figures-title\"><h2 id=\"figures-title\">Figures</h2><details class=\"figures\"{open}><summary>",
     );
     html += &match figures {
         [one] => escape(&one.caption),
