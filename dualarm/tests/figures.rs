@@ -6,7 +6,7 @@ use dualarm::grasp;
 use dualarm::grasp::metrics::{Limits, Metrics};
 use dualarm::report::figures::text::{missing, width};
 use dualarm::report::figures::{self, PaperRun, raster};
-use dualarm::report::parameters::{ModelParameters, Parameter};
+use dualarm::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
 use roxmltree::{Document, Node};
@@ -49,7 +49,7 @@ fn outcome(scenario: grasp::Controller, pole: f64) -> PaperRun {
 
 /// The true values that Fig. 6 states.
 fn plant() -> ModelParameters {
-    let parameter = |(name, value): (&str, f64)| Parameter {
+    let parameter = |(name, value): (&str, f64)| ReportedParameter {
         name: name.into(),
         value: Value::Real(value),
         default: None,

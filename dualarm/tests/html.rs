@@ -4,7 +4,7 @@ use dualarm::grasp::metrics::Metrics;
 use dualarm::report::figures::NamedFigure;
 use dualarm::report::figures::chart::Figure;
 use dualarm::report::html::{Page, Run};
-use dualarm::report::parameters::{ModelParameters, Parameter};
+use dualarm::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
 
@@ -18,7 +18,7 @@ fn html(title: &str, text: &str) -> String {
     for step in 0..=10_u32 {
         rows.row(f64::from(step) * 0.1, &[0.5; 8]).unwrap();
     }
-    let parameter = |name: &str, value| Parameter {
+    let parameter = |name: &str, value| ReportedParameter {
         name: name.into(),
         value,
         default: Some(Value::Text(text.into())),

@@ -71,7 +71,10 @@ fn manifest(root: &str) -> String {
         let _ = writeln!(text, "{name} = {{ path = {name:?} }}");
     }
     for name in CRATES {
-        let _ = writeln!(text, "\n[profile.release.package.{name}]\nopt-level = {OPTIMISATION}");
+        let section = format!("[profile.release.package.{name}]");
+        if !settings.contains(&section) {
+            let _ = writeln!(text, "\n{section}\nopt-level = {OPTIMISATION}");
+        }
     }
     text
 }
@@ -86,14 +89,15 @@ fn version(root: &str) -> Option<&str> {
 mod tests {
     use super::*;
 
-    const ROOT: &str =
-        "[workspace]\nmembers = [\"a\"]\n\n[workspace.package]\nversion = \"1.2.3\"\n\n[profile.release]\nx = 1\n";
+    const ROOT: &str = "[workspace]\nmembers = [\"a\"]\n\n[workspace.package]\nversion = \"1.2.3\"\n\n[profile.release]\nx = 1\n\n\
+         [profile.release.package.fmi2-package]\nopt-level = 0\n";
 
     #[test]
     fn the_manifest_has_other_members_and_the_same_settings() {
         let text = manifest(ROOT);
         assert!(text.contains("members = [\"parameter-table\", ") && !text.contains("\"a\""), "{text}");
         assert!(text.contains("[profile.release]\nx = 1") && text.contains("fmi2-import = { path = "), "{text}");
+        assert_eq!(text.matches("[profile.release.package.fmi2-package]").count(), 1, "a section twice is no TOML");
         assert_eq!(version(ROOT), Some("1.2.3"));
     }
 

@@ -10,12 +10,12 @@ pub struct ModelParameters {
     /// What the model says it is.
     pub description: String,
     /// Parameters in the order of the model description.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<ReportedParameter>,
 }
 
 /// One parameter.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parameter {
+pub struct ReportedParameter {
     /// Name.
     pub name: String,
     /// Value the instance works with; an enumeration's is the name of its item.
@@ -43,7 +43,7 @@ impl ModelParameters {
     }
 
     /// The parameters that do not have their default values.
-    pub fn changed(&self) -> impl Iterator<Item = &Parameter> {
+    pub fn changed(&self) -> impl Iterator<Item = &ReportedParameter> {
         self.parameters.iter().filter(|parameter| parameter.default.as_ref().is_some_and(|it| *it != parameter.value))
     }
 
@@ -57,8 +57,8 @@ impl ModelParameters {
     }
 }
 
-fn parameter(instance: &mut Instance, variable: &Variable) -> Result<Parameter, CallError> {
-    Ok(Parameter {
+fn parameter(instance: &mut Instance, variable: &Variable) -> Result<ReportedParameter, CallError> {
+    Ok(ReportedParameter {
         name: variable.name.clone(),
         value: variable.with_name(instance.get(variable)?),
         default: variable.start().map(|start| variable.with_name(start)),

@@ -10,7 +10,7 @@ use crate::report::TextTable;
 use crate::report::figures::NamedFigure;
 use crate::report::figures::text::number;
 use crate::report::matrix::{LEGEND, figure};
-use crate::report::parameters::{ModelParameters, Parameter};
+use crate::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_import::Value;
 
 /// A table of texts as a section of the page.
@@ -202,7 +202,7 @@ pub fn parameters(runs: &[Run], setup: &str) -> String {
 
 /// The parameters that do not have their default values, in the runs where that is so.
 fn changed(runs: &[Run]) -> String {
-    let mut rows: Vec<(&str, &Parameter, Vec<Option<&Value>>)> = Vec::new();
+    let mut rows: Vec<(&str, &ReportedParameter, Vec<Option<&Value>>)> = Vec::new();
     for (index, run) in runs.iter().enumerate() {
         for model in &run.models {
             for parameter in model.changed() {
@@ -229,7 +229,7 @@ fn changed(runs: &[Run]) -> String {
         let _ = write!(html, "<th scope=\"col\"><i class=\"swatch run-{index}\"></i>{title}</th>");
     }
     html += "<th scope=\"col\">Unit</th><th scope=\"col\">Meaning</th></tr></thead><tbody>";
-    for (model, Parameter { name, default, unit, description, .. }, values) in rows {
+    for (model, ReportedParameter { name, default, unit, description, .. }, values) in rows {
         let default = default.as_ref().map(shown).unwrap_or_default();
         let _ = write!(
             html,
@@ -266,7 +266,7 @@ fn all_of(model: &ModelParameters, of: &str) -> String {
         escape(of),
         escape(&model.description)
     );
-    for Parameter { name, value, unit, description, .. } in model.parameters.iter().take(MOST) {
+    for ReportedParameter { name, value, unit, description, .. } in model.parameters.iter().take(MOST) {
         let unit = unit.as_deref().unwrap_or_default();
         let cells = [shown(value).as_str(), unit, description].map(|cell| format!("<td>{}</td>", escape(cell)));
         let _ = write!(html, "<tr><th scope=\"row\"><code>{}</code></th>{}</tr>", escape(name), cells.concat());
