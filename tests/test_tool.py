@@ -405,7 +405,7 @@ def test_a_summary_lists_every_wire_within_80_columns() -> None:
 def test_a_page_of_a_search(tmp_path: Path) -> None:
     page, preset = tmp_path / "page.html", tmp_path / "preset.toml"
     # All gains it has, as nothing names some.
-    options = ["--evaluations", "8", "--cases", "undisturbed,light"]
+    options = ["--evaluations", "8", "--cases", "undisturbed,light", "--set", "kp=500"]
     done = dualarm("tune", "-c", "pd-tuned", *options, "--out", str(preset), "--report", str(page), "--workers", "1")
     assert done.returncode == 0, done.stderr
     text = page.read_text(encoding="utf-8")
@@ -413,6 +413,7 @@ def test_a_page_of_a_search(tmp_path: Path) -> None:
         assert part in text
     gains = preset.read_text(encoding="utf-8")
     assert all(f"{gain} =" in gains for gain in ("kp", "kv", "kp1", "kv1", "kp2", "kv2"))
+    assert "--parameter kp=50..5000" in gains, "within a decade of where the search begins"
 
 
 TANK = '''

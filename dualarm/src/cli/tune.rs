@@ -28,7 +28,8 @@ goes on where it was when the same command is given again; with more evaluations
 
 Examples:
   dualarm tune --controller pd-tuned             the gains of PD, each within
-                                                 a decade of its start
+                                                 a decade of where it begins: at
+                                                 its start value, or at --set
   dualarm tune -c pid -p kp=50..20000 -p kv=2..500 -p ki=5..50000 \\
     -p kp1+kp2=5..500 -p kv1+kv2=0.2..20 -p ki1+ki2=1..5000
   dualarm tune -c my_law.fmu -p gain=0.1..10 --cases undisturbed,mine.toml

@@ -18,6 +18,8 @@ pub struct Dimension {
     pub logarithmic: bool,
     /// Where the search begins.
     pub start: f64,
+    /// Least and greatest value that it may have at all, if nobody gave the range: then this is a decade either way of the start.
+    pub bounds: Option<[f64; 2]>,
 }
 
 /// Why something is no dimension.
@@ -83,7 +85,9 @@ impl Dimension {
             starts.push(start(name, description)?);
         }
         let Some(range) = range else {
-            return Self::around(names, starts[0]).ok_or_else(|| form("its start value is 0, so it needs a range"));
+            let anything = [0.0, f64::INFINITY];
+            return Self::around(names, starts[0], anything)
+                .ok_or_else(|| form("its start value is 0, so it needs a range"));
         };
         let (range, logarithmic) = range.strip_suffix(":linear").map_or((range, true), |range| (range, false));
         let (low, high) = range.split_once("..").ok_or_else(|| form("there is no \"..\" in its range"))?;
@@ -97,16 +101,21 @@ impl Dimension {
         }
         let middle = if logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) };
         let start = if (low..=high).contains(&starts[0]) { starts[0] } else { middle };
-        Ok(Self { names, low, high, logarithmic, start })
+        Ok(Self { names, low, high, logarithmic, start, bounds: None })
     }
 
-    /// Begins the search at a value, if it is one in the range.
+    /// Begins the search at a value, if it is one in the range that was given; without one the range moves there.
     pub fn begin(&mut self, value: Option<f64>) {
+        if let (Some([min, max]), Some(value)) = (self.bounds, value.filter(|value| *value > 0.0)) {
+            (self.low, self.high) = (min.max(value / DECADE), max.min(value * DECADE));
+        }
         self.start = value.filter(|value| (self.low..=self.high).contains(value)).unwrap_or(self.start);
     }
 
-    fn around(names: Vec<String>, start: f64) -> Option<Self> {
-        (start > 0.0).then(|| Self { names, low: start / DECADE, high: start * DECADE, logarithmic: true, start })
+    fn around(names: Vec<String>, start: f64, bounds: [f64; 2]) -> Option<Self> {
+        let mut dimension = Self { names, low: 0.0, high: 0.0, logarithmic: true, start, bounds: Some(bounds) };
+        dimension.begin(Some(start));
+        (start > 0.0).then_some(dimension)
     }
 
     /// The gains of a controller: its tunable real parameters with positive start values; those of both arms
@@ -131,11 +140,8 @@ impl Dimension {
                 group.names.push(variable.name.clone());
                 continue;
             }
-            dimensions.extend(Self::around(vec![variable.name.clone()], start).map(|dimension| Self {
-                low: attributes.min.map_or(dimension.low, |min| dimension.low.max(min)),
-                high: attributes.max.map_or(dimension.high, |max| dimension.high.min(max)),
-                ..dimension
-            }));
+            let bounds = [attributes.min.unwrap_or(0.0), attributes.max.unwrap_or(f64::INFINITY)];
+            dimensions.extend(Self::around(vec![variable.name.clone()], start, bounds));
         }
         if dimensions.is_empty() {
             Err(DimensionError::Nothing(description.model_name.clone()))
@@ -194,7 +200,7 @@ mod tests {
     use super::*;
 
     fn dimension(logarithmic: bool) -> Dimension {
-        Dimension { names: vec!["k".into()], low: 1.0, high: 100.0, logarithmic, start: 10.0 }
+        Dimension { names: vec!["k".into()], low: 1.0, high: 100.0, logarithmic, start: 10.0, bounds: None }
     }
 
     #[test]
@@ -204,6 +210,19 @@ mod tests {
         dimension.begin(Some(500.0));
         dimension.begin(None);
         assert_eq!(dimension.start, 50.0);
+    }
+
+    #[test]
+    fn a_range_that_nobody_gave_is_around_where_the_search_begins() {
+        let mut dimension = Dimension::around(vec!["k".into()], 10.0, [2.0, 3000.0]).unwrap();
+        assert_eq!([dimension.low, dimension.high, dimension.start], [2.0, 100.0, 10.0]);
+        dimension.begin(Some(500.0));
+        assert_eq!([dimension.low, dimension.high, dimension.start], [50.0, 3000.0, 500.0]);
+        // No place for ratios, and beyond what it may be: as before.
+        for value in [0.0, -1.0] {
+            dimension.begin(Some(value));
+            assert_eq!([dimension.low, dimension.high, dimension.start], [50.0, 3000.0, 500.0]);
+        }
     }
 
     #[test]
