@@ -60,7 +60,7 @@ fn from_template(tree: &Tree, folder: &Path) -> Outcome {
             .env("CARGO_NET_OFFLINE", "true");
         // The tests do not look at how well the compiler optimises, so it may compile fast.
         for profile in ["RELEASE", "FMU"] {
-            command.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "1");
+            command.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "0");
             command.env(format!("CARGO_PROFILE_{profile}_LTO"), "off");
         }
         let outcome = run(command);

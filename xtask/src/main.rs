@@ -20,6 +20,7 @@ mod counts;
 mod fuzz;
 mod helpers;
 mod long;
+mod packaging;
 mod platforms;
 mod publish;
 mod python;
@@ -62,14 +63,17 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
         (_, true) => 4,
     });
     // First, because the Rust tests attack the FMUs' libraries too; stale ones would be attacked for what is no longer there.
+    let mut environment = None;
     steps.step("Build and package the FMUs", || {
-        run(tree.cargo(&["run", "--release", "--", "package", "--cross-check"]))
+        let (packaged, prepared) = packaging::package(tree, !what.python, !what.rust);
+        environment = prepared;
+        packaged
     });
     if !what.python {
         steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
     }
     if !what.rust {
-        steps.step("Python environment", || python::prepare(tree));
+        steps.step("Python environment", || environment.unwrap_or_else(|| python::prepare(tree)));
         steps.step("Helper programs", || helpers::build(tree));
         steps.step("Python tests", || run(python::pytest(tree, &what.pytest_args)));
     }

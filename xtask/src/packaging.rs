@@ -1,0 +1,53 @@
+//! The first step of the tests: the FMUs, and beside them what else takes time and needs none of them.
+//!
+//! The links of the FMU libraries use one processor for most of a minute. Meanwhile the others compile the Rust tests, and the
+//! network brings the Python packages.
+
+use std::fs::{File, TryLockError};
+use std::process::Stdio;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use crate::python;
+use crate::steps::{Outcome, run};
+use crate::tree::Tree;
+
+/// How often is looked whether cargo has begun with the libraries.
+const LOOK_EVERY: Duration = Duration::from_millis(500);
+
+/// Packages the FMUs with their cross-check folders. Of what is made beside them, only the Python environment's outcome is told
+/// (`None` if it is not wanted): tests that do not compile fail again in their own step.
+pub fn package(tree: &Tree, rust: bool, python: bool) -> (Outcome, Option<Outcome>) {
+    let done = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let environment = python.then(|| scope.spawn(|| python::prepare(tree)));
+        if rust {
+            scope.spawn(|| compile_tests(tree, &done));
+        }
+        let packaged = run(tree.cargo(&["run", "--release", "--", "package", "--cross-check"]));
+        done.store(true, Ordering::Relaxed);
+        let died = || Outcome::Failed("preparing the Python environment panicked".into());
+        (packaged, environment.map(|thread| thread.join().unwrap_or_else(|_| died())))
+    })
+}
+
+/// Compiles the tests as soon as cargo builds the libraries, which have a build folder of their own. Before, cargo needs the
+/// folder that the tests go to.
+fn compile_tests(tree: &Tree, done: &AtomicBool) {
+    let lock = tree.target.join("fmu").join(".cargo-lock");
+    let is_building = || {
+        let file = File::open(&lock);
+        file.is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+    };
+    while !done.load(Ordering::Relaxed) {
+        if is_building() {
+            let mut command = tree.cargo_all("test", &["--no-run", "--quiet"]);
+            command.stdout(Stdio::null()).stderr(Stdio::null());
+            // Whatever is wrong with them is said where they are run.
+            let _ = command.status();
+            return;
+        }
+        thread::sleep(LOOK_EVERY);
+    }
+}
