@@ -94,6 +94,28 @@ def test_fmpy_integrates_the_plant_with_cvode() -> None:
         assert fine[name] < 0.1 * coarse[name] or fine[name] < 1e-12, name
 
 
+@pytest.mark.parametrize("own", ({}, {"rate_source": 2}, {"law": 1, "rate_source": 2}), ids=str)
+def test_fmpy_integrates_the_adaptive_laws_with_cvode(own: dict[str, int]) -> None:
+    """A law alone, at inputs that stand still but for what it estimates: its samples tend to it with order 1."""
+    names, rows = ["tau1_cmd", "tau2_cmd", "u_cmd"], 20
+    start = {"theta1": 0.01, "tip_shear1": -0.1, "root_moment1": 0.02, **own}
+    common: dict[str, Any] = dict(
+        filename=str(fmu_path("NabfcController")), stop_time=0.02, output=names, start_values=start
+    )
+
+    def run(interval: float, **options: Any) -> np.ndarray:
+        # FMPy's communication step is the interval of its rows.
+        found = simulate_fmu(output_interval=interval, **common, **options)
+        return np.array([found[name] for name in names])[:, :: (len(found) - 1) // rows]
+
+    solver = {"fmi_type": "ModelExchange", "solver": "CVode", "relative_tolerance": 1e-10, "record_events": False}
+    solved = run(1e-3, **solver)
+    coarse, fine = (run(step, fmi_type="CoSimulation") for step in (1e-4, 5e-5))
+    # What is left after the extrapolation is of second order.
+    left, scale = np.abs(2 * fine - coarse - solved).max(axis=1), np.abs(coarse - fine).max(axis=1)
+    assert np.all(left < 0.05 * scale + 1e-7 * np.abs(solved).max(axis=1)), left / scale
+
+
 @pytest.mark.parametrize("name", ("DualArmPlant", *CONTROLLERS))
 def test_the_jacobian_is_that_of_the_derivatives_and_outputs(name: str, fmus: dict[str, Fmu]) -> None:
     """Directional derivatives by states and inputs against difference quotients, at a state that is not at rest."""
