@@ -86,8 +86,8 @@ fn a_step_and_its_inputs_and_outputs_allocate_nothing() {
     }
 }
 
-/// The first instance also holds the layout, which it shares with those after it: for NABFC that of 304 continuous states, each
-/// with its derivative and the states and inputs that this depends on.
+/// The first instance also holds the layout, which it shares with those after it: for NABFC that of hundreds of continuous states
+/// and their derivatives, with what there is to say of each.
 fn an_instance_is_small_and_leaves_nothing_behind() {
     for model in controller_fmu::FMUS.models() {
         let description = model.description().unwrap();
