@@ -102,10 +102,12 @@ impl Tuned<'_> {
 
     /// The best objective over the evaluations.
     fn progress(&self) -> NamedFigure {
-        let points = self.history.iter().enumerate().map(|(index, cost)| (index as f64 + 1.0, *cost)).collect();
+        // A ratio; the first ones can be thousands of the last.
+        let height = |cost: f64| cost.max(1e-9).log10();
+        let points = self.history.iter().enumerate().map(|(index, cost)| (index as f64 + 1.0, height(*cost))).collect();
         let panel = Panel {
             x_label: Some("Evaluation".into()),
-            y_label: "Best objective".into(),
+            y_label: "log₁₀ of the best objective".into(),
             x_range: (1.0, (self.history.len() as f64).max(2.0)),
             curves: vec![Curve { name: String::new(), color: palette::BLUE, wide: false, points }],
             ..Panel::default()
@@ -114,7 +116,7 @@ impl Tuned<'_> {
         NamedFigure {
             name: "search".into(),
             caption: caption.into(),
-            note: "The best objective that was found so far; its first values can be large.".into(),
+            note: "The decadic logarithm of the best objective that was found so far.".into(),
             figure: Figure { title: caption.into(), size: (720, 320), rows: vec![vec![panel]] },
         }
     }
