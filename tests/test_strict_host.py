@@ -130,10 +130,11 @@ def test_scenario_runs_in_a_strict_host(path: Path, fmus: Mapping[str, Fmu], str
     assert done.returncode == 0, done.stderr
     *forces, warnings = (float(line) for line in done.stdout.split())
     assert np.all(np.isfinite(forces))
-    # From zero preload the first milliseconds are tensile, which the plant says; three scenarios begin with a squeeze.
-    preloaded = "theta1_0" in scenario.get("parameters", {})
-    if path.parent == FOLDER:
-        assert (warnings == 0) == (preloaded and path.stem != "loss-of-contact")
+    # From zero preload the first milliseconds are tensile, which the plant says; some scenarios begin with a squeeze. What
+    # happens where a grasp can open is up to it.
+    parameters = scenario.get("parameters", {})
+    if path.parent == FOLDER and "contact_model" not in parameters:
+        assert (warnings == 0) == ("theta1_0" in parameters)
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)

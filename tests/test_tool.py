@@ -185,12 +185,16 @@ def test_disturbance_pulse_is_survived(run: Any) -> None:
 
 
 def test_loss_of_contact_is_seen(run: Any) -> None:
+    """The jerk opens the grasp: tip 1 is left behind, no force is ever tensile, and the object comes back."""
     jerked = run("loss-of-contact")
     lost = jerked.time[~jerked["in_contact"].astype(bool)]
     assert len(lost) > 0
-    assert 1.0 <= lost.min() < lost.max() < 1.02 + 1e-9
-    assert jerked.forces.min() < 0
-    assert any("contact lost at t = 1.0" in warning for warning in jerked.document["warnings"])
+    assert 1.0 <= lost.min()
+    assert jerked.forces.min() == 0.0
+    assert jerked["gap1"].max() > 1e-5
+    warnings = [warning for warning in jerked.document["warnings"] if "contact lost" in warning]
+    assert len(warnings) == 1
+    assert "tip 1" in warnings[0]
     assert jerked["in_contact"][-1]
 
 

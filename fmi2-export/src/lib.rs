@@ -52,7 +52,7 @@ pub use layout::DeclarationError;
 #[doc(hidden)]
 pub use library::Described;
 pub use library::{ExportedModel, Library};
-pub use model::{Declare, Experiment, Failure, Model, Step};
+pub use model::{Conclusion, Declare, Experiment, Failure, Model, Step};
 /// Tables of parameters and states, which a crate of equations can have without this one.
 pub use parameter_table::{self, Owner, Parameter, Range, StateVariable, parameter};
 pub use resources::Resources;

@@ -99,6 +99,11 @@ pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send
         Ok(())
     }
 
+    /// Called when the host terminates the run: what there is to say of it as a whole goes to `conclusion`.
+    fn conclude(&mut self, conclusion: &mut Conclusion<'_>) {
+        let _ = conclusion;
+    }
+
     /// Directional derivative of the outputs with respect to the inputs at the current state (FMI 2.0.4, section 2.1.9).
     ///
     /// On entry the input fields of `direction` hold the seed `dv_known` and its output fields are zero; on exit its
@@ -151,6 +156,25 @@ impl<'a> Step<'a> {
 
     /// Tells the host's user something: logged in category `logStatusWarning` with status `fmi2Warning`. The step's own
     /// status stays `fmi2OK`, because hosts stop at any other.
+    pub fn warn(&mut self, message: std::fmt::Arguments<'_>) {
+        (self.warn)(message);
+    }
+}
+
+/// The end of a run.
+pub struct Conclusion<'a> {
+    /// When the run ends (s).
+    pub time: f64,
+    pub(crate) warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>),
+}
+
+impl<'a> Conclusion<'a> {
+    /// A conclusion outside of any host, for tests; warnings go to `warn`.
+    pub fn new(time: f64, warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>)) -> Self {
+        Self { time, warn }
+    }
+
+    /// Tells the host's user something, as [`Step::warn`].
     pub fn warn(&mut self, message: std::fmt::Arguments<'_>) {
         (self.warn)(message);
     }

@@ -20,7 +20,8 @@ pub struct MatrixChoice {
     /// Run the paper's three scenarios only
     #[arg(long, conflicts_with_all = ["cases", "controllers"])]
     no_matrix: bool,
-    /// Only these cases: names of the files in scenarios/matrix, or scenario files (.toml) of your own
+    /// Only these cases: names of the files in scenarios/matrix or scenarios/contact, all of the latter by `contact`, or scenario
+    /// files (.toml) of your own
     #[arg(long, value_name = "CASE", value_delimiter = ',')]
     cases: Vec<String>,
     /// Only these controllers: names as for `simulate --controller`, presets or scenarios (.toml), controller FMUs (.fmu)
@@ -37,9 +38,17 @@ impl MatrixChoice {
 
 /// The cases that a user names; all without names.
 pub fn cases(names: &[String]) -> Result<Vec<Case>, Failure> {
-    let found: Result<Vec<Case>, _> =
-        if names.is_empty() { Case::all() } else { names.iter().map(|name| Case::find(name)).collect() };
+    let found: Result<Vec<Case>, _> = if names.is_empty() {
+        Case::all()
+    } else {
+        names.iter().map(|name| named(name)).collect::<Result<Vec<_>, _>>().map(|cases| cases.concat())
+    };
     found.map_err(Failure::from)
+}
+
+/// The cases that a name stands for.
+fn named(name: &str) -> Result<Vec<Case>, CaseError> {
+    if name == "contact" { Case::contact() } else { Case::find(name).map(|case| vec![case]) }
 }
 
 /// Names of rows and columns tell them apart.

@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 
 /// Every file that is compiled in.
 fn all() -> impl Iterator<Item = &'static BuiltIn> {
-    BUILT_IN.iter().chain(case::CASES).chain(contender::PRESETS)
+    BUILT_IN.iter().chain(case::CASES).chain(case::CONTACT).chain(contender::PRESETS)
 }
 
 /// What a user types: the name, after the folder below `scenarios` if there is one.

@@ -100,8 +100,11 @@ mod tests {
             peak_force: 0.3,
             saturated: 0.0,
             tension: 0.0,
+            held: 1.0,
+            peak_contact: 0.5,
+            drops: 0,
         };
-        Cell { judged: Judged::Settling, merit, limit: 0.2, target: 0.5, stop: 6.0 }
+        Cell { judged: Judged::Settling, merit, impacts: None, limit: 0.2, target: 0.5, stop: 6.0 }
     }
 
     #[test]

@@ -201,7 +201,8 @@ pub unsafe fn terminate(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
         call(component, |instance| {
-            instance.slave.terminate()?;
+            let logger = &instance.logger;
+            instance.slave.terminate(&mut |said| logger.log(Status::Warning, Category::Warning, said))?;
             instance.event("terminated");
             Ok(())
         })

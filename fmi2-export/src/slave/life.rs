@@ -1,7 +1,9 @@
 //! From instantiation to termination.
 
+use std::fmt;
+
 use super::{Slave, State, all};
-use crate::model::{Experiment, Failure, Model};
+use crate::model::{Conclusion, Experiment, Failure, Model};
 use crate::phase::{Call, Kind, Phase};
 use crate::status::{Outcome, Refusal};
 
@@ -13,7 +15,8 @@ pub(crate) trait Live {
     fn setup_experiment(&mut self, experiment: Experiment) -> Outcome;
     fn enter_initialization(&mut self) -> Outcome;
     fn exit_initialization(&mut self) -> Outcome;
-    fn terminate(&mut self) -> Outcome;
+    /// Ends the run. What the model says of it goes to `warn`.
+    fn terminate(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome;
     fn reset(&mut self) -> Outcome;
 }
 
@@ -58,8 +61,9 @@ impl<M: Model> Live for Slave<M> {
         Ok(())
     }
 
-    fn terminate(&mut self) -> Outcome {
+    fn terminate(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
         self.check(Call::Terminate, "fmi2Terminate")?;
+        self.state.model.conclude(&mut Conclusion { time: self.state.time, warn });
         self.state.phase = Phase::Terminated;
         Ok(())
     }

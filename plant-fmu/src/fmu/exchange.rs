@@ -47,9 +47,9 @@ impl Default for Continuous {
 }
 
 impl DualArmPlant {
-    /// The plant, if it has as many states as the FMU: in co-simulation the order is free.
+    /// The plant, if it has the FMU's states: in co-simulation the order is free, and the grasp may open.
     fn with_states(&self) -> Option<&Plant> {
-        self.plant.as_ref().filter(|plant| plant.state_count() == STATES)
+        self.plant.as_ref().filter(|plant| !plant.can_open() && plant.state_count() == STATES)
     }
 
     fn coordinates(&mut self) {
@@ -125,6 +125,12 @@ impl ModelExchange for DualArmPlant {
                  dualarm package --plant-order {order}"
             )));
         }
+        if self.contact_model != super::variables::ContactChoice::default() {
+            return Err(Failure::error(
+                "for model exchange contact_model must be bilateral: a grasp that can open goes from switch to switch by itself, in \
+                 co-simulation",
+            ));
+        }
         self.initialize(experiment)
     }
 
@@ -135,7 +141,7 @@ impl ModelExchange for DualArmPlant {
     }
 
     fn step_completed(&mut self, moment: &mut Moment<'_>) -> Result<Completed, Failure> {
-        self.watch_contact(moment.time, |text| moment.warn(text));
+        self.watch_contact(moment.time, &mut |said| moment.warn(said));
         Ok(Completed::Continue)
     }
 

@@ -1,22 +1,26 @@
-//! The plant as an FMU: when it is made, stepped and read, and what is warned of. Its variables: [`variables`].
+//! The plant as an FMU: when it is made, stepped and read, and what is warned of. Its variables: [`variables`]; what it
+//! remembers of lost contact: [`grip`].
 
 mod exchange;
+mod grip;
 mod variables;
 
 use std::fmt;
 
-use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
-use grasp_plant::{DEFLECTION_POINTS, Direct, Inputs, Measured, Parameters, Plant, Rates, Uncertainty};
+use fmi2_export::{Conclusion, Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
+use grasp_plant::{Contact, DEFLECTION_POINTS, Direct, Inputs, Measured, Parameters, Plant, Rates, Uncertainty};
 use serde::{Deserialize, Serialize};
 
 use exchange::{Continuous, ORDER};
-use variables::ActuatorChoice;
+use grip::Grip;
+use variables::{ActuatorChoice, ContactChoice};
 
 /// `DualArmPlant.fmu`.
 #[derive(Clone, Serialize, Deserialize)]
 pub struct DualArmPlant {
     parameters: Parameters,
     actuator_model: ActuatorChoice,
+    contact_model: ContactChoice,
     inputs: Inputs,
     /// Slopes of the inputs over the next step.
     input_rates: Inputs,
@@ -26,8 +30,12 @@ pub struct DualArmPlant {
     /// The plant of the run before a reset: one of equal parameters takes over what was computed for it.
     #[serde(skip)]
     before: Option<Plant>,
-    /// Whether the user knows that contact was lost in this run.
+    /// When and where contact was lost in this run.
+    grip: Grip,
+    /// Whether that has been said.
     told_of_contact: bool,
+    /// When the run ends, if the host has said so \[s\].
+    stop_time: Option<f64>,
     /// Whether the user knows that actuators are mostly at their limits in this run.
     told_of_limits: bool,
     /// For how much longer an actuator has been at its limits than none \[s\]; never negative.
@@ -46,6 +54,9 @@ struct Outputs {
     measured: Measured,
     direct: Direct,
     in_contact: bool,
+    pressing: [bool; 2],
+    contact: Contact,
+    impacts: [i32; 2],
     uncertainty: Uncertainty,
     shape: Shape,
     deflection: [[f64; DEFLECTION_POINTS]; 2],
@@ -66,11 +77,14 @@ impl Default for DualArmPlant {
         Self {
             parameters: Parameters { order: ORDER, ..Parameters::default() },
             actuator_model: ActuatorChoice::default(),
+            contact_model: ContactChoice::default(),
             inputs: Inputs::ZERO,
             input_rates: Inputs::ZERO,
             plant: None,
             before: None,
+            grip: Grip::default(),
             told_of_contact: false,
+            stop_time: None,
             told_of_limits: false,
             time_at_limits: 0.0,
             outputs: Outputs::default(),
@@ -84,6 +98,7 @@ impl Outputs {
     fn change(&mut self, change: &Rates) {
         (self.measured, self.direct) = (change.measured, change.direct);
         (self.uncertainty, self.deflection) = (change.uncertainty, change.deflection);
+        self.contact = change.contact;
         self.shape = Shape {
             tip_deflection: change.tip_deflection,
             constraint: change.constraint,
@@ -94,45 +109,29 @@ impl Outputs {
 }
 
 impl DualArmPlant {
-    /// Tension that is more than rounding \[N\].
-    const TENSION: f64 = 1e-9;
     /// So much more time at the limits than inside them is worth a warning \[s\]. A loop that regulates needs its limits for a
     /// transient of tenths of a second; one that diverges is thrown from limit to limit and stays there.
     const LONG: f64 = 0.5;
     /// What the actuators at their limits are called, by the sum of 1, 2 and 4: no memory is asked for in a step.
     const LIMITED: [&str; 8] = ["", "tau1", "tau2", "tau1, tau2", "u", "tau1, u", "tau2, u", "tau1, tau2, u"];
 
-    /// Whether a tip is pulled, which no real contact can do.
-    fn is_pulled(contact_force: [f64; 2]) -> bool {
-        contact_force[0].min(contact_force[1]) < -Self::TENSION
-    }
-
-    /// Tells the user when a tip is pulled, once.
-    fn watch_contact(&mut self, time: f64, warn: impl FnOnce(fmt::Arguments<'_>)) {
-        if self.told_of_contact {
-            return;
-        }
+    /// Looks at the contacts after a step that ends at `time`, and says at the end of the run what became of them.
+    fn watch_contact(&mut self, time: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) {
         let Some(plant) = &self.plant else { return };
-        let forces = plant.direct(&self.inputs).contact_force;
-        if Self::is_pulled(forces) {
-            self.told_of_contact = true;
-            Self::tell_of_lost_contact(time, forces, warn);
+        let size = self.grip.watch(time, plant, &self.inputs);
+        // Not only when it is terminated, which not every host does and after which few listen.
+        if self.stop_time.is_some_and(|stop| time > stop - 0.5 * size) {
+            self.tell_of_contact(warn);
         }
-    }
-
-    #[cold]
-    fn tell_of_lost_contact(time: f64, contact_force: [f64; 2], warn: impl FnOnce(fmt::Arguments<'_>)) {
-        let [first, second] = contact_force;
-        let (arm, weakest) = if first <= second { (1, first) } else { (2, second) };
-        warn(format_args!(
-            "contact lost at t = {time} s: the force at tip {arm} is {weakest:.3e} N. The model goes on holding the arms to the \
-             object, which no real grasp does; start with a preload or see in_contact. This is said once in a run"
-        ));
     }
 
     /// The parameters as the host has set them.
     fn parameters(&self) -> Parameters {
-        Parameters { actuator_model: self.actuator_model.0, ..self.parameters.clone() }
+        Parameters {
+            actuator_model: self.actuator_model.0,
+            contact_model: self.contact_model.0,
+            ..self.parameters.clone()
+        }
     }
 
     /// An actuator is at its limits during this step.
@@ -154,6 +153,18 @@ impl DualArmPlant {
         ));
     }
 
+    /// Says once where and when contact was lost.
+    #[cold]
+    fn tell_of_contact(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) {
+        if let Some(plant) = &self.plant
+            && !self.told_of_contact
+            && let Some(summary) = self.grip.summary(plant)
+        {
+            self.told_of_contact = true;
+            warn(format_args!("{summary}"));
+        }
+    }
+
     fn measured(&mut self) {
         if let Some(plant) = &self.plant {
             self.outputs.measured = plant.measured();
@@ -164,6 +175,15 @@ impl DualArmPlant {
         if let Some(plant) = &self.plant {
             self.outputs.direct = plant.direct(&self.inputs);
             self.outputs.in_contact = self.outputs.direct.in_contact();
+            self.outputs.pressing = self.outputs.direct.contact_force.map(|force| force > 0.0);
+        }
+    }
+
+    fn contact(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.contact = plant.contact();
+            let impacts = plant.state().contact.as_deref().map_or([0; 2], |contact| contact.impacts);
+            self.outputs.impacts = impacts.map(|impacts| i32::try_from(impacts).unwrap_or(i32::MAX));
         }
     }
 
@@ -213,8 +233,10 @@ impl Declare for DualArmPlant {
 }
 
 impl Model for DualArmPlant {
-    fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
-        (self.told_of_contact, self.told_of_limits, self.time_at_limits) = (false, false, 0.0);
+    fn initialize(&mut self, experiment: &Experiment) -> Result<(), Failure> {
+        (self.grip, self.told_of_contact) = (Grip::from(experiment.start_time), false);
+        self.stop_time = experiment.stop_time;
+        (self.told_of_limits, self.time_at_limits) = (false, 0.0);
         let parameters = self.parameters();
         match self.plant.as_mut().or(self.before.as_mut()) {
             Some(plant) if *plant.parameters() == parameters => {
@@ -236,13 +258,17 @@ impl Model for DualArmPlant {
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
         plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)?;
         let limited = plant.limited(&self.inputs);
-        self.watch_contact(step.time + step.size, |text| step.warn(text));
+        self.watch_contact(step.time + step.size, &mut |said| step.warn(said));
         if limited[0] | limited[1] | limited[2] {
             self.limited(step, limited);
         } else {
             self.time_at_limits = (self.time_at_limits - step.size).max(0.0);
         }
         Ok(())
+    }
+
+    fn conclude(&mut self, conclusion: &mut Conclusion<'_>) {
+        self.tell_of_contact(&mut |said| conclusion.warn(said));
     }
 
     fn restored(&mut self) -> Result<(), Failure> {

@@ -1,7 +1,7 @@
 //! Names, units and dependencies of the variables.
 
 use fmi2_export::{Enumeration, Evaluation, Variables};
-use grasp_plant::{ActuatorModel, Arm, Channel, DEFLECTION_POINTS, ORDER_RANGE, Parameters, Start};
+use grasp_plant::{ActuatorModel, Arm, Channel, ContactModel, DEFLECTION_POINTS, Face, ORDER_RANGE, Parameters, Start};
 use serde::{Deserialize, Serialize};
 
 use super::{DualArmPlant, exchange};
@@ -12,6 +12,7 @@ pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
     measured_outputs(variables, rates);
     direct_outputs(variables, rates);
     shape_outputs(variables, rates);
+    contact_outputs(variables, rates);
     parameters(variables);
     // Last, so that all others have the value references that they had before there were these.
     exchange::declare(variables);
@@ -100,8 +101,7 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .output_array("lambda{}", direct, |m| &mut m.outputs.direct.lambda)
         .rate_array(rates, |m| &mut m.outputs.rates.direct.lambda)
         .unit("N")
-        .depends_on(["u_cmd"])
-        .depends_linearly_on(["delta_F"])
+        .depends_on(["u_cmd", "delta_F"])
         .description(
             "Lagrange multiplier of constraint {}, eqs. (13) and (14): contact_force1 = -lambda1, contact_force2 = lambda2",
         );
@@ -109,9 +109,8 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .output_array("contact_force{}", direct, |m| &mut m.outputs.direct.contact_force)
         .rate_array(rates, |m| &mut m.outputs.rates.direct.contact_force)
         .unit("N")
-        .depends_on(["u_cmd"])
-        .depends_linearly_on(["delta_F"])
-        .description("Force between tip {} and the object, positive in compression");
+        .depends_on(["u_cmd", "delta_F"])
+        .description("Force between tip {} and the object, positive in compression; zero where they do not touch");
     variables
         .output_array("tau{}", direct, |m| &mut m.outputs.direct.torque)
         .rate_array(rates, |m| &mut m.outputs.rates.direct.torque)
@@ -128,7 +127,38 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     variables
         .output("in_contact", direct, |m| &mut m.outputs.in_contact)
         .depends_on(["u_cmd", "delta_F"])
-        .description("Whether both contact forces are compressive; the model itself holds the arms to the object");
+        .description("Whether both contact forces are compressive; with contact_model = bilateral the arms stay on the object anyway");
+    variables
+        .output_array("in_contact{}", direct, |m| &mut m.outputs.pressing)
+        .depends_on(["u_cmd", "delta_F"])
+        .description("Whether the contact force at tip {} is compressive");
+}
+
+fn contact_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
+    let contact = variables.evaluation(DualArmPlant::contact);
+    variables
+        .output_array("gap{}", contact, |m| &mut m.outputs.contact.gap)
+        .rate_array(rates, |m| &mut m.outputs.rates.contact.gap)
+        .unit("m")
+        .nominal(0.01)
+        .description(
+            "Distance between tip {} and the object, zero while they touch and with contact_model = bilateral",
+        );
+    variables
+        .output_array("indentation{}", contact, |m| &mut m.outputs.contact.indentation)
+        .rate_array(rates, |m| &mut m.outputs.rates.contact.indentation)
+        .unit("m")
+        .nominal(1e-3)
+        .description("How far the object's face at tip {} is pressed in, with contact_model = compliant");
+    variables
+        .output("impact_loss", contact, |m| &mut m.outputs.contact.loss)
+        .rate(rates, |m| &mut m.outputs.rates.contact.loss)
+        .unit("J")
+        .nominal(1e-3)
+        .description("Energy lost in impacts and in the object's faces since the start");
+    variables
+        .output_array("impacts{}", contact, |m| &mut m.outputs.impacts)
+        .description("How often tip {} has come onto the object since the start");
 }
 
 fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
@@ -201,6 +231,11 @@ fn parameters(variables: &mut Variables<DualArmPlant>) {
     variables
         .parameter("actuator_model", |m| &mut m.actuator_model)
         .description("How the actuators turn commands into torques and the force; by default without dead zone");
+    variables
+        .parameter("contact_model", |m| &mut m.contact_model)
+        .description("What holds the tips to the object; by default, and in the paper, they never leave it");
+    variables.parameter_family(Face::PARAMETERS, |m| &mut m.parameters.faces);
+    variables.parameters(Parameters::IMPACT, |m| &mut m.parameters);
     variables.parameters(Channel::TORQUE_PARAMETERS, |m| &mut m.parameters.torque_channel);
     variables.parameters(Channel::FORCE_PARAMETERS, |m| &mut m.parameters.force_channel);
     variables.parameters(Start::ANGLES, |m| &mut m.parameters.start).display_degrees();
@@ -221,4 +256,20 @@ impl Enumeration for ActuatorChoice {
     ];
     const VALUES: &'static [Self] =
         &[Self(ActuatorModel::Ideal), Self(ActuatorModel::Compensated), Self(ActuatorModel::Raw)];
+}
+
+/// The contact model, likewise.
+#[derive(Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct ContactChoice(pub ContactModel);
+
+impl Enumeration for ContactChoice {
+    const NAME: &'static str = "ContactModel";
+    const DESCRIPTION: &'static str = "What holds the tips to the object";
+    const ITEMS: &'static [(&'static str, &'static str)] = &[
+        ("bilateral", "Constraint (12), whatever the sign of the force: the paper's grasp"),
+        ("unilateral", "Rigid faces that push and do not pull; a tip that comes back makes an impact"),
+        ("compliant", "Kelvin-Voigt faces that push and do not pull: a soft or fragile object"),
+    ];
+    const VALUES: &'static [Self] =
+        &[Self(ContactModel::Bilateral), Self(ContactModel::Unilateral), Self(ContactModel::Compliant)];
 }

@@ -31,6 +31,10 @@ pub const CASES: &[BuiltIn] = built_in![
     "wrong-stiffness",
 ];
 
+/// The files of the folder `scenarios/contact`: grasps that can open. They are no rows of the matrix unless asked for.
+pub const CONTACT: &[BuiltIn] =
+    built_in!["scenarios/contact": "touching", "preloaded", "gap", "bouncing", "soft-object", "jerk"];
+
 /// A plant and what happens to it.
 #[derive(Debug, Clone)]
 pub struct Case {
@@ -70,6 +74,20 @@ impl Case {
         CASES.iter().map(Self::built_in).collect()
     }
 
+    /// All cases of grasps that can open.
+    ///
+    /// # Errors
+    /// None in a released tool: a test reads all of them.
+    pub fn contact() -> Result<Vec<Self>, CaseError> {
+        CONTACT.iter().map(Self::built_in).collect()
+    }
+
+    /// Whether the case says how the tips can leave the object.
+    #[must_use]
+    pub fn opens(&self) -> bool {
+        self.scenario.settings.iter().any(|setting| setting.item.target.ends_with("contact_model"))
+    }
+
     fn built_in(file: &BuiltIn) -> Result<Self, CaseError> {
         Ok(Self { key: file.name.to_owned(), scenario: file.scenario()?, text: file.text.to_owned() })
     }
@@ -79,7 +97,7 @@ impl Case {
     /// # Errors
     /// When there is none, or it is no scenario.
     pub fn find(name: &str) -> Result<Self, CaseError> {
-        if let Some(file) = CASES.iter().find(|file| file.name == name) {
+        if let Some(file) = CASES.iter().chain(CONTACT).find(|file| file.name == name) {
             return Self::built_in(file);
         }
         let path = Path::new(name);
@@ -88,7 +106,7 @@ impl Case {
             let key = path.file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
             return Ok(Self { key, scenario, text });
         }
-        let known = || CASES.iter().map(|file| file.name);
+        let known = || CASES.iter().chain(CONTACT).map(|file| file.name);
         Err(CaseError::Unknown {
             name: name.to_owned(),
             similar: closest(name, known()).into_iter().map(str::to_owned).collect(),
@@ -105,16 +123,18 @@ mod tests {
 
     #[test]
     fn every_file_of_the_folder_is_a_case() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios/matrix");
-        let mut files: Vec<_> = fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned())
-            .collect();
-        files.sort();
-        let mut cases: Vec<_> = Case::all().unwrap().into_iter().map(|case| case.key).collect();
-        cases.sort();
-        assert_eq!(files, cases);
-        for case in Case::all().unwrap() {
+        for (folder, cases) in [("matrix", Case::all().unwrap()), ("contact", Case::contact().unwrap())] {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenarios").join(folder);
+            let mut files: Vec<_> = fs::read_dir(folder)
+                .unwrap()
+                .map(|entry| entry.unwrap().path().file_stem().unwrap().to_str().unwrap().to_owned())
+                .collect();
+            files.sort();
+            let mut cases: Vec<_> = cases.into_iter().map(|case| case.key).collect();
+            cases.sort();
+            assert_eq!(files, cases);
+        }
+        for case in Case::all().unwrap().into_iter().chain(Case::contact().unwrap()) {
             assert!(case.scenario.title.chars().count() <= 28, "{}: fits into its row", case.key);
             assert!(case.scenario.description.len() > 60, "{}: says what it is", case.key);
             assert!(case.scenario.experiment.stop.is_some() && case.scenario.experiment.step.is_some());

@@ -54,6 +54,24 @@ pub struct Merit {
     pub saturated: f64,
     /// Largest tension: by how much a contact force pulls.
     pub tension: f64,
+    /// Share of the time from when both forces first press in which they do; 0 if they never do.
+    pub held: f64,
+    /// Largest contact force.
+    pub peak_contact: f64,
+    /// How often a grasp was lost: that not both forces press after both did.
+    pub drops: u32,
+}
+
+/// What becomes of the contacts: [`Merit::held`], [`Merit::peak_contact`], [`Merit::drops`].
+fn contacts(times: &[f64], forces: [&[f64]; 2]) -> (f64, f64, u32) {
+    let presses = |index: usize| forces[0][index] > 0.0 && forces[1][index] > 0.0;
+    let peak = forces.iter().flat_map(|force| force.iter()).fold(0.0, |most: f64, force| most.max(*force));
+    let Some(first) = (0..times.len()).find(|index| presses(*index)) else { return (0.0, peak, 0) };
+    let held: f64 = (first + 1..times.len()).filter(|index| presses(*index)).map(|i| times[i] - times[i - 1]).sum();
+    let drops = (first + 1..times.len()).filter(|index| presses(index - 1) && !presses(*index)).count();
+    let duration = times[times.len() - 1] - times[first];
+    let share = if duration > 0.0 { held / duration } else { 1.0 };
+    (share, peak, u32::try_from(drops).unwrap_or(u32::MAX))
 }
 
 /// One signal on its way.
@@ -138,6 +156,7 @@ impl Merit {
         let larger = |figure: fn(&Track) -> f64| figure(&forces[0]).max(figure(&forces[1]));
         let [settling_forces, settling_angles] = [settling(&forces), settling(&angles)];
         let settling_position = position.settled(times);
+        let (held, peak_contact, drops) = contacts(times, forces.each_ref().map(|force| &force.values[..]));
         Some(Self {
             settling: later(later(settling_forces, settling_angles), settling_position),
             settling_forces,
@@ -150,6 +169,9 @@ impl Merit {
             peak_force: efforts[2].peak,
             saturated: efforts.iter().filter_map(|effort| effort.saturated).fold(0.0, f64::max),
             tension: forces.iter().flat_map(|force| &force.values).fold(0.0, |most, value| (-value).max(most)),
+            held,
+            peak_contact,
+            drops,
         })
     }
 
@@ -188,6 +210,14 @@ mod tests {
             table.row(t, &row).unwrap();
         }
         table
+    }
+
+    #[test]
+    fn a_grasp_is_held_while_both_forces_press() {
+        let times = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        let held = contacts(&times, [&[0.0, 0.5, 0.5, 0.0, 0.7, 0.5], &[0.1, 0.5, 0.5, 0.5, 0.5, 0.5]]);
+        assert_eq!(held, (0.75, 0.7, 1));
+        assert_eq!(contacts(&times, [&[0.0; 6], &[1.0; 6]]), (0.0, 1.0, 0));
     }
 
     #[test]

@@ -31,6 +31,8 @@ pub struct Cell {
     pub judged: Judged,
     /// How good it was.
     pub merit: Merit,
+    /// How often a tip came onto the object; `None` if the plant does not count.
+    pub impacts: Option<i32>,
     /// The shortest possible settling time in s.
     pub limit: f64,
     /// The force to be reached, in N.
@@ -177,7 +179,9 @@ fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, St
     let first = |name: &str| table.column(name).and_then(|values| values.first().copied()).unwrap_or_default();
     let target = last("lambda2_d");
     let ways = ["theta1", "theta2", "y_object"].map(|name| last(&format!("{name}_d")) - first(name));
-    Ok(Cell { judged, merit, limit: models.limit(limits, ways, target), target, stop: grid.stop() - grid.start() })
+    let impacts = models.impacts();
+    let limit = models.limit(limits, ways, target);
+    Ok(Cell { judged, merit, impacts, limit, target, stop: grid.stop() - grid.start() })
 }
 
 /// The instances of a run, to be asked.
@@ -198,6 +202,16 @@ impl Models<'_> {
         let mut value = [0.0];
         instance.get_real(&[reference], &mut value).ok()?;
         Some(value[0])
+    }
+
+    /// How often a tip has come onto the object.
+    fn impacts(&mut self) -> Option<i32> {
+        let instance = self.master.instance(self.place("impacts1")?);
+        let mut count = |name: &str| match instance.get(&instance.description().variable(name)?.clone()) {
+            Ok(Value::Integer(impacts)) => Some(impacts),
+            _ => None,
+        };
+        Some(count("impacts1")?.saturating_add(count("impacts2")?))
     }
 
     /// Whether sensors are noisy or coarse: not as they are by themselves.
