@@ -40,13 +40,13 @@ def test_switches_come_when_eigenvectors_and_bisection_say(plant: Fmu) -> None:
     x, gaps = grasp.start((0.004, 0.006))
     _, _, switches = grasp.rigid(x, gaps, g, stop=0.1016, spacing=1e-5)
     assert [what for _, _, what in switches[:3]] == ["closes", "opens", "closes"]
-    assert len(switches) >= 5
+    assert len(switches) == 4
     with plant.instantiate() as slave:
         slave.set(**FREE, contact_model="unilateral", **away((0.004, 0.006)), tau1_cmd=0.1, tau2_cmd=-0.12)
         slave.start()
         now = 0.0
         impacts = 0
-        for time, side, what in switches[:5]:
+        for time, side, what in switches:
             assert side == 0
             slave.fmi.doStep(now, time - 1e-9 - now)
             before = slave.get("impacts1", "gap1")
