@@ -175,7 +175,12 @@ impl DualArmPlant {
         if let Some(plant) = &self.plant {
             self.outputs.direct = plant.direct(&self.inputs);
             self.outputs.in_contact = self.outputs.direct.in_contact();
-            self.outputs.pressing = self.outputs.direct.contact_force.map(|force| force > 0.0);
+        }
+    }
+
+    fn pressing(&mut self) {
+        if let Some(plant) = &self.plant {
+            self.outputs.pressing = plant.direct(&self.inputs).contact_force.map(|force| force > 0.0);
         }
     }
 

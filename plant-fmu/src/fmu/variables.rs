@@ -12,10 +12,10 @@ pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
     measured_outputs(variables, rates);
     direct_outputs(variables, rates);
     shape_outputs(variables, rates);
-    contact_outputs(variables, rates);
     parameters(variables);
-    // Last, so that all others have the value references that they had before there were these.
+    // What is new comes last, so that all others keep their value references.
     exchange::declare(variables);
+    contact(variables, rates);
 }
 
 fn inputs(variables: &mut Variables<DualArmPlant>) {
@@ -128,17 +128,21 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .output("in_contact", direct, |m| &mut m.outputs.in_contact)
         .depends_on(["u_cmd", "delta_F"])
         .description("Whether both contact forces are compressive; with contact_model = bilateral the arms stay on the object anyway");
-    variables
-        .output_array("in_contact{}", direct, |m| &mut m.outputs.pressing)
-        .depends_on(["u_cmd", "delta_F"])
-        .description("Whether the contact force at tip {} is compressive");
 }
 
-fn contact_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
+/// What a grasp that can open has besides. Model exchange knows only the closed one, in which these outputs stay zero.
+fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
+    const NONE: [&str; 0] = [];
+    let pressing = variables.evaluation(DualArmPlant::pressing);
     let contact = variables.evaluation(DualArmPlant::contact);
+    variables
+        .output_array("in_contact{}", pressing, |m| &mut m.outputs.pressing)
+        .depends_on(["u_cmd", "delta_F"])
+        .description("Whether the contact force at tip {} is compressive");
     variables
         .output_array("gap{}", contact, |m| &mut m.outputs.contact.gap)
         .rate_array(rates, |m| &mut m.outputs.rates.contact.gap)
+        .depends_on_states(NONE)
         .unit("m")
         .nominal(0.01)
         .description(
@@ -147,18 +151,26 @@ fn contact_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     variables
         .output_array("indentation{}", contact, |m| &mut m.outputs.contact.indentation)
         .rate_array(rates, |m| &mut m.outputs.rates.contact.indentation)
+        .depends_on_states(NONE)
         .unit("m")
         .nominal(1e-3)
         .description("How far the object's face at tip {} is pressed in, with contact_model = compliant");
     variables
         .output("impact_loss", contact, |m| &mut m.outputs.contact.loss)
         .rate(rates, |m| &mut m.outputs.rates.contact.loss)
+        .depends_on_states(NONE)
         .unit("J")
         .nominal(1e-3)
         .description("Energy lost in impacts and in the object's faces since the start");
     variables
         .output_array("impacts{}", contact, |m| &mut m.outputs.impacts)
+        .depends_on_states(NONE)
         .description("How often tip {} has come onto the object since the start");
+    variables
+        .parameter("contact_model", |m| &mut m.contact_model)
+        .description("What holds the tips to the object; by default, and in the paper, they never leave it");
+    variables.parameter_family(Face::PARAMETERS, |m| &mut m.parameters.faces);
+    variables.parameters(Parameters::IMPACT, |m| &mut m.parameters);
 }
 
 fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
@@ -231,11 +243,6 @@ fn parameters(variables: &mut Variables<DualArmPlant>) {
     variables
         .parameter("actuator_model", |m| &mut m.actuator_model)
         .description("How the actuators turn commands into torques and the force; by default without dead zone");
-    variables
-        .parameter("contact_model", |m| &mut m.contact_model)
-        .description("What holds the tips to the object; by default, and in the paper, they never leave it");
-    variables.parameter_family(Face::PARAMETERS, |m| &mut m.parameters.faces);
-    variables.parameters(Parameters::IMPACT, |m| &mut m.parameters);
     variables.parameters(Channel::TORQUE_PARAMETERS, |m| &mut m.parameters.torque_channel);
     variables.parameters(Channel::FORCE_PARAMETERS, |m| &mut m.parameters.force_channel);
     variables.parameters(Start::ANGLES, |m| &mut m.parameters.start).display_degrees();
