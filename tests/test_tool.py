@@ -198,6 +198,65 @@ def test_loss_of_contact_is_seen(run: Any) -> None:
     assert jerked["in_contact"][-1]
 
 
+def test_arms_that_come_and_grasp(run: Any) -> None:
+    """4 mm away: the object rests until the first tip comes, is hit, and held with the target's force in the end."""
+    grasp = run("approach")
+    assert (grasp["gap1"][0], grasp["gap2"][0]) == pytest.approx((4e-3, 4e-3), rel=1e-9)
+    first = int(np.argmax((grasp["impacts1"] > 0) | (grasp["impacts2"] > 0)))
+    assert first > 0
+    # u acts on the object from the start; with nothing touching it is all that does, for a step of held commands.
+    free = grasp["u"][: first - 1] / 0.3 * 1e-4
+    assert np.diff(grasp["y_object_dot"][:first]) == pytest.approx(free, abs=1e-15)
+    assert grasp.forces.min() == 0.0
+    assert np.abs(grasp.forces[:, -1] - 0.5).max() < 5e-3
+    assert np.all(grasp.forces[:, grasp["gap1"] > 0][0] == 0.0)
+
+
+def test_a_soft_fruit_is_hit_once_on_each_side(run: Any) -> None:
+    """Faces of 500 N/m: one soft impact each, as deep as the force says, and short of the target by what the faces give way:
+    the target pose (16) is that of a rigid object, and the arms have 3 EI / l^3 = 43 N/m."""
+    fruit = run("soft-fruit")
+    assert (fruit["impacts1"][-1], fruit["impacts2"][-1]) == (1, 1)
+    at_rest = fruit["indentation1"][-1] * 500.0
+    assert at_rest == pytest.approx(fruit["contact_force1"][-1], abs=2e-3)
+    assert 0.4 < fruit["contact_force1"][-1] < 0.5
+    lost = fruit["impact_loss"]
+    assert np.diff(lost).min() > -1e-15
+    assert lost[-1] > 0
+
+
+def test_a_hard_object_bounces_between_the_tips(run: Any) -> None:
+    snatched = run("snatch")
+    assert min(snatched["impacts1"][-1], snatched["impacts2"][-1]) >= 2
+    assert max(snatched["gap1"].max(), snatched["gap2"].max()) >= 4e-3
+    assert snatched["in_contact"][-1]
+    # From the last gap on no impact comes.
+    open_ = (snatched["gap1"] > 0) | (snatched["gap2"] > 0)
+    assert snatched.time[open_][-1] < 1.0
+
+
+def test_a_grasp_that_is_torn_open_is_found_again(run: Any) -> None:
+    dropped = run("drop")
+    open_ = dropped.time[dropped["gap2"] > 0]
+    assert len(open_) > 0
+    assert 1.0 <= open_[0] < 1.03
+    assert dropped["gap2"].max() > 1e-3
+    assert np.all(dropped["contact_force2"][dropped["gap2"] > 0] == 0.0)
+    assert dropped["in_contact"][-1]
+    assert np.abs(dropped.forces[:, -1] - 0.5).max() < 0.01
+
+
+@pytest.mark.parametrize("controller", ["nabfc-r", "pd-tuned", "pds-tuned"])
+def test_small_preload_is_enough(controller: str, run: Any) -> None:
+    led = run("small-preload", "--controller", controller)
+    assert led.forces.min() > 0.0
+    assert led["in_contact"].all()
+    assert (led["impacts1"][-1], led["impacts2"][-1]) == (0, 0)
+    assert led.forces.max() < 0.51
+    assert not led.document["warnings"]
+    assert led.settling() < 0.3
+
+
 def test_change_of_reference_is_followed(run: Any) -> None:
     changed = run("change-of-reference")
     ramp = (changed.time >= 1.0) & (changed.time <= 1.5)

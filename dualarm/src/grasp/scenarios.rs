@@ -77,6 +77,7 @@ pub const BUILT_IN: &[BuiltIn] = built_in![
     "soft-fruit",
     "snatch",
     "drop",
+    "small-preload",
     "change-of-reference",
     "stiff-arms",
     "wrong-stiffness",

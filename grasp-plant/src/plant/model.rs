@@ -103,12 +103,17 @@ impl Model {
     /// the transmitted one, EI_i(w_i'''(l) + κ ẇ_i'''(l)).
     #[inline]
     pub fn direct(&self, signals: &Signals, applied: &[f64; FORCES], disturbances: &[f64; FORCES]) -> Direct {
+        let lambda = self.lambda(signals, applied[2] + disturbances[2]);
+        Direct { torque: [applied[0], applied[1]], force: applied[2], lambda, contact_force: [-lambda[0], lambda[1]] }
+    }
+
+    /// λ_i with this force on the object besides the built-in one, (13) and (14).
+    #[inline]
+    pub fn lambda(&self, signals: &Signals, force: f64) -> [f64; 2] {
         let p = &self.parameters;
         let shear = [0, 1].map(|i| signals[TIP_SHEAR[i]] + p.kelvin_voigt * signals[TIP_SHEAR_RATE[i]]);
-        let force = applied[2] + disturbances[2] + builtin_forces(p, signals)[2];
-        let acceleration = (force - shear[0] - shear[1]) / p.moving_mass();
-        let lambda = [0, 1].map(|i| shear[i] + p.arms[i].tip_mass * acceleration);
-        Direct { torque: [applied[0], applied[1]], force: applied[2], lambda, contact_force: [-lambda[0], lambda[1]] }
+        let acceleration = (force + builtin_forces(p, signals)[2] - shear[0] - shear[1]) / p.moving_mass();
+        [0, 1].map(|i| shear[i] + p.arms[i].tip_mass * acceleration)
     }
 
     /// Tip deflections of energy coordinates.

@@ -32,6 +32,18 @@ impl Plant {
         self.model.direct(&self.signals, &applied, &inputs.disturbances())
     }
 
+    /// The contact forces alone \[N\], as [`Self::direct`] has them: for whoever looks at them in every step.
+    #[must_use]
+    #[inline]
+    pub fn contact_force(&self, inputs: &Inputs) -> [f64; 2] {
+        if let Some(contacts) = &self.contacts {
+            return contacts.force(&self.state, &self.model.forces(inputs));
+        }
+        let applied = self.model.actuators[2].output(inputs.force_command);
+        let [first, second] = self.model.lambda(&self.signals, applied + inputs.object_disturbance);
+        [-first, second]
+    }
+
     /// The contacts: closed gaps and no losses, unless the grasp can open.
     #[must_use]
     pub fn contact(&self) -> Contact {

@@ -40,7 +40,7 @@ impl Grip {
         let size = time - self.until;
         self.until = time;
         let Some(contact) = plant.state().contact.as_deref() else {
-            let force = plant.direct(inputs).contact_force;
+            let force = plant.contact_force(inputs);
             if force[0] < -TENSION || force[1] < -TENSION {
                 self.pulled(time, size, force);
             }

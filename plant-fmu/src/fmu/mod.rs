@@ -180,7 +180,7 @@ impl DualArmPlant {
 
     fn pressing(&mut self) {
         if let Some(plant) = &self.plant {
-            self.outputs.pressing = plant.direct(&self.inputs).contact_force.map(|force| force > 0.0);
+            self.outputs.pressing = plant.contact_force(&self.inputs).map(|force| force > 0.0);
         }
     }
 

@@ -33,7 +33,7 @@ pub const CASES: &[BuiltIn] = built_in![
 
 /// The files of the folder `scenarios/contact`: grasps that can open. They are no rows of the matrix unless asked for.
 pub const CONTACT: &[BuiltIn] =
-    built_in!["scenarios/contact": "touching", "preloaded", "gap", "bouncing", "soft-object", "jerk"];
+    built_in!["scenarios/contact": "touching", "preloaded", "led", "gap", "bouncing", "soft-object", "jerk"];
 
 /// A plant and what happens to it.
 #[derive(Debug, Clone)]
