@@ -11,20 +11,32 @@ import pytest
 from .support.paths import ROOT
 from .support.tool import dualarm
 
+CONTACT = (ROOT / "docs" / "contact.md").read_text(encoding="utf-8")
 PAGE = (ROOT / "docs" / "comparison.md").read_text(encoding="utf-8")
 
 Cell = dict[str, Any]
 
 
 @pytest.fixture(scope="module")
-def matrix(tmp_path_factory: pytest.TempPathFactory) -> list[Cell]:
-    """Every cell, row by row, as the tool writes it."""
+def compared(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Cell]]:
+    """Every cell of both matrices, row by row, as the tool writes it."""
     folder = tmp_path_factory.mktemp("matrix")
     done = dualarm("compare", "--matrix", "--no-package", "--json", "--out", str(folder))
     assert done.returncode == 0, done.stderr
-    cells: list[Cell] = json.loads(done.stdout)["matrix"]
-    assert json.loads((folder / "matrix.json").read_text(encoding="utf-8")) == cells
-    return cells
+    document = json.loads(done.stdout)
+    for name in ("matrix", "contact"):
+        assert json.loads((folder / f"{name}.json").read_text(encoding="utf-8")) == document[name]
+    return {name: document[name] for name in ("matrix", "contact")}
+
+
+@pytest.fixture(scope="module")
+def matrix(compared: dict[str, list[Cell]]) -> list[Cell]:
+    return compared["matrix"]
+
+
+@pytest.fixture(scope="module")
+def contact(compared: dict[str, list[Cell]]) -> list[Cell]:
+    return compared["contact"]
 
 
 def rows(cells: list[Cell]) -> dict[str, dict[str, Cell]]:
@@ -73,6 +85,32 @@ def number(text: str) -> float:
 
 def close(one: float, other: float, half_digit: float) -> bool:
     return abs(one - other) <= half_digit + 0.02 * abs(other)
+
+
+def test_led_from_a_small_preload_no_controller_loses_the_object(contact: list[Cell]) -> None:
+    """What docs/contact.md says of references that rise within 0.1 s: whatever the gains, no tip leaves the object."""
+    led = rows(contact)["led"]
+    assert len(led) == 10
+    for cell in led.values():
+        assert (cell["impacts"], cell["merit"]["grip"]["lost"], cell["merit"]["grip"]["held_from"]) == (0, 0.0, 0.0), cell
+        assert cell["merit"]["grip"]["peak"] < 0.52, cell
+
+
+def test_rigid_faces_chatter_and_soft_ones_do_not(contact: list[Cell]) -> None:
+    table = rows(contact)
+    for controller, cell in table["gap"].items():
+        soft = table["soft-object"][controller]
+        assert cell["impacts"] > 20 > soft["impacts"] >= 2
+        assert cell["merit"]["grip"]["held_from"] > 0.03
+    assert all(cell["merit"]["grip"]["drops"] >= 1 for cell in table["jerk"].values())
+
+
+def test_the_page_of_contacts_has_every_cell(contact: list[Cell]) -> None:
+    text = CONTACT.split("<!-- contact")[1].split("<!-- end")[0]
+    table = rows(contact)
+    for part in text.split("\n\n**"):
+        lines = [line for line in part.splitlines() if line.startswith("|")]
+        assert len(lines) == 2 + len(table), part[:80]
 
 
 def test_the_limit_is_one(matrix: list[Cell]) -> None:

@@ -57,10 +57,13 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Report:
 def show(page: Any, time: float) -> None:
     """Moves the slider to a time in s, as a hand on it would."""
     start, stop = spans(page)[0][0]
+    scrub(page, (time - start) / (stop - start))
+
+
+def scrub(page: Any, share: float) -> None:
+    """Moves it to a share of what is shown."""
     page.eval_on_selector(
-        "#scrub",
-        "(slider, share) => { slider.value = share; slider.dispatchEvent(new Event('input')); }",
-        (time - start) / (stop - start),
+        "#scrub", "(slider, share) => { slider.value = share; slider.dispatchEvent(new Event('input')); }", share
     )
 
 
@@ -455,6 +458,25 @@ def test_a_page_of_any_run(browser: Browser, tmp_path: Path) -> None:
         # Any other signal has a chart when asked for.
         page.select_option("#signal", "root_moment1")
         assert "root_moment1 (N·m)" in page.inner_text("[data-signal=root_moment1]")
+
+
+def test_a_page_of_a_grasp_that_opens(browser: Browser, tmp_path: Path) -> None:
+    """Gaps and impacts have charts, the panel says which tip is off; where nothing opens there are no such charts."""
+    pages = {}
+    for scenario in ("approach", "nabfc"):
+        pages[scenario] = tmp_path / f"{scenario}.html"
+        done = dualarm("simulate", scenario, "--stop", "0.3", "--report", str(pages[scenario]))
+        assert done.returncode == 0, done.stderr
+    with browser.open(pages["approach"]) as opened:
+        page = opened.page
+        for signal in ("gap1", "in_contact", "impacts1", "impact_loss"):
+            page.wait_for_selector(f"[data-signal={signal}] canvas")
+        scrub(page, 0.01 / 0.3)
+        assert "no tip touches the object" in page.inner_text(".run .status")
+        scrub(page, 0.29 / 0.3)
+        assert "touch" not in page.inner_text(".run .status")
+    with browser.open(pages["nabfc"]) as opened:
+        assert opened.page.locator("[data-signal=gap1]").count() == 0
 
 
 def test_a_page_of_saved_results(browser: Browser, tmp_path: Path) -> None:

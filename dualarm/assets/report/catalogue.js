@@ -15,6 +15,22 @@ const GRASP = [
   { signal: "u", title: "Force u at the object", unit: "N", decimals: 3, kick: true, also: "u_cmd" },
 ];
 
+/** Charts of contacts that can open; of tip 2 in dashes. */
+const CONTACTS = [
+  { signal: "gap1", title: "Gap at tip 1, and at tip 2 (dashed)", unit: "mm", decimals: 4, scale: 1000, also: "gap2" },
+  { signal: "in_contact", title: "Both tips press", decimals: 0 },
+  { signal: "impacts1", title: "Impacts of tip 1 so far, and of tip 2 (dashed)", decimals: 0, also: "impacts2" },
+  {
+    signal: "indentation1",
+    title: "Indentation of the object at tip 1, and at tip 2 (dashed)",
+    unit: "mm",
+    decimals: 4,
+    scale: 1000,
+    also: "indentation2",
+  },
+  { signal: "impact_loss", title: "Energy lost in impacts and faces", unit: "mJ", decimals: 4, scale: 1000 },
+];
+
 /** Charts of what an adaptive controller learns. */
 const ESTIMATES = [
   { signal: "m_hat", title: "Estimated mass m̂", unit: "kg", decimals: 4 },
@@ -44,8 +60,13 @@ const MOST_CHARTS = 9;
 function catalogue(data) {
   const names = [...new Set(data.runs.flatMap((run) => [...run.signals.keys()]))];
   const has = ({ signal }) => names.includes(signal);
+  const moves = ({ signal, also }) =>
+    data.runs.some((run) => isMoving(run.signals.get(signal)) || isMoving(run.signals.get(also)));
+  // Where no tip ever leaves the object, there is nothing to show of it.
+  const opens = ["gap1", "gap2", "impacts1", "impacts2", "indentation1"].some((signal) => moves({ signal }));
   const groups = [
     { title: "", charts: GRASP.filter(has) },
+    { title: "The contacts", open: true, charts: opens ? CONTACTS.filter((chart) => has(chart) && moves(chart)) : [] },
     { title: "What the certificate monitors", open: true, charts: MONITORED.filter(has) },
     { title: "What the controller estimates", charts: ESTIMATES.filter(has) },
   ].filter((group) => group.charts.length > 0);

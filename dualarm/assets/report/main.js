@@ -50,6 +50,9 @@ function stateOfGrasp(run, time) {
   const pulling = [1, 2].filter((arm) => sample(run, `contact_force${arm}`, time) < -5e-4);
   if (pulling.length === 1) return { text: `arm ${pulling[0]} pulls: no real contact`, kind: "pulls" };
   if (pulling.length === 2) return { text: "both arms pull: no real contact", kind: "pulls" };
+  const open = [1, 2].filter((arm) => sample(run, `gap${arm}`, time) > 1e-9);
+  if (open.length === 1) return { text: `tip ${open[0]} does not touch the object`, kind: "pulls" };
+  if (open.length === 2) return { text: "no tip touches the object", kind: "pulls" };
   if (!run.judged) return { text: "", kind: "" };
   if (run.settling === null) return { text: "does not settle", kind: "" };
   const settling = `${format(run.settling, 3)} s`;

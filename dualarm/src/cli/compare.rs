@@ -14,7 +14,7 @@ use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
 use super::{Failure, print, width};
 use crate::comparison::{self, CSV_INTERVAL, ComparisonError, Runs, Setup, Wanted};
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::Matrices;
 use crate::report;
 use crate::report::figures::PaperRun;
 use crate::report::matrix::CellDocument;
@@ -60,6 +60,8 @@ struct Document<'a> {
     cases: Vec<Case>,
     /// Controllers in many cases; empty without them.
     matrix: Vec<CellDocument<'a>>,
+    /// The same of grasps that can open.
+    contact: Vec<CellDocument<'a>>,
     report: &'a Path,
 }
 
@@ -108,7 +110,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let mut runs = if arguments.matrix.is_alone() { None } else { Some(Runs::simulate(&setup, &results, &progress)?) };
     let matrix = matrix::run(&arguments.matrix, setup.fmus, quiet)?;
     if let Some(matrix) = &matrix {
-        comparison::files::write_matrix(matrix, setup.out, &results)?;
+        comparison::files::write_matrices(matrix, setup.out, &results)?;
     }
     let wanted = Wanted { page: arguments.report.clone(), untitled: arguments.untitled };
     let report = match (&mut runs, &matrix, &wanted.page) {
@@ -135,7 +137,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 fn print_json(
     setup: &Setup,
     runs: &[PaperRun],
-    matrix: Option<&Matrix>,
+    matrix: Option<&Matrices>,
     report: &Path,
     wall_time: f64,
 ) -> Result<(), Failure> {
@@ -151,18 +153,25 @@ fn print_json(
         experiment: ExperimentDocument::new(setup.grid, setup.coupling, CSV_INTERVAL),
         wall_time,
         cases: runs.iter().map(case).collect(),
-        matrix: matrix.map(report::matrix::documents).unwrap_or_default(),
+        matrix: matrix.map(|matrix| report::matrix::documents(&matrix.closed)).unwrap_or_default(),
+        contact: matrix.and_then(|matrix| matrix.contact.as_ref()).map(report::matrix::documents).unwrap_or_default(),
         report,
     })
 }
 
-fn print_tables(arguments: &Arguments, runs: &[PaperRun], matrix: Option<&Matrix>, figures: usize, seconds: f64) {
+fn print_tables(arguments: &Arguments, runs: &[PaperRun], matrix: Option<&Matrices>, figures: usize, seconds: f64) {
     let out = arguments.job.out.display();
     if let Some(matrix) = matrix {
-        print(&format!("{}\n", report::matrix::table(matrix).to_terminal(width())));
+        for matrix in [Some(&matrix.closed), matrix.contact.as_ref()].into_iter().flatten() {
+            print(&format!("{}\n", report::matrix::table(matrix).to_terminal(width())));
+            for (title, meaning, table) in report::matrix::contact::tables(matrix) {
+                print(&format!("{title}: {meaning}\n{}\n", table.to_terminal(width())));
+            }
+        }
     }
     if runs.is_empty() {
-        print(&format!("{out}/matrix.md, .csv, .json, .svg and .png, in {seconds:.1} s\n"));
+        let contact = matrix.and_then(|matrix| matrix.contact.as_ref()).map_or("", |_| ", contact.* likewise");
+        print(&format!("{out}/matrix.md, .csv, .json, .svg and .png{contact}, in {seconds:.1} s\n"));
         return;
     }
     let (forces, efforts) = report::tables(runs);

@@ -9,7 +9,7 @@ use super::progress::Progress;
 use super::{Failure, print_error};
 use crate::grasp::matrix::case::CaseError;
 use crate::grasp::matrix::contender::ContenderError;
-use crate::grasp::matrix::{Case, Contender, Lab, Matrix};
+use crate::grasp::matrix::{Case, Contender, Lab, Matrices, Matrix};
 
 /// Which controllers run in which cases.
 #[derive(Debug, Clone, Default, Args)]
@@ -62,12 +62,19 @@ fn unique<'a>(what: &str, mut keys: impl Iterator<Item = &'a str>) -> Result<(),
     }
 }
 
-/// Runs the cells, unless the user wants none.
-pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Matrix>, Failure> {
+/// Runs the cells, unless the user wants none; without cases that are named, those of grasps that can open as a matrix of their
+/// own.
+pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Matrices>, Failure> {
     if choice.no_matrix {
         return Ok(None);
     }
-    let cases = cases(&choice.cases)?;
+    let lab = Lab::new(fmus);
+    let closed = run_cases(choice, cases(&choice.cases)?, &lab, quiet)?;
+    let contact = if choice.cases.is_empty() { Some(run_cases(choice, Case::contact()?, &lab, quiet)?) } else { None };
+    Ok(Some(Matrices { closed, contact }))
+}
+
+fn run_cases(choice: &MatrixChoice, cases: Vec<Case>, lab: &Lab, quiet: bool) -> Result<Matrix, Failure> {
     unique("cases", cases.iter().map(|case| case.key.as_str()))?;
     let contenders = if choice.controllers.is_empty() {
         Contender::all()?
@@ -76,7 +83,7 @@ pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Mat
     };
     unique("controllers", contenders.iter().map(|contender: &Contender| contender.key.as_str()))?;
     let bar = Progress::new(quiet).bar("matrix", (cases.len() * contenders.len()) as u64);
-    let matrix = Matrix::run(&Lab::new(fmus), cases, contenders, &|| bar.inc(1))?;
+    let matrix = Matrix::run(lab, cases, contenders, &|| bar.inc(1))?;
     bar.finish_and_clear();
     for (case, cells) in matrix.cases.iter().zip(&matrix.cells) {
         for (contender, cell) in matrix.contenders.iter().zip(cells) {
@@ -85,7 +92,7 @@ pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Mat
             }
         }
     }
-    Ok(Some(matrix))
+    Ok(matrix)
 }
 
 impl From<CaseError> for Failure {

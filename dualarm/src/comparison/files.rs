@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use super::{ComparisonError, Progress, Runs};
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::{Matrices, Matrix};
 use crate::report;
 use crate::report::figures::{NamedFigure, pdf, raster};
 use fmi2_cosim::files::FileSet;
@@ -17,7 +17,7 @@ pub(super) fn write(
     out: &Path,
     Runs { runs, figures, .. }: &Runs,
     setup: &str,
-    matrix: Option<&Matrix>,
+    matrix: Option<&Matrices>,
     results: &FileSet,
 ) -> Result<(), ComparisonError> {
     let metrics = runs.iter().map(|run| (run.scenario.title, &run.metrics));
@@ -27,20 +27,25 @@ pub(super) fn write(
     Ok(())
 }
 
-/// The matrix as tables, data and a figure.
+/// The matrices as tables, data and figures.
 ///
 /// # Errors
-/// When the figure cannot be drawn or a file not be written.
-pub fn write_matrix(matrix: &Matrix, out: &Path, results: &FileSet) -> Result<(), ComparisonError> {
-    let failure = |reason: String| ComparisonError::Draw { name: "matrix".into(), reason };
+/// When a figure cannot be drawn or a file not be written.
+pub fn write_matrices(matrices: &Matrices, out: &Path, results: &FileSet) -> Result<(), ComparisonError> {
+    write_matrix("matrix", &matrices.closed, out, results)?;
+    matrices.contact.as_ref().map_or(Ok(()), |matrix| write_matrix("contact", matrix, out, results))
+}
+
+fn write_matrix(name: &str, matrix: &Matrix, out: &Path, results: &FileSet) -> Result<(), ComparisonError> {
+    let failure = |reason: String| ComparisonError::Draw { name: name.into(), reason };
     let svg = report::matrix::figure::svg(matrix, true);
     let png = raster::to_png(&svg).map_err(failure)?;
     let json = serde_json::to_string_pretty(&report::matrix::documents(matrix)).map_err(|e| failure(e.to_string()))?;
-    results.write(out.join("matrix.csv"), report::matrix::csv(matrix))?;
-    results.write(out.join("matrix.md"), report::matrix::markdown(matrix))?;
-    results.write(out.join("matrix.json"), json + "\n")?;
-    results.write(out.join("matrix.svg"), svg)?;
-    results.write(out.join("matrix.png"), png)?;
+    results.write(out.join(format!("{name}.csv")), report::matrix::csv(matrix))?;
+    results.write(out.join(format!("{name}.md")), report::matrix::markdown(matrix))?;
+    results.write(out.join(format!("{name}.json")), json + "\n")?;
+    results.write(out.join(format!("{name}.svg")), svg)?;
+    results.write(out.join(format!("{name}.png")), png)?;
     Ok(())
 }
 

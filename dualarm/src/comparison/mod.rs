@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use crate::grasp::instruments::{InstrumentsError, Profile};
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::Matrices;
 use crate::grasp::metrics::MetricsObstacle;
 use crate::grasp::scenarios::UnknownScenario;
 use crate::grasp::{self, PLANT};
@@ -135,7 +135,7 @@ impl Runs {
     pub fn write(
         &mut self,
         setup: &Setup,
-        matrix: Option<&Matrix>,
+        matrix: Option<&Matrices>,
         wanted: &Wanted,
         results: &FileSet,
         progress: &impl Progress,

@@ -3,7 +3,7 @@
 use super::Setup;
 use crate::grasp;
 use crate::grasp::instruments;
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::Matrices;
 use crate::report::figures::{NamedFigure, PaperRun};
 use crate::report::html::{Page, Run, rows};
 use fmi2_cosim::grid::TimeGrid;
@@ -19,7 +19,7 @@ pub(super) fn page<'a>(
     figures: &'a [NamedFigure],
     grid: &TimeGrid,
     setup: String,
-    matrix: Option<&'a Matrix>,
+    matrix: Option<&'a Matrices>,
     has_files: bool,
 ) -> Page<'a> {
     Page {
@@ -30,14 +30,14 @@ pub(super) fn page<'a>(
         rows: rows::sentence(grid),
         matrix,
         figures,
-        files: if has_files { files(matrix.is_some()) } else { Vec::new() },
+        files: if has_files { files(matrix) } else { Vec::new() },
         ..Page::default()
     }
 }
 
 /// The page of the matrix alone.
 #[must_use]
-pub fn of_matrix(matrix: &Matrix) -> Page<'_> {
+pub fn of_matrix(matrix: &Matrices) -> Page<'_> {
     Page {
         title: "Controllers in many cases".into(),
         lead: "Each controller FMU with the plant in each case: who settles, and when.".into(),
@@ -60,10 +60,14 @@ pub(super) fn shown(run: &PaperRun, rows: Table) -> Run {
 }
 
 /// What lies beside the page.
-fn files(has_matrix: bool) -> Vec<(String, String)> {
+fn files(matrix: Option<&Matrices>) -> Vec<(String, String)> {
     let mut files = vec![("report.md", "the same as Markdown"), ("metrics.csv", "the metrics in all digits")];
-    if has_matrix {
+    if matrix.is_some() {
         files.extend([("matrix.md", "controllers and cases as a table"), ("matrix.csv", "every cell in all digits")]);
+    }
+    if matrix.is_some_and(|matrix| matrix.contact.is_some()) {
+        files
+            .extend([("contact.md", "the same of grasps that can open"), ("contact.csv", "their cells in all digits")]);
     }
     let data = grasp::PAPER.map(|controller| (format!("{}.csv", controller.key), "all outputs of that run".to_owned()));
     files.into_iter().map(|(file, what)| (file.to_owned(), what.to_owned())).chain(data).collect()

@@ -9,7 +9,7 @@ pub mod study;
 
 use std::fmt::Write;
 
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::Matrices;
 use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
 use crate::report::figures::text::number;
 use crate::report::figures::{NamedFigure, PaperRun};
@@ -243,11 +243,17 @@ pub fn tables(runs: &[PaperRun]) -> (TextTable, TextTable) {
 /// The report: the matrix if there is one, how the paper's runs were made, their metrics, every figure. `setup` says how
 /// the runs were made.
 #[must_use]
-pub fn report(runs: &[PaperRun], figures: &[NamedFigure], setup: &str, matrix: Option<&Matrix>) -> String {
+pub fn report(runs: &[PaperRun], figures: &[NamedFigure], setup: &str, matrix: Option<&Matrices>) -> String {
     let lead = matrix.map_or_else(String::new, |matrix| {
+        let contact = matrix.contact.as_ref().map_or_else(String::new, |contact| {
+            format!(
+                "\n## Who holds a grasp that can open\n\n![Settling times of all controllers in grasps that can open](contact.svg)\n\n{}",
+                matrix::markdown(contact)
+            )
+        });
         format!(
-            "## Who settles, and when\n\n![Settling times of all controllers in all cases](matrix.svg)\n\n{}\n## The paper's runs\n\n",
-            matrix::markdown(matrix)
+            "## Who settles, and when\n\n![Settling times of all controllers in all cases](matrix.svg)\n\n{}{contact}\n## The paper's runs\n\n",
+            matrix::markdown(&matrix.closed)
         )
     });
     let mut text = format!(

@@ -86,6 +86,7 @@ impl Objective {
 mod tests {
     use super::*;
     use crate::grasp::matrix::Merit;
+    use crate::grasp::matrix::merit::Grip;
 
     fn cell(settling: Option<f64>, overshoot: f64, error_rms: f64) -> Cell {
         let merit = Merit {
@@ -100,9 +101,7 @@ mod tests {
             peak_force: 0.3,
             saturated: 0.0,
             tension: 0.0,
-            held: 1.0,
-            peak_contact: 0.5,
-            drops: 0,
+            grip: Grip { held_from: Some(0.0), lost: 0.0, drops: 0, peak: 0.5 },
         };
         Cell { judged: Judged::Settling, merit, impacts: None, limit: 0.2, target: 0.5, stop: 6.0 }
     }

@@ -54,24 +54,35 @@ pub struct Merit {
     pub saturated: f64,
     /// Largest tension: by how much a contact force pulls.
     pub tension: f64,
-    /// Share of the time from when both forces first press in which they do; 0 if they never do.
-    pub held: f64,
-    /// Largest contact force.
-    pub peak_contact: f64,
-    /// How often a grasp was lost: that not both forces press after both did.
-    pub drops: u32,
+    /// What became of the contacts.
+    pub grip: Grip,
 }
 
-/// What becomes of the contacts: [`Merit::held`], [`Merit::peak_contact`], [`Merit::drops`].
-fn contacts(times: &[f64], forces: [&[f64]; 2]) -> (f64, f64, u32) {
-    let presses = |index: usize| forces[0][index] > 0.0 && forces[1][index] > 0.0;
-    let peak = forces.iter().flat_map(|force| force.iter()).fold(0.0, |most: f64, force| most.max(*force));
-    let Some(first) = (0..times.len()).find(|index| presses(*index)) else { return (0.0, peak, 0) };
-    let held: f64 = (first + 1..times.len()).filter(|index| presses(*index)).map(|i| times[i] - times[i - 1]).sum();
-    let drops = (first + 1..times.len()).filter(|index| presses(index - 1) && !presses(*index)).count();
-    let duration = times[times.len() - 1] - times[first];
-    let share = if duration > 0.0 { held / duration } else { 1.0 };
-    (share, peak, u32::try_from(drops).unwrap_or(u32::MAX))
+/// What became of the contacts, as communication points show it. Times in s.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Grip {
+    /// When both forces first press; `None` if they never do.
+    pub held_from: Option<f64>,
+    /// For how long after it not both of them do.
+    pub lost: f64,
+    /// How often that begins.
+    pub drops: u32,
+    /// Largest contact force in N. What an impact of rigid bodies hands over at once is no force.
+    pub peak: f64,
+}
+
+impl Grip {
+    fn of(times: &[f64], forces: [&[f64]; 2]) -> Self {
+        let presses = |index: &usize| forces.iter().all(|force| force[*index] > 0.0);
+        let peak = forces.iter().flat_map(|force| force.iter()).fold(0.0, |most: f64, force| most.max(*force));
+        let Some(first) = (0..times.len()).find(presses) else {
+            return Self { held_from: None, lost: 0.0, drops: 0, peak };
+        };
+        let open = (first + 1..times.len()).filter(|index| !presses(index));
+        let lost = open.clone().map(|index| times[index] - times[index - 1]).sum();
+        let drops = open.filter(|index| presses(&(index - 1))).count();
+        Self { held_from: Some(times[first] - times[0]), lost, drops: u32::try_from(drops).unwrap_or(u32::MAX), peak }
+    }
 }
 
 /// One signal on its way.
@@ -156,7 +167,6 @@ impl Merit {
         let larger = |figure: fn(&Track) -> f64| figure(&forces[0]).max(figure(&forces[1]));
         let [settling_forces, settling_angles] = [settling(&forces), settling(&angles)];
         let settling_position = position.settled(times);
-        let (held, peak_contact, drops) = contacts(times, forces.each_ref().map(|force| &force.values[..]));
         Some(Self {
             settling: later(later(settling_forces, settling_angles), settling_position),
             settling_forces,
@@ -169,9 +179,7 @@ impl Merit {
             peak_force: efforts[2].peak,
             saturated: efforts.iter().filter_map(|effort| effort.saturated).fold(0.0, f64::max),
             tension: forces.iter().flat_map(|force| &force.values).fold(0.0, |most, value| (-value).max(most)),
-            held,
-            peak_contact,
-            drops,
+            grip: Grip::of(times, forces.each_ref().map(|force| &force.values[..])),
         })
     }
 
@@ -215,9 +223,10 @@ mod tests {
     #[test]
     fn a_grasp_is_held_while_both_forces_press() {
         let times = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
-        let held = contacts(&times, [&[0.0, 0.5, 0.5, 0.0, 0.7, 0.5], &[0.1, 0.5, 0.5, 0.5, 0.5, 0.5]]);
-        assert_eq!(held, (0.75, 0.7, 1));
-        assert_eq!(contacts(&times, [&[0.0; 6], &[1.0; 6]]), (0.0, 1.0, 0));
+        let held = Grip::of(&times, [&[0.0, 0.5, 0.5, 0.0, 0.7, 0.5], &[0.1, 0.5, 0.5, 0.5, 0.5, 0.5]]);
+        assert_eq!(held, Grip { held_from: Some(1.0), lost: 1.0, drops: 1, peak: 0.7 });
+        let never = Grip::of(&times, [&[0.0; 6], &[1.0; 6]]);
+        assert_eq!(never, Grip { held_from: None, lost: 0.0, drops: 0, peak: 1.0 });
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Controllers × cases: every [`Contender`] in every [`Case`], judged by [`Merit`] and, where the actuators set it, beside
 //! the [physical limit](limit).
 //!
-//! A case is a scenario file (folder `scenarios/matrix`), so `dualarm simulate` repeats every cell.
+//! A case is a scenario file (folder `scenarios/matrix`; of grasps that can open, `scenarios/contact`), so `dualarm simulate`
+//! repeats every cell.
 
 pub mod case;
 pub mod contender;
@@ -40,6 +41,15 @@ pub struct Matrix {
     pub contenders: Vec<Contender>,
     /// What came out, or why nothing did.
     pub cells: Vec<Vec<Result<Cell, String>>>,
+}
+
+/// What a comparison runs.
+#[derive(Debug, Clone)]
+pub struct Matrices {
+    /// The cases that were asked for; by default those whose tips never leave the object.
+    pub closed: Matrix,
+    /// Those of grasps that can open, where they are not among the others.
+    pub contact: Option<Matrix>,
 }
 
 impl Matrix {

@@ -14,7 +14,7 @@ pub mod tables;
 
 use serde_json::json;
 
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::Matrices;
 use crate::report::figures::NamedFigure;
 pub(crate) use markup::escape;
 pub(crate) use markup::{fill, json_in_script};
@@ -67,7 +67,7 @@ pub struct Page<'a> {
     /// Which rows of them the page has, in a sentence.
     pub rows: String,
     /// Controllers in many cases.
-    pub matrix: Option<&'a Matrix>,
+    pub matrix: Option<&'a Matrices>,
     /// Figures to take away.
     pub figures: &'a [NamedFigure],
     /// Tables of the caller's, as sections.
@@ -94,7 +94,7 @@ impl Page<'_> {
                 "headline" => tables::headline(self.runs),
                 "motion" => if_motion(MOTION),
                 "signals" => if_runs(SIGNALS),
-                "matrix" => self.matrix.map_or_else(String::new, tables::matrix),
+                "matrix" => self.matrix.map_or_else(String::new, tables::matrices),
                 "metrics" => tables::metrics(self.runs),
                 "tables" => self.tables.clone(),
                 "figures" => tables::figures(self.figures),

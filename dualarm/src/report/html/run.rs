@@ -77,7 +77,7 @@ impl Run {
         self.geometry().is_some()
     }
 
-    /// Lengths of arms and object: from the plant's parameters, or from the constraint (12), which every row fulfils.
+    /// Lengths of arms and object: from the plant's parameters, or from the constraint (12), which every row fulfils, but for gaps.
     fn geometry(&self) -> Option<Geometry> {
         let [theta, _, object] = POSE.map(|name| self.rows.column(name));
         let (theta, object) = (theta?, object?);
@@ -92,8 +92,11 @@ impl Run {
             .or_else(|| {
                 // The last node of the arm is its tip.
                 let tip = self.rows.column("tip_deflection1").or_else(|| self.rows.column("deflection1[11]"))?;
-                // l θ₁ + L/2 = y_M + w₁(l)
-                let right: Vec<f64> = object.iter().zip(&tip).map(|(y, w)| y + w).collect();
+                // l θ₁ + L/2 = y_M + w₁(l), less the gap where the tip does not touch, and more by what a face gives way.
+                let of_contact = |name: &str| self.rows.column(name).unwrap_or_else(|| vec![0.0; tip.len()]);
+                let (gap, pressed) = (of_contact("gap1"), of_contact("indentation1"));
+                let right: Vec<f64> =
+                    (0..tip.len()).map(|row| object[row] + tip[row] - gap[row] + pressed[row]).collect();
                 line(&theta, &right).map(|(slope, offset)| Geometry { arm: slope, object: 2.0 * offset })
             })
             .filter(|geometry| geometry.arm > 0.0 && geometry.object > 0.0)

@@ -6,7 +6,7 @@ use crate::report::figures::SIGNALS;
 use fmi2_cosim::record::{Column, Sink, Table};
 
 /// Signals that the picture or a chart of its own shows beside those of the [figures](SIGNALS).
-const MORE: [&str; 8] = [
+const MORE: [&str; 16] = [
     "y_object",
     "tau1_cmd_sent",
     "tau2_cmd_sent",
@@ -15,6 +15,14 @@ const MORE: [&str; 8] = [
     "y_object_d",
     "tip_deflection1",
     "tip_deflection2",
+    "gap1",
+    "gap2",
+    "in_contact",
+    "impacts1",
+    "impacts2",
+    "indentation1",
+    "indentation2",
+    "impact_loss",
 ];
 
 /// Whether the page has a place of its own for a signal.

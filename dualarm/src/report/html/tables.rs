@@ -4,12 +4,12 @@ use std::fmt::Write;
 
 use super::markup::escape;
 use super::run::Run;
-use crate::grasp::matrix::Matrix;
+use crate::grasp::matrix::{Matrices, Matrix};
 use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
 use crate::report::TextTable;
 use crate::report::figures::NamedFigure;
 use crate::report::figures::text::number;
-use crate::report::matrix::{LEGEND, figure};
+use crate::report::matrix::{LEGEND, contact, figure};
 use crate::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_import::Value;
 
@@ -36,14 +36,24 @@ pub fn section(title: &str, table: &TextTable) -> String {
     html + "</tbody></table></div></section>"
 }
 
-/// The matrix of controllers and cases, as a section of the page.
+/// The matrices of controllers and cases, as sections of the page.
 #[must_use]
-pub fn matrix(matrix: &Matrix) -> String {
+pub fn matrices(matrices: &Matrices) -> String {
+    let closed = matrix("matrix", "Who settles, and when", &matrices.closed);
+    let contact = |contact| matrix("contact", "Who holds a grasp that can open", contact);
+    closed + &matrices.contact.as_ref().map_or_else(String::new, contact)
+}
+
+fn matrix(id: &str, title: &str, matrix: &Matrix) -> String {
+    let mut contacts = String::new();
+    for (title, meaning, table) in contact::tables(matrix) {
+        let _ = write!(contacts, "{}<p class=\"soft\">{}</p>", section(title, &table), escape(meaning));
+    }
     format!(
-        "<section aria-labelledby=\"matrix-title\"><h2 id=\"matrix-title\">Who settles, and when</h2>\
-         <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Controllers in all cases\">{}</div>\
+        "<section aria-labelledby=\"{id}-title\"><h2 id=\"{id}-title\">{title}</h2>\
+         <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"{title}: controllers in all cases\">{}</div>\
          <p class=\"soft\">{}</p>\
-         </section>",
+         </section>{contacts}",
         figure::svg(matrix, false),
         escape(&LEGEND.replace('*', ""))
     )

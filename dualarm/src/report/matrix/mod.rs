@@ -1,5 +1,6 @@
 //! The matrix as tables, data and a [figure].
 
+pub mod contact;
 pub mod figure;
 
 use serde::Serialize;
@@ -62,48 +63,18 @@ pub fn table(matrix: &Matrix) -> TextTable {
     TextTable { header, rows: matrix.cases.iter().enumerate().map(row).collect() }
 }
 
-/// What the second table says, in sentences.
-pub const CONTACT_LEGEND: &str = "Grasps that can open: share of the time from the first hold in which both tips press; how often \
-    one then left the object, as seen at communication points; how often a tip came onto it; and the largest contact force.";
-
-/// What becomes of the contacts in the cases in which they can open; `None` without such cases.
-#[must_use]
-pub fn contact_table(matrix: &Matrix) -> Option<TextTable> {
-    let mut header = vec!["case".to_owned()];
-    header.extend(matrix.contenders.iter().map(|contender| contender.title.clone()));
-    let text = |cell: &Result<Cell, String>| match cell {
-        Err(_) => "–".to_owned(),
-        Ok(Cell { merit, impacts, .. }) => format!(
-            "{} %, {} drops, {} impacts, {} N",
-            number(100.0 * merit.held, 1),
-            merit.drops,
-            impacts.map_or("–".into(), |impacts| impacts.to_string()),
-            number(merit.peak_contact, 2)
-        ),
-    };
-    let opening = matrix.cases.iter().zip(&matrix.cells).filter(|(case, _)| case.opens());
-    let rows: Vec<Vec<String>> = opening
-        .map(|(case, cells)| [case.scenario.title.clone()].into_iter().chain(cells.iter().map(text)).collect())
-        .collect();
-    (!rows.is_empty()).then_some(TextTable { header, rows })
-}
-
-/// The tables with what they mean, as Markdown.
+/// The table with what it means, as Markdown, and what became of the contacts where grasps can open.
 #[must_use]
 pub fn markdown(matrix: &Matrix) -> String {
-    let mut text = format!("{LEGEND}\n\n{}", table(matrix).to_markdown());
-    if let Some(contacts) = contact_table(matrix) {
-        text += &format!("\n{CONTACT_LEGEND}\n\n{}", contacts.to_markdown());
-    }
-    text
+    format!("{LEGEND}\n\n{}{}", table(matrix).to_markdown(), contact::markdown(matrix))
 }
 
 /// Everything in plain names and SI units, one line per cell; absent values are empty.
 #[must_use]
 pub fn csv(matrix: &Matrix) -> String {
     const COLUMNS: &str = "case,controller,judged,settling_s,settling_forces_s,settling_angles_s,settling_position_s,\
-        overshoot_percent,steady_error_N,error_rms_N,peak_torque_Nm,peak_force_N,saturated_s,tension_N,held,drops,impacts,\
-        peak_contact_N,limit_s,failure";
+        overshoot_percent,steady_error_N,error_rms_N,peak_torque_Nm,peak_force_N,saturated_s,tension_N,held_from_s,lost_s,\
+        drops,impacts,peak_contact_N,limit_s,failure";
     let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let header: Vec<String> = COLUMNS.split(',').map(Into::into).collect();
     let width = header.len();
@@ -128,10 +99,11 @@ pub fn csv(matrix: &Matrix) -> String {
                     merit.peak_force.to_string(),
                     merit.saturated.to_string(),
                     merit.tension.to_string(),
-                    merit.held.to_string(),
-                    merit.drops.to_string(),
+                    optional(merit.grip.held_from),
+                    merit.grip.lost.to_string(),
+                    merit.grip.drops.to_string(),
                     impacts.map_or(String::new(), |impacts| impacts.to_string()),
-                    merit.peak_contact.to_string(),
+                    merit.grip.peak.to_string(),
                     limit.to_string(),
                     String::new(),
                 ]),
@@ -174,6 +146,7 @@ pub fn documents(matrix: &Matrix) -> Vec<CellDocument<'_>> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::grasp::matrix::merit::Grip;
     use crate::grasp::matrix::{Case, Contender};
 
     /// Two rows of two: settled and overshooting, never and failed.
@@ -190,9 +163,7 @@ pub(crate) mod tests {
             peak_force: 0.3,
             saturated: 0.0,
             tension: 0.0,
-            held: 1.0,
-            peak_contact: 0.5,
-            drops: 0,
+            grip: Grip { held_from: Some(0.0), lost: 0.0, drops: 0, peak: 0.5 },
         };
         let cell = |settling, overshoot| {
             let merit = Merit { settling, overshoot, ..merit };
@@ -213,7 +184,7 @@ pub(crate) mod tests {
         assert!(text.contains("| never (10.0 mN) | – | 0.05 |"), "{text}");
         let csv = csv(&matrix);
         let commas: Vec<_> = csv.lines().map(|line| line.replace("\"a, b\"", "").matches(',').count()).collect();
-        assert_eq!(commas, [19; 5], "{csv}");
+        assert_eq!(commas, [20; 5], "{csv}");
         let json = serde_json::to_value(documents(&matrix)).unwrap();
         assert_eq!(json[1]["merit"]["overshoot"], 31.0);
         assert_eq!((&json[2]["merit"]["settling"], &json[3]["failure"]), (&serde_json::Value::Null, &"a, b".into()));
