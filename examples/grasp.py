@@ -20,6 +20,7 @@ from fmpy.fmi2 import FMU2Slave
 
 PLANT = "DualArmPlant.fmu"
 CONTROLLERS = ("NabfcController", "PdsController", "PdController")
+SET = "a parameter or an input; an item of an enumeration by its number, from 1; repeatable"
 
 
 def find_dist(wanted: str | None = None) -> Path:
@@ -94,7 +95,7 @@ class Grasp:
         for component in components:
             component.fmu.setupExperiment(startTime=0.0)
             component.fmu.enterInitializationMode()
-        # The wires: equal names. Twelve measured signals go one way, three commands come back.
+        # The wires: equal names. Fourteen measured signals go one way, three commands come back.
         self.measured = self.wire(self.plant, self.controller)
         self.commands = self.wire(self.controller, self.plant)
         self.exchange()
@@ -161,9 +162,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--controller", choices=CONTROLLERS, default=CONTROLLERS[0])
     parser.add_argument("--stop", type=float, default=1.0, metavar="SECONDS")
-    parser.add_argument(
-        "--set", type=setting, action="append", default=[], metavar="NAME=NUMBER", help="a parameter or an input"
-    )
+    parser.add_argument("--set", type=setting, action="append", default=[], metavar="NAME=NUMBER", help=SET)
     parser.add_argument("--dist", metavar="FOLDER", help="where the FMUs are")
     parser.add_argument("--save", metavar="FILE", help="write the plot to FILE instead of opening a window")
     arguments = parser.parse_args()

@@ -25,7 +25,7 @@ for name in ("NabfcController", "PdsController", "PdController"):
     times = [settling_time(result["time"], result[force], 0.5) for force in FORCES]
     print(f"{name:<16} settles within 2 % in {times[0]:.3f} s (arm 1) and {times[1]:.3f} s (arm 2)")
     for panel, force in zip(panels, FORCES):
-        panel.plot(result["time"], result[force], label=name.removesuffix("Controller").upper())
+        panel.plot(result["time"], result[force], label=name)
 
 for arm, panel in enumerate(panels, 1):
     panel.axhspan(0.49, 0.51, color="gray", alpha=0.25)
