@@ -17,8 +17,6 @@ pub(super) struct Grip {
 /// What is remembered of a tip. Times are those of the communication points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Tip {
-    /// Whether it has touched the object.
-    touched: bool,
     /// The end of the first step after which its contact was lost, and of the last \[s\].
     first: f64,
     last: f64,
@@ -46,9 +44,8 @@ impl Grip {
             }
             return size;
         };
-        for (tip, touching) in self.tips.iter_mut().zip(contact.touching) {
-            tip.touched |= touching;
-            if tip.touched && !touching {
+        for ((tip, touching), openings) in self.tips.iter_mut().zip(contact.touching).zip(contact.openings) {
+            if openings > 0 && !touching {
                 tip.lost(time, size);
             }
         }
