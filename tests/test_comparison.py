@@ -74,7 +74,9 @@ def test_every_published_cell_is_what_the_tool_finds(matrix: list[Cell]) -> None
                 overshoot = number(second) if second else 0.0
                 assert close(overshoot, merit["overshoot"], 0.5 if second else 2.0), where
         if line[-1] != "–":
-            assert close(number(line[-1]), next(iter(cells.values()))["limit"], 0.005)
+            cell = next(iter(cells.values()))
+            for text, limit in zip(line[-1].split(" / "), (cell["limit"], cell["own_limit"]), strict=True):
+                assert close(number(text), limit, 0.005)
 
 
 def number(text: str) -> float:
@@ -125,8 +127,11 @@ def test_the_limit_is_one(matrix: list[Cell]) -> None:
 def test_limits_follow_from_the_actuators(matrix: list[Cell]) -> None:
     """2 (√1.02 − √0.02) √(M d/F), F = 0.3 N + 1.02 · 0.5 N, for an object of 10 kg that has to move by 1.12 mm."""
     way = abs(0.2 * math.radians(3) - 0.2**3 * 0.5 / (3 * 0.115))
-    limit = 2 * (math.sqrt(1.02) - math.sqrt(0.02)) * math.sqrt(10 * way / 0.81)
-    assert math.isclose(rows(matrix)["heavy-10"]["pd"]["limit"], limit, rel_tol=1e-9)
+    share = 2 * (math.sqrt(1.02) - math.sqrt(0.02))
+    cell = rows(matrix)["heavy-10"]["pd"]
+    assert math.isclose(cell["limit"], share * math.sqrt(10 * way / 0.81), rel_tol=1e-9)
+    # Alone, and with both tips of 0.1 kg.
+    assert math.isclose(cell["own_limit"], share * math.sqrt(10.2 * way / 0.3), rel_tol=1e-9)
 
 
 def test_one_cell_is_what_simulate_finds(matrix: list[Cell]) -> None:

@@ -373,7 +373,7 @@ def test_tuned_gains_of_the_adaptive_law(law: str, fmus: dict[str, Fmu]) -> None
 
 def bounds(parameter: str) -> bool:
     """Whether a parameter is a bound of an estimate, or a measure of the inertia that one is in."""
-    return parameter.endswith(("_max", "_min")) or parameter in ACTUATION or parameter.startswith("r_mass")
+    return parameter.endswith(("_max", "_min")) or parameter in ACTUATION or parameter.startswith(("r_mass", "r_inertia"))
 
 
 @pytest.mark.parametrize(

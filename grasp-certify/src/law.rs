@@ -139,13 +139,35 @@ impl SampledLaw {
         Ok(Self { a, b, c, d, states: names })
     }
 
-    /// The part that the inputs move. What they do not move to first order (estimates that learn from squares, weights in
-    /// directions in which nothing is learnt) has no effect on a loop's stability at this point.
+    /// The part that the commands hear of, by the pattern of zeros: the others only listen (filters of estimates that at this point
+    /// move no command), and are stable by themselves.
+    fn heard(&self) -> Self {
+        let n = self.a.nrows();
+        let mut heard: Vec<usize> = (0..n).filter(|i| self.c.column(*i).iter().any(|share| *share != 0.0)).collect();
+        let mut next = 0;
+        while let Some(&row) = heard.get(next) {
+            next += 1;
+            let fresh: Vec<_> = (0..n).filter(|i| self.a[(row, *i)] != 0.0 && !heard.contains(i)).collect();
+            heard.extend(fresh);
+        }
+        heard.sort_unstable();
+        Self {
+            a: self.a.select_rows(&heard).select_columns(&heard),
+            b: self.b.select_rows(&heard),
+            c: self.c.select_columns(&heard),
+            d: self.d.clone(),
+            states: heard.iter().map(|i| self.states[*i].clone()).collect(),
+        }
+    }
+
+    /// The part that the inputs move and that moves the commands. What they do not move to first order (estimates that learn from
+    /// squares, weights in directions in which nothing is learnt) has no effect on a loop's stability at this point.
     #[must_use]
     pub fn reachable(&self) -> Self {
-        let n = self.a.nrows();
+        let heard = self.heard();
+        let n = heard.a.nrows();
         let mut basis: Vec<DVector<f64>> = Vec::new();
-        let mut next: Vec<DVector<f64>> = (0..self.b.ncols()).map(|i| self.b.column(i).into_owned()).collect();
+        let mut next: Vec<DVector<f64>> = (0..heard.b.ncols()).map(|i| heard.b.column(i).into_owned()).collect();
         while !next.is_empty() && basis.len() < n {
             let mut fresh = Vec::new();
             for mut vector in next {
@@ -165,7 +187,7 @@ impl SampledLaw {
                 if left > 1e-7 {
                     vector /= left;
                     basis.push(vector.clone());
-                    fresh.push(&self.a * vector);
+                    fresh.push(&heard.a * vector);
                 }
             }
             next = fresh;
@@ -181,6 +203,12 @@ impl SampledLaw {
         }
         let t = DMatrix::from_columns(&basis);
         let states = (1..=basis.len()).map(|i| format!("r{i}")).collect();
-        Self { a: t.transpose() * &self.a * &t, b: t.transpose() * &self.b, c: &self.c * &t, d: self.d.clone(), states }
+        Self {
+            a: t.transpose() * &heard.a * &t,
+            b: t.transpose() * &heard.b,
+            c: &heard.c * &t,
+            d: self.d.clone(),
+            states,
+        }
     }
 }

@@ -7,7 +7,9 @@ use grasp_control::laws::encoders::Actuation;
 use grasp_control::laws::nabfc::{Gains, ObjectGains, PostureGains};
 use grasp_control::laws::pd::PdGains;
 use grasp_control::laws::pds::PdsGains;
-use grasp_control::laws::root_strain::{HubGains, MassGains, ObjectGains as RootObjectGains, RootStrainGains};
+use grasp_control::laws::root_strain::{
+    FilterGains, HubGains, InertiaGains, MassGains, ObjectGains as RootObjectGains, RootStrainGains, Scaled,
+};
 use grasp_control::{Arms, InvalidParameter, Parameter, References, Targets};
 use grasp_plant::{Admissible, Arm, Parameters, Start};
 use std::fmt;
@@ -136,6 +138,8 @@ impl Settings {
                 || set_in(&HubGains::PARAMETERS, &mut self.root_strain.hub, name, value)?
                 || set_in(&MassGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
                 || set_in(&MassGains::FIXED, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
+                || set_in(&InertiaGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.inertia), name, value)?
+                || set_in(&FilterGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.filter), name, value)?
                 || set_in(&RootStrainGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain), name, value)?)
         })();
         match found {
@@ -228,8 +232,8 @@ impl Settings {
         all
     }
 
-    /// The three ends under the root-strain law: hub 1, hub 2, object. The law's rates become gains on loads through the
-    /// compliances l/3EI_i and 1/Σ(3EI_i/l³). Built-in uncertainties are part of the ends. None where they can't
+    /// The three ends under the root-strain law: hub 1, hub 2, object, with the gains that its pure numbers become on these arms,
+    /// for the inertias that it is told. Built-in uncertainties are part of the ends. None where they can't
     /// be: arms of different stiffness with `tip_uncertainty`, for which ΔF is no multiple of d/dt ΣQ_i.
     #[must_use]
     pub fn ports(&self) -> Option<[Port; 3]> {
@@ -238,14 +242,17 @@ impl Settings {
         if self.plant.tip_uncertainty > 0.0 && first != second {
             return None;
         }
+        let arms = Arms { ei: [first, second], length: grasp.length, ..Arms::default() };
+        let scaled = Scaled::new(gains, &arms, &self.actuation);
+        let assumed_mass = gains.mass.initial.clamp(gains.mass.smallest, gains.mass.largest);
         let hub = |i: usize| {
             let g = &gains.hub[i];
             Port {
                 inertia: grasp.arms[i].hub_inertia,
                 assumed_inertia: self.actuation.hub_inertia[i],
-                slope: g.slope,
-                reach: g.reach,
-                strain: g.strain * grasp.length / (3.0 * grasp.arms[i].ei),
+                slope: scaled.hub_slope[i],
+                reach: scaled.hub_reach[i],
+                strain: g.strain / self.actuation.hub_inertia[i],
                 feedforward: g.feedforward,
                 observer: g.observer,
                 load_rate: self.plant.root_uncertainty,
@@ -253,10 +260,10 @@ impl Settings {
         };
         let object = Port {
             inertia: grasp.mass,
-            assumed_inertia: gains.mass.initial.clamp(gains.mass.smallest, gains.mass.largest),
-            slope: gains.object.slope,
-            reach: gains.object.reach,
-            strain: gains.object.strain / (grasp.tip_stiffness(0) + grasp.tip_stiffness(1)),
+            assumed_inertia: assumed_mass,
+            slope: scaled.slope,
+            reach: scaled.reach,
+            strain: scaled.strain / assumed_mass.sqrt(),
             feedforward: gains.object.feedforward,
             observer: gains.object.observer,
             // (EI_1+EI_2)ΣQ_i/EI_i for equal arms.
@@ -274,10 +281,18 @@ impl Settings {
                 gains.strain_rate_bandwidth > 0.0,
                 "the low-pass on the rates of loads (r_strain_rate_bandwidth = 0 leaves it out)",
             ),
+            (
+                gains.strain_bandwidth > 0.0,
+                "the low-pass on the root moments in the surfaces (r_strain_bandwidth = 0 leaves it out)",
+            ),
             (gains.object.brake < STRAIGHT, "the bend of the object's surface (r_brake = 1e6 makes it straight)"),
             (
                 gains.mass.smallest < gains.mass.largest,
                 "a changing estimate of the mass (equal r_mass_min and r_mass_max hold it)",
+            ),
+            (
+                gains.inertia.smallest < gains.inertia.largest,
+                "changing estimates of the hubs' inertias (r_inertia_min = r_inertia_max = 1 hold them)",
             ),
         ];
         parts.into_iter().filter_map(|(there, text)| there.then_some(text)).collect()
@@ -307,7 +322,11 @@ mod tests {
         }
         assert!((settings.grasp().mass - 0.6).abs() < 1e-15);
         assert_eq!(settings.printed_gains().g, 5.0);
-        assert_eq!(settings.ports().unwrap()[2].slope, 9.0);
+        // In units of √(Σ3EI/l³ / r_mass_0).
+        let natural = (3.0 * (0.115 + 0.2) / 0.2_f64.powi(3) / 0.5).sqrt();
+        assert!((settings.ports().unwrap()[2].slope - 9.0 * natural).abs() < 1e-12);
+        settings.set("r_inertia_max", 1.0).unwrap();
+        settings.set("r_estimate_filter", 100.0).unwrap();
         assert!(matches!(settings.set("nonsense", 1.0), Err(SettingError::Unknown(_))));
         assert!(matches!(settings.set("EI1", -1.0), Err(SettingError::Invalid(_))));
     }

@@ -4,7 +4,7 @@ mod common;
 mod continuous;
 
 use common::grasp_inputs;
-use continuous::{Case, cases, networks, smooth};
+use continuous::{Case, cases, networks, reach, smooth};
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::continuous::{Continuous, Direction, Regimes, nabfc_state_variables};
 use grasp_control::laws::encoders::{Actuation, Encoders};
@@ -25,7 +25,7 @@ fn flat(surfaces: &Surfaces, estimates: &Estimates) -> Vec<f64> {
 fn states(case: &Case, unit: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; case.states];
     case.law.continuous_states(&mut out);
-    for ((out, unit), scale) in out.iter_mut().zip(unit.iter().cycle()).zip(&case.scales) {
+    for ((out, unit), scale) in out.iter_mut().zip(unit.iter().cycle()).zip(&case.reach) {
         *out += 0.5 * unit * scale;
     }
     out
@@ -77,7 +77,7 @@ proptest! {
         let mut case = cases().swap_remove(which);
         case.law.initialize(&inputs);
         let x = states(&case, &unit);
-        let dx = direction.iter().cycle().zip(&case.scales).map(|(unit, scale)| unit * scale).collect();
+        let dx = direction.iter().cycle().zip(&case.reach).map(|(unit, scale)| unit * scale).collect();
         let line = Line { x, dx, inputs, change };
         let regimes = Regimes { disturbance: [held; 3], weights: [held; 3], bound: [held; 3] };
         let h = 1e-5;
@@ -111,9 +111,7 @@ proptest! {
         let source = if estimated { RateSource::Estimated } else { RateSource::Measured };
         let gains = if with_networks { networks() } else { RootStrainGains::default() };
         let layout = RbfLayout::default();
-        let mut scales: Vec<_> = nabfc_state_variables(&layout).iter().map(|state| state.nominal).collect();
-        // Small beside what makes m̂.
-        scales[23..25].fill(1e-6);
+        let scales: Vec<_> = nabfc_state_variables(&layout).iter().map(reach).collect();
         let dx: Vec<_> = direction.iter().cycle().zip(&scales).map(|(unit, scale)| unit * scale).collect();
         let paper = Nabfc::new(Arms::default(), smooth()).unwrap();
         let mut paper = Encoders::new(paper, source, Actuation::default()).unwrap();

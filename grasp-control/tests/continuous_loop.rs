@@ -152,7 +152,7 @@ fn anti_windup_is_the_limit_of_the_sampled_one() {
     for (name, start, end, load) in [
         ("pid", (|| pd("pid", PdGains::pid(), RateSource::Measured)) as fn() -> _, 0.05, NO_LOAD),
         ("sliding", || unreachable!(), 0.05, load),
-        ("networks", || root_strain("networks", continuous::networks(), RateSource::Measured), 0.012, load),
+        ("networks", || root_strain("networks", &continuous::networks(), RateSource::Measured), 0.012, load),
     ] {
         let start = || {
             let case = if name == "sliding" { pd("sliding", sliding, RateSource::Measured) } else { start() };
@@ -179,8 +179,8 @@ fn limits_hold_what_is_learnt() {
     let load = grasp_plant::Inputs { hub_disturbance: [3.0, 0.0], object_disturbance: 0.5, ..NO_LOAD };
     let end = 0.05;
     for (name, start) in [
-        ("observers", (|| root_strain("observers", RootStrainGains::default(), RateSource::Measured)) as fn() -> _),
-        ("estimated", || root_strain("estimated", RootStrainGains::default(), RateSource::Estimated)),
+        ("observers", (|| root_strain("observers", &RootStrainGains::default(), RateSource::Measured)) as fn() -> _),
+        ("estimated", || root_strain("estimated", &RootStrainGains::default(), RateSource::Estimated)),
         ("pid, estimated", || pd("pid, estimated", PdGains::pid(), RateSource::Estimated)),
         ("ball", || paper("ball", &in_ball(), RateSource::Measured)),
     ] {

@@ -259,6 +259,8 @@ impl FmuLaw for NabfcLaw {
         variables.parameters(root_strain::ObjectGains::PARAMETERS, |m| &mut m.settings.root_strain.object).tunable();
         variables.parameter_family(root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
         variables.parameters(root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
+        variables.parameters(root_strain::InertiaGains::PARAMETERS, |m| &mut m.settings.root_strain.inertia).tunable();
+        variables.parameters(root_strain::FilterGains::PARAMETERS, |m| &mut m.settings.root_strain.filter).tunable();
         variables.parameters(RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
         variables
             .parameter("r_learner", |m| &mut m.settings.learner)

@@ -20,7 +20,7 @@ use fmi2_cosim::settings::Setting;
 
 const AFTER_HELP: &str = "\
 Objective: in each case the time until forces, angles and position have settled, over the physical limit (at least \
-0.1 s), or the rms force error over 2 % of the target where noise is what matters; the geometric mean of these ratios, \
+0.1 s), or the rms force error over 2 % of the target (at least 0.4) where noise is what matters; the geometric mean of these ratios, \
 with the worst one counting more. Broken limits make a ratio larger. A delay margin is a case: delay-2, delay-5.
 
 The search (CMA-ES) depends on cases, parameters, limits and seed only, not on the number of workers. Interrupted, it \

@@ -55,7 +55,7 @@ pub enum DimensionError {
 const DECADE: f64 = 10.0;
 
 /// Tunable parameters that are no gains: what the controller knows, and how it is connected.
-const NO_GAINS: [&str; 12] = [
+const NO_GAINS: [&str; 14] = [
     "EI1",
     "EI2",
     "l",
@@ -68,6 +68,8 @@ const NO_GAINS: [&str; 12] = [
     "U2_max",
     "r_mass_min",
     "r_mass_max",
+    "r_inertia_min",
+    "r_inertia_max",
 ];
 
 impl Dimension {

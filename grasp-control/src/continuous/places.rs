@@ -17,10 +17,12 @@ pub(crate) mod state {
     pub const INERTIAS: Range<usize> = 13..16;
     /// π̂₁, π̂₂, ε̂.
     pub const BOUNDS: Range<usize> = 16..19;
-    /// Filters and sums of the mass estimate by least squares.
-    pub const MASS: Range<usize> = 19..25;
+    /// Filters and sums of the estimates of inertias by least squares: hub 1, hub 2, object.
+    pub const ESTIMATORS: Range<usize> = 19..52;
+    /// Filtered root moments.
+    pub const MOMENTS: Range<usize> = 52..54;
     /// Û₁, Û₂, Ŵ.
-    pub const WEIGHTS: usize = 25;
+    pub const WEIGHTS: usize = 54;
 }
 
 /// Places of the event indicators: hub 1, hub 2, object.
@@ -41,8 +43,8 @@ pub(crate) mod indicator {
     pub const BOUNDS: Range<usize> = 15..18;
     /// Learnt forces, networks and robust terms together, at their limits.
     pub const UNKNOWNS: Range<usize> = 18..21;
-    /// The estimated mass at its smallest and its largest value.
-    pub const MASS: Range<usize> = 21..23;
+    /// Estimates of inertias at their smallest and largest values, and where losses become positive.
+    pub const ESTIMATORS: Range<usize> = 21..30;
 }
 
 /// Number of states of PD and PDS.
@@ -50,7 +52,7 @@ pub const PDS_STATES: usize = state::INTEGRALS.end;
 /// Number of event indicators of PD and PDS.
 pub const PDS_INDICATORS: usize = indicator::DISTURBANCES.end;
 /// Number of event indicators of NABFC, whatever the law.
-pub const NABFC_INDICATORS: usize = indicator::MASS.end;
+pub const NABFC_INDICATORS: usize = indicator::ESTIMATORS.end;
 
 /// Number of states of NABFC with these networks, whatever the law.
 #[must_use]

@@ -70,15 +70,36 @@ pub fn nabfc_state_variables(layout: &RbfLayout) -> Vec<StateVariable> {
         row(format!("adapted_pi{arm}"), "N.m", 0.1, &format!("Bound of posture network {arm}'s error, eq. (56)"));
     }
     row("adapted_epsilon".into(), "N", 0.1, "Bound of the object network's error, eq. (38)");
-    for (name, unit, nominal, text) in [
-        ("mass_velocity", "m/s", 0.05, "low-passed velocity of the object"),
-        ("mass_force", "N", 0.1, "low-passed force on the object"),
-        ("mass_slow_acceleration", "m/s2", 0.1, "slow part of the object's acceleration"),
-        ("mass_slow_force", "N", 0.1, "slow part of the force on the object"),
-        ("mass_force_force", "N2.s", 1e-3, "sum of squared forces"),
-        ("mass_acceleration_force", "N.m/s", 1e-3, "sum of accelerations times forces"),
+    let (turning, pushing) = (
+        ["rad/s", "N.m", "N.m", "rad/s2", "N.m", "N.m/s", "N2.m2.s", "N2.m2/s", "N2.m2", "N.m.rad/s", "N.m.rad/s2"],
+        ["m/s", "N", "N", "m/s2", "N", "N/s", "N2.s", "N2/s", "N2", "N.m/s", "N.m/s2"],
+    );
+    for (name, of, units, nominals) in [
+        ("J1", "hub 1", turning, [0.5, 0.1, 0.1, 1.0, 0.1, 1.0, 1e-3, 1e-1, 1e-2, 1e-1, 1.0]),
+        ("J2", "hub 2", turning, [0.5, 0.1, 0.1, 1.0, 0.1, 1.0, 1e-3, 1e-1, 1e-2, 1e-1, 1.0]),
+        ("m", "the object", pushing, [0.05, 0.1, 1.0, 0.1, 0.1, 10.0, 1e-3, 1.0, 1e-2, 1e-3, 0.1]),
     ] {
-        row(name.into(), unit, nominal, &format!("Root-strain law's mass estimate: {text}"));
+        let texts = [
+            ("rate", "low-passed rate"),
+            ("force", "low-passed force"),
+            ("load", "low-passed load"),
+            ("slow_acceleration", "slow part of the acceleration"),
+            ("slow_force", "slow part of the force"),
+            ("slow_load_rate", "slow part of the load's rate"),
+            ("ff", "sum of squared forces"),
+            ("nn", "sum of squared load rates"),
+            ("nf", "sum of load rates times forces"),
+            ("af", "sum of accelerations times forces"),
+            ("an", "sum of accelerations times load rates"),
+        ];
+        for (((signal, text), unit), nominal) in texts.into_iter().zip(units).zip(nominals) {
+            let text = format!("Root-strain law's estimate of the inertia of {of}: {text}");
+            row(format!("estimate_{name}_{signal}"), unit, nominal, &text);
+        }
+    }
+    for arm in 1..=2 {
+        let text = format!("Root moment of arm {arm} behind the low-pass of the surfaces");
+        row(format!("filtered_root_moment{arm}"), "N.m", 0.1, &text);
     }
     for arm in 1..=2 {
         for node in 1..=layout.posture().nodes(3) {

@@ -15,7 +15,7 @@ use grasp_control::laws::nabfc::{Gains, Nabfc, RbfLayout};
 use grasp_control::laws::pd::{Pd, PdGains};
 use grasp_control::laws::pds::{Limits, Pds, PdsGains};
 use grasp_control::laws::root_strain::{Learner, RootStrain, RootStrainGains};
-use grasp_control::{Arms, Inputs, Measurements, References};
+use grasp_control::{Arms, Inputs, Measurements, References, StateVariable};
 use grasp_plant::{Measured, Parameters, Plant};
 use integrator::{System, integrate};
 use nalgebra::DMatrix;
@@ -26,18 +26,34 @@ pub struct Case {
     pub law: Box<dyn Continuous>,
     pub states: usize,
     pub indicators: usize,
-    /// Magnitudes of the states.
+    /// Magnitudes of the states, and how far tests may move them.
     pub scales: Vec<f64>,
+    pub reach: Vec<f64>,
+}
+
+/// How far a state may be from its start: sums of squares and products only so far that they still are such sums.
+pub fn reach(state: &StateVariable) -> f64 {
+    let is_sum = ["_ff", "_nn", "_nf", "_af", "_an"].iter().any(|sum| state.name.ends_with(sum));
+    if is_sum { 1e-6 } else { state.nominal }
+}
+
+fn case(
+    name: &'static str,
+    law: Box<dyn Continuous>,
+    states: usize,
+    indicators: usize,
+    variables: &[StateVariable],
+) -> Case {
+    let scales = variables.iter().map(|state| state.nominal).collect();
+    Case { name, law, states, indicators, scales, reach: variables.iter().map(reach).collect() }
 }
 
 fn pds_case(name: &'static str, law: impl Continuous + 'static) -> Case {
-    let scales = pds_state_variables().iter().map(|state| state.nominal).collect();
-    Case { name, law: Box::new(law), states: PDS_STATES, indicators: PDS_INDICATORS, scales }
+    case(name, Box::new(law), PDS_STATES, PDS_INDICATORS, &pds_state_variables())
 }
 
 fn nabfc_case(name: &'static str, law: impl Continuous + 'static, layout: &RbfLayout) -> Case {
-    let scales = nabfc_state_variables(layout).iter().map(|state| state.nominal).collect();
-    Case { name, law: Box::new(law), states: nabfc_states(layout), indicators: NABFC_INDICATORS, scales }
+    case(name, Box::new(law), nabfc_states(layout), NABFC_INDICATORS, &nabfc_state_variables(layout))
 }
 
 pub fn pd(name: &'static str, gains: PdGains, source: RateSource) -> Case {
@@ -55,9 +71,9 @@ pub fn paper(name: &'static str, gains: &Gains, source: RateSource) -> Case {
     nabfc_case(name, Encoders::new(law, source, Actuation::default()).unwrap(), &gains.rbf)
 }
 
-pub fn root_strain(name: &'static str, gains: RootStrainGains, source: RateSource) -> Case {
+pub fn root_strain(name: &'static str, gains: &RootStrainGains, source: RateSource) -> Case {
     let layout = RbfLayout::default();
-    let law = RootStrain::new(Arms::default(), gains, Actuation::default(), source, &layout).unwrap();
+    let law = RootStrain::new(Arms::default(), *gains, Actuation::default(), source, &layout).unwrap();
     nabfc_case(name, law, &layout)
 }
 
@@ -92,13 +108,13 @@ pub fn cases() -> Vec<Case> {
         paper("paper without networks", &smooth().without_networks(), measured),
         paper("paper, estimated", &smooth(), estimated),
         paper("paper in balls", &ball(0.3), measured),
-        root_strain("root strain", RootStrainGains::default(), measured),
-        root_strain("root strain, fast", RootStrainGains::fast(), measured),
-        root_strain("root strain, certified", RootStrainGains::certified(), measured),
-        root_strain("root strain, no filter", unfiltered, measured),
-        root_strain("root strain, estimated", RootStrainGains::default(), estimated),
-        root_strain("root strain with networks", networks(), measured),
-        root_strain("root strain with networks, estimated", networks(), estimated),
+        root_strain("root strain", &RootStrainGains::default(), measured),
+        root_strain("root strain, fast", &RootStrainGains::fast(), measured),
+        root_strain("root strain, certified", &RootStrainGains::certified(), measured),
+        root_strain("root strain, no filter", &unfiltered, measured),
+        root_strain("root strain, estimated", &RootStrainGains::default(), estimated),
+        root_strain("root strain with networks", &networks(), measured),
+        root_strain("root strain with networks, estimated", &networks(), estimated),
     ]
 }
 

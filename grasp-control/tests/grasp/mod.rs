@@ -25,6 +25,12 @@ pub struct Case {
     pub object_force: f64,
     /// Coulomb friction of both hubs against their way \[N·m\].
     pub friction: f64,
+    /// Dahl friction of both hubs: its largest torque \[N·m\], reached within a tenth of a degree.
+    pub dahl: f64,
+    /// The hubs' inertias as a multiple of the paper's, which the controller takes for granted.
+    pub hub_inertia: f64,
+    /// `c_f` \[s\]: what damps the beams.
+    pub root_uncertainty: f64,
     /// Multiple of one percent noise.
     pub noise: f64,
     /// Steps by which commands are late.
@@ -47,6 +53,9 @@ impl Default for Case {
             hub_torque: 0.0,
             object_force: 0.0,
             friction: 0.0,
+            dahl: 0.0,
+            hub_inertia: 1.0,
+            root_uncertainty: 0.1,
             noise: 0.0,
             delay: 0,
             encoders: false,
@@ -68,6 +77,9 @@ pub const NOISE: Case = Case {
     hub_torque: 0.0,
     object_force: 0.0,
     friction: 0.0,
+    dahl: 0.0,
+    hub_inertia: 1.0,
+    root_uncertainty: 0.1,
     noise: 1.0,
     delay: 0,
     encoders: false,
@@ -103,6 +115,7 @@ pub struct Outcome {
     /// |Δ̂| of hub 1, hub 2 and object at the end; m̂.
     pub estimates: [f64; 3],
     pub mass: f64,
+    pub inertia: [f64; 2],
 }
 
 impl Outcome {
@@ -158,6 +171,12 @@ fn sensed(case: &Case, mut m: Measurements, noise: &mut Noise) -> Measurements {
     m
 }
 
+/// Dahl's friction torque after a turn \[rad\], dT/dθ = (most − T sgn θ̇)/(a tenth of a degree), which is exact for any turn.
+fn dahl(most: f64, torque: f64, turn: f64) -> f64 {
+    let end = most * turn.signum();
+    end + (torque - end) * (-turn.abs() / 0.1_f64.to_radians()).exp()
+}
+
 /// Runs a case with the root-strain law.
 pub fn run(case: &Case, gains: &RootStrainGains) -> Outcome {
     let source = if case.encoders { RateSource::Estimated } else { RateSource::Measured };
@@ -168,6 +187,7 @@ pub fn run(case: &Case, gains: &RootStrainGains) -> Outcome {
     Outcome {
         estimates: [estimates.u_norm[0], estimates.u_norm[1], estimates.w_norm],
         mass: estimates.m_hat,
+        inertia: estimates.j_hat,
         ..outcome
     }
 }
@@ -177,8 +197,10 @@ pub fn run_law(case: &Case, law: &mut dyn Law) -> Outcome {
     let mut parameters = Parameters { order: case.order, length: case.length, ..Parameters::default() };
     parameters.object_mass = case.object_mass;
     parameters.actuator_model = case.actuator;
+    parameters.root_uncertainty = case.root_uncertainty;
     for arm in &mut parameters.arms {
         arm.ei *= case.stiffness;
+        arm.hub_inertia *= case.hub_inertia;
     }
     let mut plant = Plant::new(parameters).unwrap();
     let reference = References::default();
@@ -198,9 +220,11 @@ pub fn run_law(case: &Case, law: &mut dyn Law) -> Outcome {
         saturated: 0.0,
         estimates: [0.0; 3],
         mass: 0.0,
+        inertia: [0.0; 2],
     };
     let window = (0.9 * case.duration).max(case.duration - 10.0);
     let (mut sums, mut squares, mut count, mut early) = ([0.0; 2], 0.0, 0.0, (0.0, 0.0));
+    let mut bristles = [0.0; 2];
     let mut step = 0.0;
     while step < steps {
         let time = step * case.step;
@@ -235,7 +259,7 @@ pub fn run_law(case: &Case, law: &mut dyn Law) -> Outcome {
         let driven = grasp_plant::Inputs {
             torque_command: [command[0], command[1]],
             force_command: command[2],
-            hub_disturbance: [case.hub_torque - case.friction, case.friction],
+            hub_disturbance: [case.hub_torque - case.friction - bristles[0], case.friction - bristles[1]],
             object_disturbance: case.object_force,
         };
         let errors = plant.direct(&driven).contact_force.map(|f| f - force);
@@ -259,6 +283,8 @@ pub fn run_law(case: &Case, law: &mut dyn Law) -> Outcome {
             early = (early.0 + square, early.1 + 1.0);
         }
         plant.step(case.step, &driven, &grasp_plant::Inputs::ZERO).unwrap();
+        let turned = plant.measured().theta;
+        bristles = std::array::from_fn(|i| dahl(case.dahl, bristles[i], turned[i] - truth.theta[i]));
         step += 1.0;
     }
     let end = |time: f64| if time >= case.duration - 0.5 * case.step { f64::INFINITY } else { time };

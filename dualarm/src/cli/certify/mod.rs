@@ -25,7 +25,7 @@ Parameters have the names of the FMUs: those of the plant, the gains of NabfcCon
 root-strain law; delta_f1, delta_f2, delta_F are bounds of disturbances of any shape, delta_f1_dot, delta_f2_dot,
 delta_F_dot of the rates of those that observers learn. The plant's built-in uncertainties are off unless set. Examples:
   dualarm certify --preset certified --set root_uncertainty=0.1 --set tip_uncertainty=0.05
-  dualarm certify --set r_strain1=60 --set r_strain2=60 --set delta_F=0.01
+  dualarm certify --set r_strain1=0.25 --set r_strain2=0.25 --set delta_F=0.01
 
 Maps (--map): steps (longest stable steps, the table of README), gains (spectral radius over step, delay and gains),
 spectrum (exact eigenvalues), rates (certified, exact and measured decay):

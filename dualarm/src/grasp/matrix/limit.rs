@@ -18,6 +18,10 @@
 //!
 //! A hub of inertia J turns by Δθ with its torque limit and the moment (1+ε)|λᵈ| l that the arm then bears (quasi-static
 //! arms), likewise. The limit is the longest of the three times. A controller that beats it has broken contact or overshot.
+//!
+//! Arms that add (1+ε)|λᵈ| for as long as the object is under way have let go on one side and press with all they may on the other, and
+//! change sides at once; whoever keeps the forces quiet meanwhile has the force actuator alone, F = uₘ + |ΔF|, for the object and
+//! both tips, m₁ + m₂ + M: the second limit.
 
 /// Half of the width of a band relative to what it belongs to.
 pub const BAND: f64 = 0.02;

@@ -94,11 +94,11 @@ impl Matrix {
         self.cells[case].iter().flatten().map(|cell| cell.judged).next().unwrap_or(Judged::Settling)
     }
 
-    /// The physical limit of a row in s, where settling is what it compares.
+    /// The physical limits of a row in s, with and without the help of the arms, where settling is what it compares.
     #[must_use]
-    pub fn limit(&self, case: usize) -> Option<f64> {
+    pub fn limits(&self, case: usize) -> Option<[f64; 2]> {
         let cell = self.cells[case].iter().flatten().next()?;
-        (cell.judged == Judged::Settling).then_some(cell.limit)
+        (cell.judged == Judged::Settling).then_some([cell.limit, cell.own_limit])
     }
 
     /// The best value of a row.

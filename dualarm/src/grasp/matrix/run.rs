@@ -35,6 +35,8 @@ pub struct Cell {
     pub impacts: Option<i32>,
     /// The shortest possible settling time in s.
     pub limit: f64,
+    /// The same where the arms add nothing and only go along, in s.
+    pub own_limit: f64,
     /// The force to be reached, in N.
     pub target: f64,
     /// Length of the run in s.
@@ -180,8 +182,8 @@ fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, St
     let target = last("lambda2_d");
     let ways = ["theta1", "theta2", "y_object"].map(|name| last(&format!("{name}_d")) - first(name));
     let impacts = models.impacts();
-    let limit = models.limit(limits, ways, target);
-    Ok(Cell { judged, merit, impacts, limit, target, stop: grid.stop() - grid.start() })
+    let [limit, own_limit] = models.limits(limits, ways, target);
+    Ok(Cell { judged, merit, impacts, limit, own_limit, target, stop: grid.stop() - grid.start() })
 }
 
 /// The instances of a run, to be asked.
@@ -239,18 +241,21 @@ impl Models<'_> {
         })
     }
 
-    /// The [limit](super::limit) of this plant on these ways.
-    fn limit(&mut self, limits: [Option<Limits>; 3], ways: [f64; 3], target: f64) -> f64 {
-        let Some(plant) = self.place("contact_force1") else { return 0.0 };
+    /// The [limits](super::limit) of this plant on these ways: with all that the arms may add, and without.
+    fn limits(&mut self, limits: [Option<Limits>; 3], ways: [f64; 3], target: f64) -> [f64; 2] {
+        let Some(plant) = self.place("contact_force1") else { return [0.0; 2] };
         let mut real = |name: &str| self.real(plant, name).unwrap_or_default();
         let contact = (1.0 + BAND) * target.abs();
         let thrust = |limits: Option<Limits>, more: f64| limits.map(|limits| limits.high.max(-limits.low) + more);
         let (moment, disturbance) = (contact * real("l"), real("delta_F").abs());
-        let bodies = [
+        let hubs = [
             Body { inertia: real("J1"), way: ways[0], thrust: thrust(limits[0], moment + real("delta_f1").abs()) },
             Body { inertia: real("J2"), way: ways[1], thrust: thrust(limits[1], moment + real("delta_f2").abs()) },
-            Body { inertia: real("M"), way: ways[2], thrust: thrust(limits[2], contact + disturbance) },
         ];
-        bodies.into_iter().map(shortest).fold(0.0, f64::max)
+        let hubs = hubs.into_iter().map(shortest).fold(0.0, f64::max);
+        let pushed = Body { inertia: real("M"), way: ways[2], thrust: thrust(limits[2], contact + disturbance) };
+        let mass = real("M") + real("m1") + real("m2");
+        let alone = Body { inertia: mass, way: ways[2], thrust: thrust(limits[2], disturbance) };
+        [pushed, alone].map(|object| shortest(object).max(hubs))
     }
 }

@@ -13,7 +13,7 @@ const HEADER: f64 = 104.0;
 const MARGIN: f64 = 16.0;
 /// Room for the title.
 const TITLE: f64 = 40.0;
-const LIMIT: f64 = 58.0;
+const LIMIT: f64 = 84.0;
 
 /// Ratio to the best of the row, and the colour there: colours that stay apart for colour-blind readers.
 const SCALE: [(f64, [f64; 3]); 4] = [
@@ -52,16 +52,18 @@ pub fn svg(matrix: &Matrix, titled: bool) -> String {
         }
     }
     let x = left(matrix.contenders.len()) + 0.5 * LIMIT;
-    write_text(&mut svg, (x, HEADER - 25.0), 11.0, "middle", false, SOFT, "physical");
-    write_text(&mut svg, (x, HEADER - 10.0), 11.0, "middle", false, SOFT, "limit");
+    for (line, words) in ["without the arms", "limit, with /", "physical"].into_iter().enumerate() {
+        write_text(&mut svg, (x, HEADER - 10.0 - 15.0 * line as f64), 11.0, "middle", false, SOFT, words);
+    }
     for (row, case) in matrix.cases.iter().enumerate() {
         let y = HEADER + row as f64 * CELL.1;
         write_text(&mut svg, (MARGIN + LABELS - 10.0, y + 21.0), 12.0, "end", false, INK, &case.scenario.title);
         for column in 0..matrix.contenders.len() {
             write_cell(&mut svg, matrix, row, column, (left(column), y));
         }
-        if let Some(limit) = matrix.limit(row) {
-            write_text(&mut svg, (x, y + 21.0), 11.0, "middle", false, SOFT, &text::number(limit, 2));
+        if let Some(limits) = matrix.limits(row) {
+            let words = limits.map(|limit| text::number(limit, 2)).join(" / ");
+            write_text(&mut svg, (x, y + 21.0), 11.0, "middle", false, SOFT, &words);
         }
     }
     write_key(&mut svg, bottom - 50.0);

@@ -13,7 +13,8 @@ use crate::report::figures::text::number;
 pub const LEGEND: &str = "Time in s until forces, angles and position, all of (17), stay within 2 % of their travel; below it \
     the overshoot of the force where that is more than 2 %, and under *never* the force error that is left. The last rows, \
     where sensors or a wrong model keep the force from settling, give its rms error instead. *Limit* is the shortest \
-    time that the actuators allow while contact is kept and no force overshoots.";
+    time that the actuators allow while contact is kept and no force overshoots, behind the stroke what it is if the arms \
+    only go along.";
 
 /// Overshoot in % from which on a cell says it.
 const OVERSHOOT: f64 = 2.0;
@@ -57,7 +58,7 @@ pub fn table(matrix: &Matrix) -> TextTable {
             let (first, second) = lines(cell);
             if second.is_empty() { first } else { format!("{first} ({second})") }
         }));
-        row.push(matrix.limit(index).map_or("–".into(), seconds));
+        row.push(matrix.limits(index).map_or("–".into(), |limits| limits.map(seconds).join(" / ")));
         row
     };
     TextTable { header, rows: matrix.cases.iter().enumerate().map(row).collect() }
@@ -74,7 +75,7 @@ pub fn markdown(matrix: &Matrix) -> String {
 pub fn csv(matrix: &Matrix) -> String {
     const COLUMNS: &str = "case,controller,judged,settling_s,settling_forces_s,settling_angles_s,settling_position_s,\
         overshoot_percent,steady_error_N,error_rms_N,peak_torque_Nm,peak_force_N,saturated_s,tension_N,held_from_s,lost_s,\
-        drops,impacts,peak_contact_N,limit_s,failure";
+        drops,impacts,peak_contact_N,limit_s,own_limit_s,failure";
     let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
     let header: Vec<String> = COLUMNS.split(',').map(Into::into).collect();
     let width = header.len();
@@ -83,7 +84,7 @@ pub fn csv(matrix: &Matrix) -> String {
         for (contender, cell) in matrix.contenders.iter().zip(cells) {
             let mut row = vec![case.key.clone(), contender.key.clone()];
             match cell {
-                Ok(Cell { judged, merit, impacts, limit, .. }) => row.extend([
+                Ok(Cell { judged, merit, impacts, limit, own_limit, .. }) => row.extend([
                     match judged {
                         Judged::Settling => "settling".to_owned(),
                         Judged::Error => "error".to_owned(),
@@ -105,6 +106,7 @@ pub fn csv(matrix: &Matrix) -> String {
                     impacts.map_or(String::new(), |impacts| impacts.to_string()),
                     merit.grip.peak.to_string(),
                     limit.to_string(),
+                    own_limit.to_string(),
                     String::new(),
                 ]),
                 Err(reason) => {
@@ -167,7 +169,9 @@ pub(crate) mod tests {
         };
         let cell = |settling, overshoot| {
             let merit = Merit { settling, overshoot, ..merit };
-            Ok(Cell { judged: Judged::Settling, merit, impacts: Some(0), limit: 0.05, target: 0.5, stop: 6.0 })
+            let (limit, own_limit) = (0.05, 0.08);
+            let judged = Judged::Settling;
+            Ok(Cell { judged, merit, impacts: Some(0), limit, own_limit, target: 0.5, stop: 6.0 })
         };
         Matrix {
             cases: Case::all().unwrap().into_iter().take(2).collect(),
@@ -180,11 +184,11 @@ pub(crate) mod tests {
     fn every_cell_is_in_table_and_data() {
         let matrix = example();
         let text = markdown(&matrix);
-        assert!(text.contains("| undisturbed | 0.15 | 0.31 (+31 %) | 0.05 |"), "{text}");
-        assert!(text.contains("| never (10.0 mN) | – | 0.05 |"), "{text}");
+        assert!(text.contains("| undisturbed | 0.15 | 0.31 (+31 %) | 0.05 / 0.08 |"), "{text}");
+        assert!(text.contains("| never (10.0 mN) | – | 0.05 / 0.08 |"), "{text}");
         let csv = csv(&matrix);
         let commas: Vec<_> = csv.lines().map(|line| line.replace("\"a, b\"", "").matches(',').count()).collect();
-        assert_eq!(commas, [20; 5], "{csv}");
+        assert_eq!(commas, [21; 5], "{csv}");
         let json = serde_json::to_value(documents(&matrix)).unwrap();
         assert_eq!(json[1]["merit"]["overshoot"], 31.0);
         assert_eq!((&json[2]["merit"]["settling"], &json[3]["failure"]), (&serde_json::Value::Null, &"a, b".into()));

@@ -1,17 +1,21 @@
 //! Gains of the root-strain law, and what they achieve with the paper's arms.
 
-use super::mass::MassGains;
+use super::inertia::{FilterGains, InertiaGains, MassGains, Prior};
+use super::natural::Compliance;
 use super::networks::{Learner, NetworkGains};
+use crate::laws::encoders::Actuation;
+use crate::target::Arms;
 use serde::{Deserialize, Serialize};
 
-/// Gains of the object's loop. Everything is a rate or a pure number, so the gains carry over to other arms and objects.
+/// Gains of the object's loop. Slope, reach and strain are in units of the natural rate of the object between the arms
+/// ([`Scaled`](super::Scaled)), so the gains carry over to other arms.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct ObjectGains {
-    /// Slope G of the surface near the target \[1/s\].
+    /// Slope G of the surface near the target.
     pub slope: f64,
-    /// Rate k at which the surface is reached \[1/s\].
+    /// Rate k at which the surface is reached.
     pub reach: f64,
-    /// Share κ of the tip shears in the surface \[1/s\].
+    /// Share κ of the tip shears in the surface.
     pub strain: f64,
     /// Share of m̂ that is fed forward, 0 to 1. At 1 a shear's rate is fed back with the gain that no sampled loop bears.
     pub feedforward: f64,
@@ -24,11 +28,11 @@ pub struct ObjectGains {
 /// Gains of one hub's loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HubGains {
-    /// Slope Gᵢ of the surface \[1/s\].
+    /// Slope Gᵢ of the surface in units of the natural rate of the hub on its arm.
     pub slope: f64,
-    /// Rate kᵢ at which the surface is reached \[1/s\].
+    /// Rate kᵢ at which the surface is reached, in the same unit.
     pub reach: f64,
-    /// Share σᵢ of the root strain in the surface \[1/s\].
+    /// Time cᵢ \[s\] by which M̃ᵢ/Ĵᵢ, the acceleration that the arm's bending gives the hub, becomes a rate in the surface.
     pub strain: f64,
     /// Share of the hub's inertia that is fed forward, 0 to 1.
     pub feedforward: f64,
@@ -45,31 +49,52 @@ pub struct RootStrainGains {
     pub hub: [HubGains; 2],
     /// Estimate of the mass.
     pub mass: MassGains,
+    /// Estimates of the hubs' inertias.
+    pub inertia: InertiaGains,
+    /// Filters of all estimates.
+    pub filter: FilterGains,
     /// What learns the disturbances.
     pub learner: Learner,
     /// Gains of the networks, where they learn.
     pub networks: NetworkGains,
+    /// Bandwidth of the low-pass on the root moments in the surfaces \[rad/s\]; 0 = off.
+    pub strain_bandwidth: f64,
     /// Bandwidth of the low-pass on the measured rates of moments and shears \[rad/s\]; 0 = off.
     pub strain_rate_bandwidth: f64,
 }
 
 impl RootStrainGains {
+    /// What the estimators of hub 1, hub 2 and object are told.
+    pub(super) fn priors(&self, arms: &Arms, actuation: &Actuation) -> [Prior; 3] {
+        let hub = |i: usize| {
+            let (g, initial) = (&self.inertia, actuation.hub_inertia[i]);
+            let (smallest, largest) = (g.smallest * initial, g.largest * initial);
+            let InertiaGains { threshold, prior: weight, memory, .. } = *g;
+            let stiffness = 3.0 * arms.ei[i] / arms.length;
+            Prior { initial, smallest, largest, threshold, weight, memory, stiffness }
+        };
+        let MassGains { initial, smallest, largest, threshold, prior: weight, memory } = self.mass;
+        let stiffness = Compliance::of(arms).tip.recip();
+        [hub(0), hub(1), Prior { initial, smallest, largest, threshold, weight, memory, stiffness }]
+    }
+
     /// The preset *fast*: forces, angles and position within 2 % after 0.11 s, undisturbed or not. `dualarm tune` found it over the
     /// cases with the paper's arms and object (`scenarios/tuned/nabfc-r-fast.toml`). Heavy objects and long arms overshoot.
     #[must_use]
     pub fn fast() -> Self {
-        let hub = HubGains { slope: 147.0, reach: 22.78, strain: 7.109, feedforward: 0.4524, observer: 125.4 };
+        let hub = HubGains { slope: 10.95, reach: 1.104, strain: 0.03375, feedforward: 0.3954, observer: 115.2 };
         Self {
             object: ObjectGains {
-                slope: 117.5,
-                reach: 29.01,
-                strain: 5.201,
-                feedforward: 0.2193,
-                brake: 50.04,
-                observer: 53.87,
+                slope: 8.979,
+                reach: 1.787,
+                strain: 0.4994,
+                feedforward: 0.2883,
+                brake: 134.7,
+                observer: 62.38,
             },
             hub: [hub; 2],
-            strain_rate_bandwidth: 482.4,
+            strain_bandwidth: 0.0,
+            strain_rate_bandwidth: 285.6,
             ..Self::default()
         }
     }
@@ -79,19 +104,25 @@ impl RootStrainGains {
     /// m̂ stays where it is.
     #[must_use]
     pub fn certified() -> Self {
-        let hub = HubGains { slope: 20.0, reach: 20.0, strain: 95.0, feedforward: 0.4, observer: 60.0 };
+        // Natural rates of the paper's hubs and object: √(3·0.115/(0.2·0.0073)) and √(6·0.115/0.2³/0.5).
+        let (hub, object) = (15.372_097_119_879_697, 13.133_925_536_563_698);
+        // The share in the surface was 95 1/s of the angle that a moment bends the arm by, l/3EI.
+        let strain = 95.0 * 0.2 / 0.345 * 0.0073;
+        let hub = HubGains { slope: 20.0 / hub, reach: 20.0 / hub, strain, feedforward: 0.4, observer: 60.0 };
         let default = Self::default();
         Self {
             object: ObjectGains {
-                slope: 25.0,
-                reach: 25.0,
-                strain: 20.0,
+                slope: 25.0 / object,
+                reach: 25.0 / object,
+                strain: 20.0 / object,
                 feedforward: 0.2,
                 brake: 1e6,
                 observer: 40.0,
             },
             hub: [hub; 2],
             mass: MassGains { initial: 0.5, smallest: 0.5, largest: 0.5, ..default.mass },
+            inertia: InertiaGains { smallest: 1.0, largest: 1.0, ..default.inertia },
+            strain_bandwidth: 0.0,
             strain_rate_bandwidth: 0.0,
             ..default
         }
@@ -106,29 +137,24 @@ impl Default for RootStrainGains {
     /// ṗ = −√(2 q `u_limit` |p|/m̂) on which a constant force brings it to rest at the target, the shares of damping that
     /// the arms have included.
     fn default() -> Self {
-        let hub = HubGains { slope: 14.79, reach: 10.03, strain: 127.9, feedforward: 0.3829, observer: 153.0 };
+        let hub = HubGains { slope: 0.49, reach: 2.2, strain: 0.265, feedforward: 0.93, observer: 54.0 };
         Self {
             object: ObjectGains {
-                slope: 416.3,
-                reach: 8.508,
-                strain: 24.42,
-                feedforward: 0.1573,
-                brake: 34.78,
-                observer: 56.85,
+                slope: 24.5,
+                reach: 0.4,
+                strain: 2.0,
+                feedforward: 0.165,
+                brake: 84.0,
+                observer: 95.0,
             },
             hub: [hub; 2],
-            mass: MassGains {
-                initial: 0.5,
-                smallest: 0.15,
-                largest: 20.0,
-                filter: 150.0,
-                high_pass: 3.0,
-                prior: 2e-4,
-                memory: 0.05,
-            },
+            mass: MassGains { initial: 0.5, smallest: 0.15, largest: 20.0, threshold: 0.02, prior: 2e-4, memory: 0.05 },
+            inertia: InertiaGains { smallest: 0.5, largest: 20.0, threshold: 0.1, prior: 3e-4, memory: 0.1 },
+            filter: FilterGains { bandwidth: 150.0, high_pass: 3.0 },
             learner: Learner::Observer,
             networks: NetworkGains { leakage: 0.02, robust: 0.1 },
-            strain_rate_bandwidth: 125.5,
+            strain_bandwidth: 160.0,
+            strain_rate_bandwidth: 37.0,
         }
     }
 }

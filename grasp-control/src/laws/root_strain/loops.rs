@@ -1,8 +1,8 @@
 //! The three loops at one instant: surfaces, forces, commands; and how they change with the signals.
 
 use super::RootStrainGains;
+use super::natural::Scaled;
 use crate::laws::encoders::Actuation;
-use crate::target::Arms;
 
 /// Signals of the law at one instant, or their change.
 #[derive(Debug, Clone, Copy, Default)]
@@ -16,6 +16,8 @@ pub(super) struct Point {
     pub moment_rate: [f64; 2],
     /// Measured root moments \[N·m\].
     pub load: [f64; 2],
+    /// Ĵᵢ \[kg·m²\].
+    pub inertia: [f64; 2],
     /// p \[m\] and the object's predicted rate \[m/s\].
     pub p: f64,
     pub v: f64,
@@ -39,33 +41,12 @@ pub(super) struct Outcome {
     pub tau: [f64; 2],
 }
 
-/// Properties of the arms that turn strain into motion.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Compliance {
-    /// aᵢ = l/3EIᵢ \[rad/(N·m)\].
-    pub root: [f64; 2],
-    /// 3EIᵢ/l³ \[N/m\].
-    pub tip_stiffness: [f64; 2],
-    /// b \[m/N\].
-    pub tip: f64,
-}
-
-impl Compliance {
-    pub fn of(arms: &Arms) -> Self {
-        let l = arms.length;
-        let tip_stiffness = arms.ei.map(|ei| 3.0 * ei / (l * l * l));
-        Self { root: arms.ei.map(|ei| l / (3.0 * ei)), tip_stiffness, tip: 1.0 / (tip_stiffness[0] + tip_stiffness[1]) }
-    }
-}
-
 /// The loops with all that does not change from step to step.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Loops<'a> {
-    gains: &'a RootStrainGains,
-    actuation: &'a Actuation,
-    /// σᵢ aᵢ \[rad/(N·m·s)\] and κ b \[m/(N·s)\].
-    root: [f64; 2],
-    tip: f64,
+    pub gains: &'a RootStrainGains,
+    pub scaled: &'a Scaled,
+    pub actuation: &'a Actuation,
 }
 
 /// The object's loop without the arms' strain.
@@ -74,80 +55,81 @@ struct Object {
     s: f64,
     /// f G ṗ \[m/s²\].
     forward: f64,
-    /// The force on the object that is wanted to move it \[N\].
-    force: f64,
 }
 
-impl<'a> Loops<'a> {
-    pub fn new(arms: &Arms, gains: &'a RootStrainGains, actuation: &'a Actuation) -> Self {
-        let compliance = Compliance::of(arms);
-        Self {
-            gains,
-            actuation,
-            root: [0, 1].map(|i| gains.hub[i].strain * compliance.root[i]),
-            tip: gains.object.strain * compliance.tip,
-        }
-    }
-
+impl Loops<'_> {
     /// (1 + r)^(−½) and r = |p| m̂ G²/(2 q u_max), which bends the surface.
     fn bend(&self, at: &Point) -> (f64, f64) {
-        let g = &self.gains.object;
-        let r = at.p.abs() * at.mass * g.slope * g.slope / (2.0 * g.brake * self.actuation.force_limit);
+        let slope = self.scaled.slope;
+        let r = at.p.abs() * at.mass * slope * slope / (2.0 * self.gains.object.brake * self.actuation.force_limit);
         ((1.0 + r).sqrt().recip(), r)
     }
 
     fn object(&self, at: &Point) -> Object {
-        let g = &self.gains.object;
-        let s = g.slope * self.bend(at).0 * at.p + at.v;
-        let forward = g.feedforward * g.slope * at.v;
-        let force = -at.mass * (g.reach * s + forward) - at.v / self.tip;
-        Object { s, forward, force }
+        let s = self.scaled.slope * self.bend(at).0 * at.p + at.v;
+        Object { s, forward: self.gains.object.feedforward * self.scaled.slope * at.v }
+    }
+
+    /// κ √(b/m̂), the share of the shears in the object's surface \[m/(N·s)\].
+    fn tip(&self, at: &Point) -> f64 {
+        self.scaled.strain / at.mass.sqrt()
+    }
+
+    /// kᵢ (Gᵢ eᵢ + ėᵢ) + fᵢ Gᵢ ėᵢ + ėᵢ/cᵢ, which Ĵᵢ multiplies \[rad/s²\].
+    fn turning(&self, i: usize, at: &Point) -> f64 {
+        let (g, slope) = (&self.gains.hub[i], self.scaled.hub_slope[i]);
+        self.scaled.hub_reach[i] * (slope * at.e[i] + at.omega[i])
+            + (g.feedforward * slope + g.strain.recip()) * at.omega[i]
+    }
+
+    /// cᵢ (kᵢ M̃ᵢ + fᵢ M̃̇ᵢ) \[N·m\].
+    fn yielding(&self, i: usize, at: &Point) -> f64 {
+        let g = &self.gains.hub[i];
+        g.strain * (self.scaled.hub_reach[i] * at.moment[i] + g.feedforward * at.moment_rate[i])
     }
 
     /// Surfaces and commands.
     pub fn at(&self, at: &Point) -> Outcome {
-        let object = self.object(at);
-        let mut posture = [0.0; 2];
-        let tau = std::array::from_fn(|i| {
-            let g = &self.gains.hub[i];
-            posture[i] = g.slope * at.e[i] + at.omega[i] + self.root[i] * at.moment[i];
-            let forward = g.feedforward * (g.slope * at.omega[i] + self.root[i] * at.moment_rate[i]);
-            at.load[i]
-                - self.actuation.hub_inertia[i] * (g.reach * posture[i] + forward)
-                - at.omega[i] / self.root[i]
-                - at.unknown[i]
+        let posture = std::array::from_fn(|i| {
+            self.scaled.hub_slope[i] * at.e[i] + at.omega[i] + self.gains.hub[i].strain * at.moment[i] / at.inertia[i]
         });
-        let g = &self.gains.object;
-        let strain = self.tip * at.shear;
-        let damping = at.mass * (g.reach * strain + g.feedforward * self.tip * at.shear_rate);
-        Outcome { object: object.s + strain, posture, u: at.shear + object.force - damping - at.unknown[2], tau }
+        let tau = std::array::from_fn(|i| {
+            at.load[i] - at.inertia[i] * self.turning(i, at) - self.yielding(i, at) - at.unknown[i]
+        });
+        let (object, tip) = (self.object(at), self.tip(at));
+        let (k, f) = (self.scaled.reach, self.gains.object.feedforward);
+        let force = -at.mass * (k * object.s + object.forward) - at.v / tip;
+        let damping = at.mass * tip * (k * at.shear + f * at.shear_rate);
+        Outcome { object: object.s + tip * at.shear, posture, u: at.shear + force - damping - at.unknown[2], tau }
     }
 
     /// Change of surfaces and commands for a change `by` of the point.
     pub fn change(&self, at: &Point, by: &Point) -> Outcome {
-        let g = &self.gains.object;
-        let object = self.object(at);
-        let (bend, r) = self.bend(at);
-        let s = g.slope * (bend - 0.5 * r * bend.powi(3)) * by.p
-            - 0.5 * g.slope * at.p * r * bend.powi(3) * by.mass / at.mass
-            + by.v;
-        let forward = g.feedforward * g.slope * by.v;
-        let force =
-            -by.mass * (g.reach * object.s + object.forward) - at.mass * (g.reach * s + forward) - by.v / self.tip;
-        let mut posture = [0.0; 2];
+        let posture = std::array::from_fn(|i| {
+            let share = self.gains.hub[i].strain / at.inertia[i];
+            self.scaled.hub_slope[i] * by.e[i] + by.omega[i] + share * by.moment[i]
+                - share * at.moment[i] * by.inertia[i] / at.inertia[i]
+        });
         let tau = std::array::from_fn(|i| {
-            let g = &self.gains.hub[i];
-            posture[i] = g.slope * by.e[i] + by.omega[i] + self.root[i] * by.moment[i];
-            let forward = g.feedforward * (g.slope * by.omega[i] + self.root[i] * by.moment_rate[i]);
             by.load[i]
-                - self.actuation.hub_inertia[i] * (g.reach * posture[i] + forward)
-                - by.omega[i] / self.root[i]
+                - at.inertia[i] * self.turning(i, by)
+                - by.inertia[i] * self.turning(i, at)
+                - self.yielding(i, by)
                 - by.unknown[i]
         });
-        let g = &self.gains.object;
-        let strain = self.tip * by.shear;
-        let damping = at.mass * (g.reach * strain + g.feedforward * self.tip * by.shear_rate)
-            + by.mass * (g.reach * self.tip * at.shear + g.feedforward * self.tip * at.shear_rate);
-        Outcome { object: s + strain, posture, u: by.shear + force - damping - by.unknown[2], tau }
+        let (object, tip) = (self.object(at), self.tip(at));
+        let (k, f, slope) = (self.scaled.reach, self.gains.object.feedforward, self.scaled.slope);
+        let (bend, r) = self.bend(at);
+        let s = slope * (bend - 0.5 * r * bend.powi(3)) * by.p
+            - 0.5 * slope * at.p * r * bend.powi(3) * by.mass / at.mass
+            + by.v;
+        let by_tip = -0.5 * tip * by.mass / at.mass;
+        let force = -by.mass * (k * object.s + object.forward) - at.mass * (k * s + f * slope * by.v) - by.v / tip
+            + at.v * by_tip / (tip * tip);
+        // m̂ κ √(b/m̂) grows like √m̂.
+        let damping =
+            at.mass * tip * (k * by.shear + f * by.shear_rate) - at.mass * by_tip * (k * at.shear + f * at.shear_rate);
+        let u = by.shear + force - damping - by.unknown[2];
+        Outcome { object: s + tip * by.shear + by_tip * at.shear, posture, u, tau }
     }
 }

@@ -2,31 +2,36 @@
 //!
 //! The paper puts the tip shears into the object's virtual control (34), but no root strain into those of the hubs (52);
 //! so arms that swing against each other with hubs and object at rest are not damped. With q_i = w_i − w_i^d,
-//! M̃_i = EI_i q_i''(0), Q = Σ EI_i q_i'''(l), and the compliances a_i = l/3EI_i and b = 1/Σ(3EI_i/l³) of the arms, which
-//! make all gains rates:
+//! M̃_i = EI_i q_i''(0), Q = Σ EI_i q_i'''(l) and the compliance b = 1/Σ(3EI_i/l³) of the tips:
 //!
 //! ```text
-//! s_i = G_i e_i + ė_i + σ_i a_i M̃_i,        s = G(p) p + ṗ + κ b Q
-//! τ̄_i = M_i − J_i (k_i s_i + f_i (G_i ė_i + σ_i a_i M̃̇_i)) − ė_i/(σ_i a_i) − Δ̂_i
-//! v   = Q − m̂ (k s + f (G ṗ + κ b Q̇)) − ṗ/(κ b) − Δ̂_F
+//! s_i = G_i e_i + ė_i + c_i M̃_i/Ĵ_i,        s = G(p) p + ṗ + κ √(b/m̂) Q
+//! τ̄_i = M_i − Ĵ_i (k_i s_i + f_i (G_i ė_i + c_i M̃̇_i/Ĵ_i)) − Ĵ_i ė_i/c_i − Δ̂_i
+//! v   = Q − m̂ (k s + f (G ṗ + κ √(b/m̂) Q̇)) − ṗ/(κ √(b/m̂)) − Δ̂_F
 //! ```
 //!
-//! Where (36) and (54) have −z_1 and −z_3i, this law has −ṗ/(κ b) and −ė_i/(σ_i a_i). With E the energy of the arms'
-//! motion relative to the target, Ė = ṗ Q + Σ ė_i M̃_i, so for f = 1, a constant G and known inertias and disturbances
+//! Where (36) and (54) have −z_1 and −z_3i, this law has −ṗ and −ė_i over the shares of the strain. With E the energy of the
+//! arms' motion relative to the target, Ė = ṗ Q + Σ ė_i M̃_i, so for f = 1, a constant G and known inertias and disturbances,
+//! with C = κ √(b/m),
 //!
 //! ```text
-//! d/dt [E + ½ G p²/(κ b) + ½ Σ G_i e_i²/(σ_i a_i) + ½ m s² + ½ Σ J_i s_i²]
-//!     = −ṗ²/(κ b) − Σ ė_i²/(σ_i a_i) − m k s² − Σ J_i k_i s_i²,
+//! d/dt [E + ½ G p²/C + ½ Σ G_i J_i e_i²/c_i + ½ m s² + ½ Σ J_i s_i²]
+//!     = −ṗ²/C − Σ J_i ė_i²/c_i − m k s² − Σ J_i k_i s_i²,
 //! ```
 //!
 //! also for unequal arms.
+//!
+//! **Units.** G_i, k_i, G, k are pure numbers times the plant's natural rates ([`Scaled`]). c_i is a time: what the arm's bending
+//! does to the hub enters as the acceleration M̃_i/Ĵ_i, so the torque that answers it, c_i (k_i M̃_i + f_i M̃̇_i), depends on no
+//! inertia. That matters at the beams' frequencies, where a late command no longer damps and only Section IV's loss −c_f Ṁ_i does:
+//! there the law's gain on the root moment has to stay below c_f ω (`docs/comparison.md`).
 //!
 //! **Learning.** The paper's networks learn from s, which is also what a new reference and noise make; under noise they
 //! learn without end. Here Δ̂ is the weight of a constant basis function that learns from the error of a prediction
 //! ([`Observer`]): of that only disturbances make any, and noise has no mean. Known limits enter the prediction, so
 //! nothing winds up. [`Learner::Networks`] puts networks and robust terms in its place, fed by the same error.
 //!
-//! **Mass.** m̂ comes from the prediction error too ([`MassGains`]).
+//! **Inertias.** m̂ and Ĵ_i come from the prediction errors too ([`MassGains`], [`InertiaGains`]).
 //!
 //! **Surface.** G(p) = G/√(1 + |p| m̂ G²/(2 q u_max)): near the target a line, far from it the parabola on which the share
 //! q of the limit u_max brings an object of mass m̂ to rest at the target. So heavy objects do not overshoot.
@@ -36,13 +41,15 @@
 
 mod continuous;
 mod gains;
+mod inertia;
 mod loops;
-mod mass;
+mod natural;
 mod networks;
 mod table;
 
 pub use gains::{HubGains, ObjectGains, RootStrainGains};
-pub use mass::MassGains;
+pub use inertia::{FilterGains, InertiaGains, MassGains};
+pub use natural::Scaled;
 pub use networks::{Learner, NetworkGains};
 
 use crate::blocks::lowpass::LowPass;
@@ -52,8 +59,9 @@ use crate::laws::encoders::Actuation;
 use crate::laws::nabfc::{Estimates, RbfLayout, Surfaces};
 use crate::signals::{Commands, INPUTS, Inputs};
 use crate::target::Arms;
-use loops::{Compliance, Loops, Outcome, Point};
-use mass::MassEstimator;
+use inertia::{Estimator, Moving, Prior};
+use loops::{Loops, Outcome, Point};
+use natural::Compliance;
 use networks::{Networks, Seen};
 use parameter_table::InvalidParameter;
 use serde::{Deserialize, Serialize};
@@ -63,11 +71,15 @@ use serde::{Deserialize, Serialize};
 pub struct RootStrain {
     arms: Arms,
     gains: RootStrainGains,
+    scaled: Scaled,
     actuation: Actuation,
     source: RateSource,
     /// Hub 1, hub 2, object.
     observers: [Observer; 3],
-    mass: MassEstimator,
+    /// What there is to know of each inertia beforehand, and what has been learnt of it.
+    priors: [Prior; 3],
+    inertia: [Estimator; 3],
+    root_moment: LowPass,
     root_moment_rate: LowPass,
     tip_shear_rate: LowPass,
     /// None where the observers learn.
@@ -105,10 +117,13 @@ impl RootStrain {
         Ok(Self {
             arms,
             gains,
+            scaled: Scaled::new(&gains, &arms, &actuation),
             actuation,
             source,
             observers: [Observer::default(); 3],
-            mass: MassEstimator::default(),
+            priors: gains.priors(&arms, &actuation),
+            inertia: [Estimator::default(); 3],
+            root_moment: LowPass::new(gains.strain_bandwidth),
             root_moment_rate: LowPass::new(gains.strain_rate_bandwidth),
             tip_shear_rate: LowPass::new(gains.strain_rate_bandwidth),
             networks,
@@ -131,8 +146,11 @@ impl RootStrain {
         let gains = RootStrainGains { mass, learner: self.gains.learner, ..gains };
         gains.validate()?;
         actuation.validate()?;
+        self.root_moment.set_bandwidth(gains.strain_bandwidth);
         self.root_moment_rate.set_bandwidth(gains.strain_rate_bandwidth);
         self.tip_shear_rate.set_bandwidth(gains.strain_rate_bandwidth);
+        self.scaled = Scaled::new(&gains, &self.arms, &actuation);
+        self.priors = gains.priors(&self.arms, &actuation);
         (self.gains, self.actuation) = (gains, actuation);
         Ok(())
     }
@@ -153,7 +171,7 @@ impl RootStrain {
     }
 
     fn loops(&self) -> Loops<'_> {
-        Loops::new(&self.arms, &self.gains, &self.actuation)
+        Loops { gains: &self.gains, scaled: &self.scaled, actuation: &self.actuation }
     }
 
     /// Q̇ᵢ = −(3EIᵢ/l³)(l θ̇ᵢ − ẏ), Ṁᵢ = −l Q̇ᵢ; also maps accelerations to the rates of these.
@@ -183,17 +201,20 @@ impl RootStrain {
         let measured = &inputs.measured;
         let [hub1, hub2, object] = &self.observers;
         let (moment_rate, shear_rate) = self.strain_rates(inputs);
+        let [inertia1, inertia2, mass] = self.inertias();
+        let moment = self.root_moment.output(measured.root_moment);
         Point {
             e: errors.e,
             omega: [hub1.rate, hub2.rate],
-            moment: std::array::from_fn(|i| measured.root_moment[i] + targets.lambda[i] * self.arms.length),
+            moment: std::array::from_fn(|i| moment[i] + targets.lambda[i] * self.arms.length),
             moment_rate,
             load: measured.root_moment,
             p: errors.p,
             v: object.rate,
             shear: measured.tip_shear[0] + measured.tip_shear[1],
             shear_rate: shear_rate[0] + shear_rate[1],
-            mass: self.mass.mass(&self.gains.mass),
+            mass,
+            inertia: [inertia1, inertia2],
             unknown: self.observers.map(|observer| observer.disturbance),
         }
     }
@@ -205,9 +226,10 @@ impl RootStrain {
         let inner = |row: &[f64; INPUTS]| crate::law::inner(row, &values);
         let lambda = [direction.reference.lambda1_ref, -direction.reference.lambda1_ref];
         let measured = &direction.measured;
+        let moment = if self.root_moment.is_on() { [0.0; 2] } else { measured.root_moment };
         let mut change = Point {
             e: jacobian.e.each_ref().map(inner),
-            moment: std::array::from_fn(|i| measured.root_moment[i] + lambda[i] * self.arms.length),
+            moment: std::array::from_fn(|i| moment[i] + lambda[i] * self.arms.length),
             load: measured.root_moment,
             p: inner(&jacobian.p),
             shear: measured.tip_shear[0] + measured.tip_shear[1],
@@ -224,11 +246,16 @@ impl RootStrain {
     fn velocity(&mut self, inputs: &Inputs, rates: &Inputs) -> Point {
         let state = self.state_rates(inputs);
         let mut change = self.direction(rates);
+        if self.root_moment.is_on() {
+            let rate = self.root_moment.output_rate(inputs.measured.root_moment, rates.measured.root_moment);
+            (0..2).for_each(|i| change.moment[i] += rate[i]);
+        }
         let [hub1, hub2, object] = &state.observers;
         change.omega = [hub1.rate, hub2.rate];
         change.v = object.rate;
         change.unknown = state.observers.map(|observer| observer.disturbance);
-        change.mass = state.mass;
+        let [inertia1, inertia2, mass] = state.inertia;
+        (change.mass, change.inertia) = (mass, [inertia1, inertia2]);
         match self.source {
             RateSource::Estimated => {
                 let shear;
@@ -271,14 +298,8 @@ impl RootStrain {
         let constants = ([hub1, hub2], [0.0; 2], object, 0.0);
         let (u_norm, pi_hat, w_norm, epsilon_hat) =
             self.networks.as_ref().map_or(constants, |networks| networks.norms());
-        Estimates {
-            m_hat: self.mass.mass(&self.gains.mass),
-            j_hat: self.actuation.hub_inertia,
-            epsilon_hat,
-            pi_hat,
-            w_norm,
-            u_norm,
-        }
+        let [inertia1, inertia2, m_hat] = self.inertias();
+        Estimates { m_hat, j_hat: [inertia1, inertia2], epsilon_hat, pi_hat, w_norm, u_norm }
     }
 
     /// Time derivatives of the estimates.
@@ -292,21 +313,19 @@ impl RootStrain {
             let rate = |i: usize| state.observers[i].disturbance * self.observers[i].disturbance.signum();
             ([rate(0), rate(1)], [0.0; 2], rate(2), 0.0)
         };
-        Estimates { m_hat: state.mass, j_hat: [0.0; 2], epsilon_hat, pi_hat, w_norm, u_norm }
+        let [inertia1, inertia2, m_hat] = state.inertia;
+        Estimates { m_hat, j_hat: [inertia1, inertia2], epsilon_hat, pi_hat, w_norm, u_norm }
     }
 
     /// What is known of hub 1, hub 2 and the object.
     fn known(&self) -> [Known; 3] {
-        let (gains, actuation, source) = (&self.gains, &self.actuation, self.source);
-        let hub = |i: usize| Known {
-            source,
-            bandwidth: gains.hub[i].observer,
-            inertia: actuation.hub_inertia[i],
-            limit: actuation.torque_limit,
-        };
-        let mass = self.mass.mass(&gains.mass);
-        let object = Known { source, bandwidth: gains.object.observer, inertia: mass, limit: actuation.force_limit };
-        [hub(0), hub(1), object]
+        let (gains, actuation, source, inertia) = (&self.gains, &self.actuation, self.source, self.inertias());
+        let known = |i: usize, bandwidth: f64, limit: f64| Known { source, bandwidth, inertia: inertia[i], limit };
+        [
+            known(0, gains.hub[0].observer, actuation.torque_limit),
+            known(1, gains.hub[1].observer, actuation.torque_limit),
+            known(2, gains.object.observer, actuation.force_limit),
+        ]
     }
 
     /// The known force on each coordinate: what the limited command does, less the measured load.
@@ -315,19 +334,30 @@ impl RootStrain {
         self.actuation.forces(&commands, inputs)
     }
 
-    /// The velocity that the mass estimate uses.
-    fn object_rate(&self, inputs: &Inputs) -> f64 {
-        match self.source {
-            RateSource::Measured => inputs.measured.y_object_dot,
-            RateSource::Estimated => self.observers[2].rate,
-        }
+    /// Ĵ₁, Ĵ₂ \[kg·m²\] and m̂ \[kg\].
+    fn inertias(&self) -> [f64; 3] {
+        std::array::from_fn(|i| self.inertia[i].inertia(&self.priors[i]))
+    }
+
+    /// What the estimators of the inertias see, under the known forces.
+    fn moving(&self, inputs: &Inputs, forces: &[f64; 3]) -> [Moving; 3] {
+        let m = &inputs.measured;
+        let rates = match self.source {
+            RateSource::Measured => [m.theta_dot[0], m.theta_dot[1], m.y_object_dot],
+            RateSource::Estimated => self.observers.map(|observer| observer.rate),
+        };
+        let loads = [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1]];
+        std::array::from_fn(|i| Moving { rate: rates[i], force: forces[i], load: loads[i] })
     }
 
     fn state_rates(&self, inputs: &Inputs) -> StateRates {
         let (forces, motions, known) = (self.forces(inputs), motions(inputs), self.known());
+        let moving = self.moving(inputs, &forces);
         StateRates {
             observers: std::array::from_fn(|i| self.observers[i].derivative(&known[i], motions[i], forces[i])),
-            mass: self.mass.mass_rate(&self.gains.mass, self.object_rate(inputs)),
+            inertia: std::array::from_fn(|i| {
+                self.inertia[i].inertia_rate(&self.gains.filter, &self.priors[i], moving[i])
+            }),
         }
     }
 
@@ -342,18 +372,16 @@ impl RootStrain {
         networks.step(h, &self.gains.networks, known, &seen, &mut self.observers, &measured);
     }
 
-    /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm. Linear
-    /// in everything, so it also maps changes to changes.
+    /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm.
     fn seen<'a>(&self, at: &'a Point, outcome: &Outcome, shear: [f64; 2], shear_rate: [f64; 2]) -> Seen<'a> {
-        let compliance = Compliance::of(&self.arms);
-        let RootStrainGains { object, hub, .. } = &self.gains;
+        let (hub, scaled) = (&self.gains.hub, &self.scaled);
         Seen {
             at,
             surface: outcome.object,
             posture: outcome.posture,
-            alpha_rate: -object.slope * at.v - object.strain * compliance.tip * at.shear_rate,
+            alpha_rate: -scaled.slope * at.v - scaled.strain / at.mass.sqrt() * at.shear_rate,
             posture_alpha_rate: std::array::from_fn(|i| {
-                -hub[i].slope * at.omega[i] - hub[i].strain * compliance.root[i] * at.moment_rate[i]
+                -scaled.hub_slope[i] * at.omega[i] - hub[i].strain * at.moment_rate[i] / at.inertia[i]
             }),
             shear,
             shear_rate,
@@ -364,7 +392,7 @@ impl RootStrain {
 /// Time derivatives of the law's state.
 struct StateRates {
     observers: [Observer; 3],
-    mass: f64,
+    inertia: [f64; 3],
 }
 
 /// Hub 1, hub 2, object.
@@ -390,7 +418,8 @@ impl Law for RootStrain {
 
     fn initialize(&mut self, inputs: &Inputs) {
         self.observers = motions(inputs).map(|motion| Observer::settled(self.source, motion));
-        self.mass = MassEstimator::settled(self.observers[2].rate);
+        self.inertia = self.moving(inputs, &[0.0; 3]).map(|moving| Estimator::settled(moving.rate, moving.load));
+        self.root_moment.settle(inputs.measured.root_moment);
         self.root_moment_rate.settle(inputs.measured.root_moment_dot);
         self.tip_shear_rate.settle(inputs.measured.tip_shear_dot);
         if let Some(networks) = &mut self.networks {
@@ -407,8 +436,7 @@ impl Law for RootStrain {
         StepError::check(h, inputs, rates)?;
         let mean = inputs.after(0.5 * h, rates);
         let (forces, known) = (self.forces(&mean), self.known());
-        let velocity = self.object_rate(&mean);
-        self.mass.step(h, &self.gains.mass, velocity, forces[2]);
+        let (moving, shares) = (self.moving(&mean, &forces), self.gains.filter.shares(h));
         if self.networks.is_some() {
             self.step_networks(h, &mean, &known, &forces);
         } else {
@@ -417,7 +445,11 @@ impl Law for RootStrain {
                 observer.step(h, &known[i], motions[i], forces[i]);
             }
         }
+        for (i, estimator) in self.inertia.iter_mut().enumerate() {
+            estimator.step(h, &self.gains.filter, &shares, &self.priors[i], moving[i]);
+        }
         let (measured, rate) = (&inputs.measured, &rates.measured);
+        self.root_moment.step(h, measured.root_moment, rate.root_moment);
         self.root_moment_rate.step(h, measured.root_moment_dot, rate.root_moment_dot);
         self.tip_shear_rate.step(h, measured.tip_shear_dot, rate.tip_shear_dot);
         Ok(())

@@ -1,6 +1,6 @@
 //! The parameters by name, with unit and range: what is declared and what is checked.
 
-use super::{HubGains, MassGains, NetworkGains, ObjectGains, RootStrainGains};
+use super::{FilterGains, HubGains, InertiaGains, MassGains, NetworkGains, ObjectGains, RootStrainGains};
 use crate::laws::GAIN;
 use crate::laws::encoders::POLES;
 use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
@@ -9,21 +9,38 @@ use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, che
 const SHARE: Range = Range::new(0.0, 1.0);
 /// Something that divides, of the magnitude of a gain.
 const POSITIVE: Range = Range::new(1e-3, 1e6);
+/// Forces and torques.
+const THRESHOLD: Range = Range::new(1e-9, 1e6);
 /// Weights and memories of the sums.
 const EXCITATION: Range = Range::new(1e-12, 1e6);
+/// The start, or less of it; or more.
+const BELOW: Range = Range::new(1e-3, 1.0);
+const ABOVE: Range = Range::new(1.0, 1e3);
 /// Masses.
 const MASS: Range = Range::new(1e-6, 1e6);
 
 impl ObjectGains {
     /// The gains of the object's loop.
     pub const PARAMETERS: [Parameter<Self>; 6] = [
-        parameter!("r_slope", "1/s", GAIN, "Root-strain law: slope of the object's surface", slope),
-        parameter!("r_reach", "1/s", GAIN, "Root-strain law: rate at which the object's surface is reached", reach),
+        parameter!(
+            "r_slope",
+            "1",
+            GAIN,
+            "Root-strain law: slope of the object's surface, in units of the natural rate of the object between the arms",
+            slope
+        ),
+        parameter!(
+            "r_reach",
+            "1",
+            GAIN,
+            "Root-strain law: rate at which the object's surface is reached, in units of its natural rate",
+            reach
+        ),
         parameter!(
             "r_strain",
-            "1/s",
+            "1",
             POSITIVE,
-            "Root-strain law: share of the tip shears in the object's surface",
+            "Root-strain law: share of the tip shears in the object's surface, in units of its natural rate",
             strain
         ),
         parameter!("r_feedforward", "1", SHARE, "Root-strain law: share of m_hat that is fed forward", feedforward),
@@ -41,13 +58,25 @@ impl ObjectGains {
 impl HubGains {
     /// The gains of each hub's loop.
     pub const PARAMETERS: [Parameter<Self>; 5] = [
-        parameter!("r_slope{}", "1/s", GAIN, "Root-strain law: slope of hub {}'s surface", slope),
-        parameter!("r_reach{}", "1/s", GAIN, "Root-strain law: rate at which hub {}'s surface is reached", reach),
+        parameter!(
+            "r_slope{}",
+            "1",
+            GAIN,
+            "Root-strain law: slope of hub {}'s surface, in units of the natural rate of the hub on its arm",
+            slope
+        ),
+        parameter!(
+            "r_reach{}",
+            "1",
+            GAIN,
+            "Root-strain law: rate at which hub {}'s surface is reached, in units of its natural rate",
+            reach
+        ),
         parameter!(
             "r_strain{}",
-            "1/s",
+            "s",
             POSITIVE,
-            "Root-strain law: share of the root strain in hub {}'s surface",
+            "Root-strain law: time by which the root moment over the inertia becomes a rate in hub {}'s surface",
             strain
         ),
         parameter!(
@@ -63,22 +92,15 @@ impl HubGains {
 
 impl MassGains {
     /// The settings of the estimator.
-    pub const PARAMETERS: [Parameter<Self>; 6] = [
+    pub const PARAMETERS: [Parameter<Self>; 5] = [
         parameter!("r_mass_min", "kg", MASS, "Root-strain law: smallest m_hat", smallest),
         parameter!("r_mass_max", "kg", MASS, "Root-strain law: largest m_hat", largest),
         parameter!(
-            "r_mass_filter",
-            "rad/s",
-            POLES,
-            "Root-strain law: bandwidth of the filters of the mass estimate",
-            filter
-        ),
-        parameter!(
-            "r_mass_high_pass",
-            "rad/s",
-            GAIN,
-            "Root-strain law: corner below which forces do not count for the mass estimate",
-            high_pass
+            "r_mass_threshold",
+            "N",
+            THRESHOLD,
+            "Root-strain law: force below which the object's motion hardly counts for its estimated mass",
+            threshold
         ),
         parameter!(
             "r_mass_prior",
@@ -98,6 +120,61 @@ impl MassGains {
     /// The initial estimate, fixed once the law runs.
     pub const FIXED: [Parameter<Self>; 1] =
         [parameter!("r_mass_0", "kg", MASS, "Root-strain law: m_hat at the start", initial)];
+}
+
+impl FilterGains {
+    /// The filters of all estimated inertias.
+    pub const PARAMETERS: [Parameter<Self>; 2] = [
+        parameter!(
+            "r_estimate_filter",
+            "rad/s",
+            POLES,
+            "Root-strain law: bandwidth of the filters of estimated mass and inertias",
+            bandwidth
+        ),
+        parameter!(
+            "r_estimate_high_pass",
+            "rad/s",
+            GAIN,
+            "Root-strain law: corner below which forces and torques do not count for estimated mass and inertias",
+            high_pass
+        ),
+    ];
+}
+
+impl InertiaGains {
+    /// The settings of the estimators.
+    pub const PARAMETERS: [Parameter<Self>; 5] = [
+        parameter!(
+            "r_inertia_min",
+            "1",
+            BELOW,
+            "Root-strain law: smallest J1_hat and J2_hat in units of observer_inertia1 and observer_inertia2",
+            smallest
+        ),
+        parameter!("r_inertia_max", "1", ABOVE, "Root-strain law: largest J1_hat and J2_hat, likewise", largest),
+        parameter!(
+            "r_inertia_threshold",
+            "N.m",
+            THRESHOLD,
+            "Root-strain law: torque below which a hub's motion hardly counts for its estimated inertia",
+            threshold
+        ),
+        parameter!(
+            "r_inertia_prior",
+            "N2.m2.s",
+            EXCITATION,
+            "Root-strain law: excitation that outweighs the inertia at the start",
+            prior
+        ),
+        parameter!(
+            "r_inertia_memory",
+            "N2.m2.s",
+            EXCITATION,
+            "Root-strain law: excitation after which older one is forgotten",
+            memory
+        ),
+    ];
 }
 
 impl NetworkGains {
@@ -122,13 +199,22 @@ impl NetworkGains {
 
 impl RootStrainGains {
     /// The gains of the law as a whole.
-    pub const PARAMETERS: [Parameter<Self>; 1] = [parameter!(
-        "r_strain_rate_bandwidth",
-        "rad/s",
-        GAIN,
-        "Root-strain law: bandwidth of the low-pass on the measured rates of moments and shears; 0 = off",
-        strain_rate_bandwidth
-    )];
+    pub const PARAMETERS: [Parameter<Self>; 2] = [
+        parameter!(
+            "r_strain_bandwidth",
+            "rad/s",
+            GAIN,
+            "Root-strain law: bandwidth of the low-pass on the root moments in the surfaces; 0 = off",
+            strain_bandwidth
+        ),
+        parameter!(
+            "r_strain_rate_bandwidth",
+            "rad/s",
+            GAIN,
+            "Root-strain law: bandwidth of the low-pass on the measured rates of moments and shears; 0 = off",
+            strain_rate_bandwidth
+        ),
+    ];
 
     /// Checks every parameter against its range.
     ///
@@ -139,6 +225,8 @@ impl RootStrainGains {
         check_family(&HubGains::PARAMETERS, &self.hub)?;
         check(&MassGains::PARAMETERS, &self.mass)?;
         check(&MassGains::FIXED, &self.mass)?;
+        check(&InertiaGains::PARAMETERS, &self.inertia)?;
+        check(&FilterGains::PARAMETERS, &self.filter)?;
         check(&NetworkGains::PARAMETERS, &self.networks)?;
         check(&Self::PARAMETERS, self)?;
         let least = Range::new(self.mass.smallest, MASS.max);

@@ -1,15 +1,15 @@
-//! The law as differential equations: observers, filters, the mass estimate, networks.
+//! The law as differential equations: observers, filters, estimates of inertias, networks.
 
 mod present;
 
 use super::RootStrain;
-use super::mass::MassEstimator;
+use super::inertia::Moving;
 use super::networks::{Sight, SightChange};
 use crate::blocks::observer::{Observer, ObserverChange, RateSource};
 use crate::continuous::{Continuous, Decision, Direction, Regimes, indicator, state};
 use crate::laws::encoders::{observers, put_observers};
 use crate::signals::{Commands, Inputs};
-use present::network_direction;
+use present::{estimators, network_direction, put_estimators};
 
 /// The weights in a vector of states, to be written.
 fn weights_of(nodes: [usize; 3], weights: &mut [f64]) -> [&mut [f64]; 3] {
@@ -21,6 +21,19 @@ fn weights_of(nodes: [usize; 3], weights: &mut [f64]) -> [&mut [f64]; 3] {
 /// The learners' limits that hold: balls, robust terms.
 fn held(regimes: &Regimes) -> [[bool; 2]; 3] {
     std::array::from_fn(|i| [regimes.weights[i], regimes.bound[i]])
+}
+
+impl RootStrain {
+    /// Change of what the estimators of the inertias see.
+    fn moving_change(&self, along: Direction<'_>, force_changes: &[f64; 3]) -> [Moving; 3] {
+        let m = &along.inputs.measured;
+        let rates = match self.source {
+            RateSource::Measured => [m.theta_dot[0], m.theta_dot[1], m.y_object_dot],
+            RateSource::Estimated => observers(along.states).map(|observer| observer.rate),
+        };
+        let loads = [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1]];
+        std::array::from_fn(|i| Moving { rate: rates[i], force: force_changes[i], load: loads[i] })
+    }
 }
 
 impl Continuous for RootStrain {
@@ -37,7 +50,10 @@ impl Continuous for RootStrain {
             out[state::SHEAR_RATES].copy_from_slice(&self.tip_shear_rate.output([0.0; 2]));
             out[state::MOMENT_RATES].copy_from_slice(&self.root_moment_rate.output([0.0; 2]));
         }
-        out[state::MASS].copy_from_slice(&self.mass.to_array());
+        if self.root_moment.is_on() {
+            out[state::MOMENTS].copy_from_slice(&self.root_moment.output([0.0; 2]));
+        }
+        put_estimators(&self.inertia, out);
         if let Some(networks) = &self.networks {
             let (first, weights) = out.split_at_mut(state::WEIGHTS);
             let bounds = networks.put(weights_of(networks.nodes(), weights));
@@ -51,7 +67,10 @@ impl Continuous for RootStrain {
             self.tip_shear_rate.settle(std::array::from_fn(|i| states[state::SHEAR_RATES.start + i]));
             self.root_moment_rate.settle(std::array::from_fn(|i| states[state::MOMENT_RATES.start + i]));
         }
-        self.mass = MassEstimator::from_array(std::array::from_fn(|i| states[state::MASS.start + i]));
+        if self.root_moment.is_on() {
+            self.root_moment.settle(std::array::from_fn(|i| states[state::MOMENTS.start + i]));
+        }
+        self.inertia = estimators(states);
         if let Some(networks) = &mut self.networks {
             networks.take(&network_direction(networks.nodes(), states));
         }
@@ -82,8 +101,13 @@ impl Continuous for RootStrain {
             out[state::MOMENT_RATES]
                 .copy_from_slice(&self.root_moment_rate.output_rate(measured.root_moment_dot, [0.0; 2]));
         }
-        let mass = self.mass.derivative(&self.gains.mass, self.object_rate(inputs), forces[2]);
-        out[state::MASS].copy_from_slice(&mass.to_array());
+        if self.root_moment.is_on() {
+            let rates = self.root_moment.output_rate(inputs.measured.root_moment, [0.0; 2]);
+            out[state::MOMENTS].copy_from_slice(&rates);
+        }
+        let moving = self.moving(inputs, &forces);
+        let rates = std::array::from_fn(|i| self.inertia[i].derivative(&self.gains.filter, &self.priors[i], moving[i]));
+        put_estimators(&rates, out);
         let seen = self.seen(&now.at, &now.outcome, inputs.measured.tip_shear, now.shear_rate);
         if let Some(networks) = &mut self.networks {
             let (first, weights) = out.split_at_mut(state::WEIGHTS);
@@ -117,17 +141,21 @@ impl Continuous for RootStrain {
                 out[moment] = w * (moving.root_moment_dot[i] - along.states[moment]);
             }
         }
-        let mass = MassEstimator::from_array(std::array::from_fn(|i| along.states[state::MASS.start + i]));
-        let velocity = self.object_rate(inputs);
-        let velocity_change = match self.source {
-            RateSource::Measured => along.inputs.measured.y_object_dot,
-            RateSource::Estimated => change.by.v,
-        };
-        let by = (velocity_change, force_changes[2]);
-        let mass = self.mass.derivative_change(&self.gains.mass, velocity, &mass, by);
-        out[state::MASS].copy_from_slice(&mass.to_array());
+        if self.root_moment.is_on() {
+            let (w, moments) = (self.gains.strain_bandwidth, along.inputs.measured.root_moment);
+            for (i, place) in state::MOMENTS.enumerate() {
+                out[place] = w * (moments[i] - along.states[place]);
+            }
+        }
+        let (moving, changes) = (self.moving(inputs, &forces), estimators(along.states));
+        let moved = self.moving_change(along, &force_changes);
+        let rates = std::array::from_fn(|i| {
+            self.inertia[i].derivative_change(&self.gains.filter, &self.priors[i], moving[i], &changes[i], moved[i])
+        });
+        put_estimators(&rates, out);
         let seen = self.seen(&now.at, &now.outcome, inputs.measured.tip_shear, now.shear_rate);
-        let seen_by = self.seen(&change.by, &change.outcome, along.inputs.measured.tip_shear, change.shear_rate);
+        let seen_by =
+            self.seen_change(&now.at, &change.by, &change.outcome, along.inputs.measured.tip_shear, change.shear_rate);
         if let Some(networks) = &mut self.networks {
             let (first, weights) = out.split_at_mut(state::WEIGHTS);
             let direction = network_direction(networks.nodes(), along.states);
@@ -150,7 +178,9 @@ impl Continuous for RootStrain {
         let forces = self.actuation.forces(&commands, inputs);
         out.fill(1.0);
         out[indicator::LIMITS].copy_from_slice(&self.actuation.distances(&commands));
-        out[indicator::MASS].copy_from_slice(&self.mass.distances(&self.gains.mass));
+        for (i, out) in out[indicator::ESTIMATORS].chunks_exact_mut(3).enumerate() {
+            out.copy_from_slice(&self.inertia[i].distances(&self.priors[i]));
+        }
         let seen = self.seen(&now.at, &now.outcome, inputs.measured.tip_shear, now.shear_rate);
         if let Some(networks) = &mut self.networks {
             let found = networks.indicators(&self.gains.networks, &seen, &now.sight, held(regimes));

@@ -1,8 +1,8 @@
 //! The law at one instant, and how it changes along a direction of states and inputs.
 
+use super::super::inertia::Estimator;
 use super::super::loops::{Outcome, Point};
-use super::super::mass::MassEstimator;
-use super::super::networks::{NetworkDirection, Sight, SightChange};
+use super::super::networks::{NetworkDirection, Seen, Sight, SightChange};
 use super::super::{RootStrain, motions};
 use crate::blocks::observer::RateSource;
 use crate::continuous::{Direction, state};
@@ -66,9 +66,13 @@ impl RootStrain {
         by.omega = [moving[0].rate, moving[1].rate];
         by.v = moving[2].rate;
         by.unknown = moving.map(|observer| observer.disturbance);
-        let mass = MassEstimator::from_array(std::array::from_fn(|i| states[state::MASS.start + i]));
-        by.mass = self.mass.mass_change(&self.gains.mass, &mass);
+        let [inertia1, inertia2, mass] = self.inertia_changes(states);
+        (by.inertia, by.mass) = ([inertia1, inertia2], mass);
         let pair = |first: usize| [states[first], states[first + 1]];
+        if self.root_moment.is_on() {
+            let filtered = pair(state::MOMENTS.start);
+            (0..2).for_each(|i| by.moment[i] += filtered[i]);
+        }
         let (moment_rate, shear_rate) = match self.source {
             RateSource::Estimated => self.quasi_static(by.omega, by.v),
             RateSource::Measured if self.filters() => (pair(state::MOMENT_RATES.start), pair(state::SHEAR_RATES.start)),
@@ -78,13 +82,13 @@ impl RootStrain {
         let measured = motions(along.inputs);
         let mut outcome = self.loops().change(&now.at, &by);
         let mut sight: [SightChange; 3] = std::array::from_fn(|i| SightChange {
-            inertia: if i == 2 { by.mass } else { 0.0 },
+            inertia: [inertia1, inertia2, mass][i],
             observer: moving[i],
             measured: measured[i],
         });
         if self.networks.is_some() {
             let seen = self.seen(&now.at, &now.outcome, inputs.measured.tip_shear, now.shear_rate);
-            let seen_by = self.seen(&by, &outcome, along.inputs.measured.tip_shear, shear_rate);
+            let seen_by = self.seen_change(&now.at, &by, &outcome, along.inputs.measured.tip_shear, shear_rate);
             if let Some(networks) = &mut self.networks {
                 let direction = network_direction(networks.nodes(), states);
                 let unknown = networks.output_changes((&seen, &now.sight), (&seen_by, &sight), &direction);
@@ -99,6 +103,37 @@ impl RootStrain {
         Change { by, outcome, shear_rate, sight }
     }
 
+    /// Changes of Ĵ₁, Ĵ₂, m̂.
+    fn inertia_changes(&self, states: &[f64]) -> [f64; 3] {
+        let changes = estimators(states);
+        std::array::from_fn(|i| self.inertia[i].inertia_changes(&self.priors[i], &changes[i]))
+    }
+
+    /// Change of what the networks see for a change `by` of the point and `outcome` of the surfaces.
+    pub(super) fn seen_change<'a>(
+        &self,
+        at: &Point,
+        by: &'a Point,
+        outcome: &Outcome,
+        shear: [f64; 2],
+        shear_rate: [f64; 2],
+    ) -> Seen<'a> {
+        let (hub, scaled) = (&self.gains.hub, &self.scaled);
+        let tip = scaled.strain / at.mass.sqrt();
+        Seen {
+            at: by,
+            surface: outcome.object,
+            posture: outcome.posture,
+            alpha_rate: -scaled.slope * by.v - tip * (by.shear_rate - 0.5 * at.shear_rate * by.mass / at.mass),
+            posture_alpha_rate: std::array::from_fn(|i| {
+                let moment_rate = by.moment_rate[i] - at.moment_rate[i] * by.inertia[i] / at.inertia[i];
+                -scaled.hub_slope[i] * by.omega[i] - hub[i].strain * moment_rate / at.inertia[i]
+            }),
+            shear,
+            shear_rate,
+        }
+    }
+
     /// Change of the surfaces along a direction.
     pub fn surface_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Surfaces {
         let now = self.present(inputs);
@@ -108,7 +143,7 @@ impl RootStrain {
     /// Change of the estimates along a direction of the states.
     #[must_use]
     pub fn estimate_change(&self, states: &[f64]) -> Estimates {
-        let mass = MassEstimator::from_array(std::array::from_fn(|i| states[state::MASS.start + i]));
+        let [inertia1, inertia2, m_hat] = self.inertia_changes(states);
         let ([u1, u2, w], [pi1, pi2, epsilon]) = if let Some(networks) = &self.networks {
             let direction = network_direction(networks.nodes(), states);
             (networks.norm_changes(direction.weights), direction.bounds)
@@ -118,8 +153,8 @@ impl RootStrain {
             ([change(0), change(1), change(2)], [0.0; 3])
         };
         Estimates {
-            m_hat: self.mass.mass_change(&self.gains.mass, &mass),
-            j_hat: [0.0; 2],
+            m_hat,
+            j_hat: [inertia1, inertia2],
             epsilon_hat: epsilon,
             pi_hat: [pi1, pi2],
             w_norm: w,
@@ -135,5 +170,20 @@ pub(super) fn network_direction(nodes: [usize; 3], states: &[f64]) -> NetworkDir
     NetworkDirection {
         weights: [u1, u2, &rest[..nodes[2]]],
         bounds: std::array::from_fn(|i| states[state::BOUNDS.start + i]),
+    }
+}
+
+/// The estimators of a vector of states, or of a direction.
+pub(super) fn estimators(states: &[f64]) -> [Estimator; 3] {
+    std::array::from_fn(|i| {
+        let first = state::ESTIMATORS.start + i * Estimator::STATES;
+        Estimator::from_array(std::array::from_fn(|j| states[first + j]))
+    })
+}
+
+/// Puts estimators, or their rates, into a vector of states.
+pub(super) fn put_estimators(estimators: &[Estimator; 3], out: &mut [f64]) {
+    for (estimator, out) in estimators.iter().zip(out[state::ESTIMATORS].chunks_exact_mut(Estimator::STATES)) {
+        out.copy_from_slice(&estimator.to_array());
     }
 }
