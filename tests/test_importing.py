@@ -37,6 +37,16 @@ def test_ports_wire_by_number(controller: str, fmus: dict[str, Fmu]) -> None:
     assert other.names("output", "Real")[:3] == plant.names("input", "Real")[:3] == list(COMMANDS)
 
 
+def test_the_moments_rates_are_the_ports_that_the_guide_says(fmus: dict[str, Fmu]) -> None:
+    said = re.search(r"are outputs (\d+) and (\d+) of the plant and inputs (\d+) and (\d+) of every", GUIDE)
+    assert said
+    *outputs, first, second = map(int, said.groups())
+    assert tuple(fmus[PLANT].names("output")[port - 1] for port in outputs) == tuple(MOMENT_RATES)
+    for controller in CONTROLLERS:
+        inputs = fmus[controller].names("input")
+        assert (inputs[first - 1], inputs[second - 1]) == tuple(MOMENT_RATES), controller
+
+
 def test_the_guide_shows_the_ports_in_their_order() -> None:
     ports = {}
     for port, kind in re.findall(r"\| (\d+) \| `(\w+)`", GUIDE.split("**Wiring.**")[1].split("**Communication")[0]):

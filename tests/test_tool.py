@@ -481,6 +481,9 @@ def test_a_page_of_a_search(tmp_path: Path) -> None:
     gains = preset.read_text(encoding="utf-8")
     assert all(f"{gain} =" in gains for gain in ("kp", "kv", "kp1", "kv1", "kp2", "kv2"))
     assert "--parameter kp=50..5000" in gains, "within a decade of where the search begins"
+    command = text.split('<pre class="command">')[1].split("</pre>")[0].splitlines()
+    assert "  --parameter kp=50..5000 \\" in command
+    assert max(map(len, command)) < 80
 
 
 TANK = '''

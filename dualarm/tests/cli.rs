@@ -416,7 +416,21 @@ fn examples_are_aligned() {
 #[test]
 fn help_fits_into_80_columns() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["", "package", "simulate", "compare", "tune", "verify", "info", "completions"] {
+    for command in [
+        "",
+        "package",
+        "simulate",
+        "scenario",
+        "compare",
+        "report",
+        "tune",
+        "sweep",
+        "verify",
+        "info",
+        "certify",
+        "linearise",
+        "completions",
+    ] {
         let words: Vec<_> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
         let help = Command::new(env!("CARGO_BIN_EXE_dualarm"))
             .current_dir(folder.path())

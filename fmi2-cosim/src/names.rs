@@ -5,7 +5,26 @@
 pub fn suggestion(similar: &[String]) -> String {
     match similar {
         [] => String::new(),
-        names => format!("; did you mean {}?", names.join(" or ")),
+        names => format!("; did you mean {}?", alternatives(names)),
+    }
+}
+
+/// The same, and what else there is to say, as a sentence of its own behind a question.
+#[must_use]
+pub fn suggestion_and(similar: &[String], rest: &str) -> String {
+    if similar.is_empty() {
+        return format!("; {rest}");
+    }
+    let mut letters = rest.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    format!("{} {first}{}", suggestion(similar), letters.as_str())
+}
+
+/// "a", "a or b", "a, b or c".
+fn alternatives(names: &[String]) -> String {
+    match names {
+        [several @ .., last] if !several.is_empty() => format!("{} or {last}", several.join(", ")),
+        _ => names.concat(),
     }
 }
 
@@ -68,4 +87,21 @@ pub(crate) fn free_name(name: &str, is_taken: impl Fn(&str) -> bool) -> String {
         number += 1;
     }
     candidate
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_user_may_have_meant_is_one_question() {
+        let names = ["a", "b", "c"].map(str::to_owned);
+        let said = |count: usize| suggestion(&names[..count]);
+        assert_eq!(said(0), "");
+        assert_eq!(said(1), "; did you mean a?");
+        assert_eq!(said(2), "; did you mean a or b?");
+        assert_eq!(said(3), "; did you mean a, b or c?");
+        assert_eq!(suggestion_and(&names[..1], "the names are a, b"), "; did you mean a? The names are a, b");
+        assert_eq!(suggestion_and(&[], "the names are a, b"), "; the names are a, b");
+    }
 }

@@ -12,7 +12,7 @@ use super::json::{self, ExperimentDocument, MetricsDocument};
 use super::matrix::{self, MatrixChoice};
 use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
-use super::{Failure, print, width};
+use super::{Failure, numbers, print, width};
 use crate::comparison::{self, CSV_INTERVAL, ComparisonError, Runs, Setup, Wanted};
 use crate::grasp::matrix::Matrices;
 use crate::report;
@@ -31,17 +31,17 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     coupling: CouplingName,
     /// Communication step size in s
-    #[arg(long, default_value_t = STEP, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(long, default_value_t = STEP, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     step: f64,
     /// Stop time in s
-    #[arg(long, default_value_t = STOP, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(long, default_value_t = STOP, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     stop: f64,
     #[command(flatten)]
     matrix: MatrixChoice,
     /// Also write the figures without titles, as SVG and PDF, to figures/untitled: for papers, whose captions say what they show
     #[arg(long)]
     untitled: bool,
-    /// Write the page to this file [default: report.html in the folder for the results]
+    /// Write the page to this file (.html); missing folders are created [default: report.html in the folder for the results]
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Print the result as JSON
@@ -95,6 +95,9 @@ impl Default for Arguments {
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let grid = grid(0.0, arguments.stop, arguments.step)?;
+    if let Some(page) = &arguments.report {
+        super::report::check(page, &[])?;
+    }
     let setup = Setup {
         fmus: &arguments.job.folder.fmus,
         out: &arguments.job.out,

@@ -9,6 +9,7 @@ mod instruments;
 mod json;
 mod linearise;
 mod matrix;
+mod numbers;
 mod package;
 mod printable;
 mod process;
@@ -256,5 +257,49 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
             completions::run(&arguments, &mut Arguments::command());
             Ok(())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// clap breaks what is longer than the terminal is wide: fine for a paragraph that is one line here, ugly for a line of
+    /// several that are broken already, and for columns.
+    #[test]
+    fn what_stands_below_help_is_broken_once() {
+        for command in Arguments::command().get_subcommands() {
+            let text = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            let lines: Vec<_> = text.lines().collect();
+            for (index, line) in lines.iter().enumerate().filter(|(_, line)| line.chars().count() > 80) {
+                let before = index.checked_sub(1).map_or("", |before| lines[before]);
+                let after = lines.get(index + 1).map_or("", |after| after);
+                let is_paragraph = before.is_empty() && (after.is_empty() || after.starts_with("  "));
+                assert!(is_paragraph && !line.starts_with(' '), "{}: {line}", command.get_name());
+            }
+        }
+    }
+
+    /// Every option that takes a number says what it wants instead of naming a type's trouble.
+    #[test]
+    fn what_is_no_number_is_answered_with_what_is_wanted() {
+        let mut tried = 0;
+        for command in Arguments::command().get_subcommands() {
+            let name = command.get_name();
+            let needed: &[&str] = match name {
+                "sweep" => &["study.toml"],
+                "tune" => &["--controller", "pd"],
+                _ => &[],
+            };
+            for option in command.get_arguments().filter_map(clap::Arg::get_long) {
+                let value = format!("--{option}=1x");
+                let words = ["dualarm", name].into_iter().chain(needed.iter().copied()).chain([value.as_str()]);
+                let Err(error) = Arguments::try_parse_from(words) else { continue };
+                let message = error.to_string();
+                assert!(!message.contains("invalid float") && !message.contains("invalid digit"), "{message}");
+                tried += usize::from(message.contains("number"));
+            }
+        }
+        assert!(tried > 15, "{tried} options take numbers");
     }
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Failure, print, print_error};
+use super::{Failure, numbers, print, print_error};
 use crate::build::crosscheck::release;
 use crate::build::{PackageError, Platforms, package, repository};
 use crate::grasp::systems;
@@ -17,12 +17,14 @@ Leaves the FMUs, and each controller with the plant as one system: DualArmGrasp-
 1.0), which `dualarm simulate`, Ecos, FMPy, OMSimulator and others run.
 
 An FMU has a library for this machine's platform, and for each other one whose toolchain is installed:
-  win64                     rustup target add x86_64-pc-windows-gnu, and mingw-w64
-  linux64, for old systems  pip install cargo-zigbuild ziglang: glibc 2.17 instead
-                            of this machine's
-  aarch64-linux             rustup target add aarch64-unknown-linux-gnu, and zig as
-                            above or gcc-aarch64-linux-gnu
+  win64                     rustup target add x86_64-pc-windows-gnu, and
+                            mingw-w64
+  linux64, for old systems  pip install cargo-zigbuild ziglang: glibc 2.17
+                            instead of this machine's
+  aarch64-linux             rustup target add aarch64-unknown-linux-gnu, and zig
+                            as above or gcc-aarch64-linux-gnu
   darwin64, aarch64-darwin  a Mac, with its rustup targets
+
 What a library needs is in documentation/externalDependencies.txt of the archive.
 
 Examples:
@@ -56,7 +58,7 @@ pub struct Arguments {
     #[arg(long, value_name = "PATH", conflicts_with = "describe")]
     merge: Vec<PathBuf>,
     /// Order of the plant whose states it has in model exchange, where FMI fixes their number; also the default of `order`
-    #[arg(long, value_name = "ORDER", value_parser = clap::value_parser!(u8).range(4..=24), conflicts_with = "describe")]
+    #[arg(long, value_name = "ORDER", value_parser = numbers::order, conflicts_with = "describe")]
     plant_order: Option<u8>,
     /// Also write the release layout of the FMI cross-check rules to FOLDER/release
     // It was once called --release, which says less and looks like an option of cargo.

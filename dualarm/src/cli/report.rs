@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Results: .csv or .parquet files
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
-    /// Write the page to this file [default: the first file's name with .html]
+    /// Write the page to this file (.html); missing folders are created [default: the first file's name with .html]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     /// What the page calls the runs [default: the files' names]
@@ -84,7 +84,7 @@ fn saved(file: &Path, title: String) -> Result<Run, Failure> {
 
 /// Whether a page can be written there: it must say that it is one, and not lie onto what is read.
 pub fn check(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
-    if !(has_extension(path, "html") || has_extension(path, "htm")) {
+    if !has_extension(path, "html") {
         return Err(Failure::usage(format!("the page {} must end in .html", path.display())));
     }
     match inputs.iter().find(|input| files::are_same(input, path)) {

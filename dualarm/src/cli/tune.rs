@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::fmus::FmuFolder;
 use super::progress::Progress;
 use super::tuned::Tuned;
-use super::{Failure, json, matrix, print, report};
+use super::{Failure, json, matrix, numbers, print, report};
 use crate::grasp::matrix::{self as cells, Cell, CellError, Contender, Lab};
 use crate::tune::dimension::{Dimension, DimensionError};
 use crate::tune::{Best, Limits, Objective, Task, preset};
@@ -69,10 +69,10 @@ pub struct Arguments {
     #[arg(long, value_name = "CASE", value_delimiter = ',')]
     cases: Vec<String>,
     /// How often to evaluate the objective
-    #[arg(long, default_value_t = 400, value_name = "COUNT")]
+    #[arg(long, default_value_t = 400, value_name = "COUNT", value_parser = numbers::count)]
     evaluations: usize,
     /// Seed of the search
-    #[arg(long, default_value_t = 1, value_name = "NUMBER")]
+    #[arg(long, default_value_t = 1, value_name = "NUMBER", value_parser = numbers::index)]
     seed: u64,
     /// How much the worst case counts beside the mean of all, from 0 to 1
     #[arg(long, default_value_t = 0.3, value_name = "SHARE", value_parser = share)]
@@ -90,7 +90,7 @@ pub struct Arguments {
     #[arg(long, value_name = "FORCE", value_parser = positive)]
     max_tension: Option<f64>,
     /// Threads [default: as many as there are processors]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = numbers::count)]
     workers: Option<usize>,
     /// Write the preset to this file, as a scenario, and beside it as .ssv [default: results/tuned-CONTROLLER.toml]
     #[arg(long, short, value_name = "FILE")]
@@ -98,7 +98,8 @@ pub struct Arguments {
     /// Keep the state of the search in this file [default: beside the preset]
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
-    /// Write a page to this file (.html): the first case before and after, gains, cases, the way of the search
+    /// Write a page to this file (.html): the first case before and after, gains, cases, the way of the search; missing folders
+    /// are created
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     #[command(flatten)]
@@ -142,12 +143,12 @@ struct CaseDocument<'a> {
 }
 
 fn positive(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "a number is needed".to_owned())?;
+    let value = numbers::number(text)?;
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err("a positive number is needed".into()) }
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "a number is needed".to_owned())?;
+    let value = numbers::number(text)?;
     if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a number from 0 to 1 is needed".into()) }
 }
 
@@ -176,13 +177,13 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 
     let fmu = lab.fmu(&task.contender.fmu).map_err(CellError::from)?;
     let results = FileSet::new();
-    results.write(&out, preset::toml(&task, &best, &command(arguments, &task)))?;
+    results.write(&out, preset::toml(&task, &best, &command(arguments, &task).join(" ")))?;
     results.write(out.with_extension("ssv"), preset::ssv(&task, &best, fmu.description()))?;
     results.appear()?;
     let found = task.cells(&lab, &best.values, workers)?;
     if let Some(path) = &arguments.report {
         let (task, lab, best) = (&task, &lab, &best);
-        let command = command(arguments, task);
+        let command = command(arguments, task).join(" \\\n  ");
         Tuned { task, lab, best, found: &found, history: &history, command }.write(path)?;
     }
     let seconds = begin.elapsed().as_secs_f64();
@@ -236,8 +237,8 @@ fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
     Ok(Task { contender, dimensions, cases, objective, evaluations: arguments.evaluations, seed: arguments.seed })
 }
 
-/// The command that repeats the search.
-fn command(arguments: &Arguments, task: &Task) -> String {
+/// The command that repeats the search, option by option.
+fn command(arguments: &Arguments, task: &Task) -> Vec<String> {
     let mut words = vec![format!("dualarm tune --controller {}", arguments.controller)];
     words.extend(task.dimensions.iter().map(|dimension| format!("--parameter {dimension}")));
     words.extend(arguments.settings.iter().map(|setting| format!("--set {setting}")));
@@ -250,7 +251,8 @@ fn command(arguments: &Arguments, task: &Task) -> String {
     let limits =
         [("torque", arguments.max_torque), ("saturated", arguments.max_saturated), ("tension", arguments.max_tension)];
     words.extend(limits.iter().filter_map(|(name, limit)| Some(format!("--max-{name} {}", (*limit)?))));
-    words.join(" ").replace(['"', '\\'], "")
+    words.iter_mut().for_each(|word| word.retain(|letter| !['"', '\\'].contains(&letter)));
+    words
 }
 
 fn summary(task: &Task, best: &Best, found: &[Option<Cell>]) -> String {

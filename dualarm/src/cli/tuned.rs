@@ -26,7 +26,7 @@ pub struct Tuned<'a> {
     pub found: &'a [Option<Cell>],
     /// The best objective after each evaluation.
     pub history: &'a [f64],
-    /// What repeats the search.
+    /// What repeats the search, an option a line.
     pub command: String,
 }
 
@@ -54,10 +54,10 @@ impl Tuned<'_> {
                 best.evaluation
             ),
             runs: &runs,
-            setup: format!("Repeat it with: {}", self.command),
             rows: said,
             tables: tables::section("Gains", &self.gains())
-                + &tables::section("Cases, after the search", &self.cases()),
+                + &tables::section("Cases, after the search", &self.cases())
+                + &tables::command("Repeat it with", &self.command),
             figures: &[self.progress()],
             ..Page::default()
         };

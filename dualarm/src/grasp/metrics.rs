@@ -13,6 +13,10 @@ pub const SIGNALS: [&str; 6] = ["contact_force1", "contact_force2", "lambda2_d",
 /// The actuators' outputs among them.
 const EFFORTS: [&str; 3] = ["tau1", "tau2", "u"];
 
+/// Share of the run for which what has settled must have stayed so: who has just come back into the band may be on the way
+/// out of it again.
+pub const REST: f64 = 0.05;
+
 /// Why there are no metrics.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MetricsObstacle {
@@ -45,7 +49,8 @@ fn described(name: &str) -> String {
 pub struct ForceMetrics {
     /// Force it shall reach, in N.
     pub target: f64,
-    /// Time in s after which it stays within ±2 % of the target; `None` if it is outside at the end.
+    /// Time in s after which it stays within ±2 % of the target; `None` if it is outside within the last [`REST`] of the
+    /// time since the target's last change.
     pub settling_2: Option<f64>,
     /// The same with ±5 %.
     pub settling_5: Option<f64>,
@@ -143,14 +148,16 @@ impl ForceMetrics {
 }
 
 /// The time after which `values` stay within `fraction` of `target`, counted from the first sample: where the line
-/// between the last sample outside and the next one crosses the band. `None` if the last sample is outside.
+/// between the last sample outside and the next one crosses the band. `None` if the last sample outside is within the last
+/// [`REST`] of the time.
 #[must_use]
 pub fn settling_time(times: &[f64], values: &[f64], target: f64, fraction: f64) -> Option<f64> {
     let band = fraction * target.abs();
     let error = |index: usize| values[index] - target;
     let is_outside = |index: &usize| error(*index).abs() > band || error(*index).is_nan();
     let Some(last) = (0..values.len()).rev().find(is_outside) else { return Some(0.0) };
-    if last + 1 == values.len() {
+    let end = times[times.len() - 1];
+    if last + 1 == values.len() || times[last] > end - REST * (end - times[0]) {
         return None;
     }
     let edge = band.copysign(error(last));
@@ -257,6 +264,12 @@ mod tests {
         assert_eq!(settling_time(&times, &values, 0.5, 0.02), None);
         assert_eq!(settling_time(&times, &[0.5; 101], 0.5, 0.02), Some(0.0));
         assert_eq!(settling_time(&times, &[f64::NAN; 101], 0.5, 0.02), None);
+        // Noise leaves the band again and again; that the last few samples are within it is chance.
+        let leaves =
+            |last: u32| samples(1.0, 100, move |t| if t * 100.0 < f64::from(last) + 0.5 { 0.6 } else { 0.5 }).1;
+        for (last, settles) in [(99, false), (96, false), (94, true)] {
+            assert_eq!(settling_time(&times, &leaves(last), 0.5, 0.02).is_some(), settles, "{last}");
+        }
     }
 
     #[test]

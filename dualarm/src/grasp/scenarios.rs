@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{CONTROLLERS, Controller};
-use fmi2_cosim::names::{closest, suggestion};
+use fmi2_cosim::names::{closest, suggestion_and};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::Located;
@@ -22,8 +22,8 @@ pub struct BuiltIn {
 /// There is no built-in scenario of this name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "there is no scenario \"{name}\"{}; `dualarm simulate --list` lists them, a file of your own ends in .toml",
-    suggestion(.similar)
+    "there is no scenario \"{name}\"{}",
+    suggestion_and(.similar, "`dualarm simulate --list` lists them, a file of your own ends in .toml")
 )]
 pub struct UnknownScenario {
     /// What the user wrote.

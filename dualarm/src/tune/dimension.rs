@@ -101,7 +101,7 @@ impl Dimension {
         if logarithmic && low <= 0.0 {
             return Err(form("ratios need positive ends"));
         }
-        let middle = if logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) };
+        let middle = short(if logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) });
         let start = if (low..=high).contains(&starts[0]) { starts[0] } else { middle };
         Ok(Self { names, low, high, logarithmic, start, bounds: None })
     }
@@ -109,7 +109,7 @@ impl Dimension {
     /// Begins the search at a value, if it is one in the range that was given; without one the range moves there.
     pub fn begin(&mut self, value: Option<f64>) {
         if let (Some([min, max]), Some(value)) = (self.bounds, value.filter(|value| *value > 0.0)) {
-            (self.low, self.high) = (min.max(value / DECADE), max.min(value * DECADE));
+            (self.low, self.high) = (min.max(short(value / DECADE)), max.min(short(value * DECADE)));
         }
         self.start = value.filter(|value| (self.low..=self.high).contains(value)).unwrap_or(self.start);
     }
@@ -173,6 +173,11 @@ impl Dimension {
     }
 }
 
+/// The value with twelve digits, without what binary arithmetic adds behind them: the ends of ranges are read and typed again.
+fn short(value: f64) -> f64 {
+    format!("{value:.11e}").parse().unwrap_or(value)
+}
+
 fn start(name: &str, description: &ModelDescription) -> Result<f64, DimensionError> {
     let reals = || description.variables.iter().filter(|variable| matches!(variable.kind, VariableType::Real(_)));
     let settable = || reals().filter(|variable| variable.is_settable());
@@ -220,6 +225,12 @@ mod tests {
         assert_eq!([dimension.low, dimension.high, dimension.start], [2.0, 100.0, 10.0]);
         dimension.begin(Some(500.0));
         assert_eq!([dimension.low, dimension.high, dimension.start], [50.0, 3000.0, 500.0]);
+        // A tenth of it is 0.8507999999999999 in binary.
+        dimension.begin(Some(8.508));
+        assert_eq!([dimension.low, dimension.high], [2.0, 85.08]);
+        let around = Dimension::around(vec!["k".into()], 8.508, [0.0, 90.0]).unwrap();
+        assert_eq!(around.to_string(), "k=0.8508..85.08");
+        dimension.begin(Some(500.0));
         // No place for ratios, and beyond what it may be: as before.
         for value in [0.0, -1.0] {
             dimension.begin(Some(value));

@@ -92,6 +92,11 @@ fn the_output_is_no_input_and_no_format_the_tool_does_not_write() {
         assert_eq!(done.status.code(), Some(2), "{output}: {}", text(&done.stderr));
         assert_eq!(fs::read(folder.path().join("Hostile.fmu")).unwrap(), before);
     }
+    for page in ["page.htm", "page", "page.csv"] {
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--report", page]);
+        assert_eq!(done.status.code(), Some(2), "{page}: {}", text(&done.stderr));
+        assert!(text(&done.stderr).contains("must end in .html"), "{}", text(&done.stderr));
+    }
     let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "-o", "link.csv"]);
     assert!(text(&done.stderr).contains("would overwrite Hostile.fmu, which this run reads"), "{}", text(&done.stderr));
 }
@@ -102,6 +107,10 @@ fn what_rows_leave_out_is_said() {
     let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "-o", "a.csv"]);
     assert!(text(&done.stdout).contains("texts, which rows leave out (--json has their last values): words"));
     assert!(text(&done.stdout).contains("open inputs: Hostile.u"), "{}", text(&done.stdout));
+    for set in ["u=1", "Hostile.u=1"] {
+        let done = run(folder.path(), "", &["simulate", "Hostile.fmu", "--set", set]);
+        assert!(done.status.success() && !text(&done.stdout).contains("open inputs"), "{}", text(&done.stdout));
+    }
     let json = run(folder.path(), "", &["simulate", "Hostile.fmu", "--json"]);
     let document: Value = serde_json::from_slice(&json.stdout).unwrap();
     assert_eq!((&document["final"]["words"], &document["texts"][0]), (&Value::from("text"), &Value::from("words")));

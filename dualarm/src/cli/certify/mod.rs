@@ -17,18 +17,27 @@ use root_strain::RootStrain;
 /// What a reader has to know of the modes.
 const AFTER_HELP: &str = "\
 Modes:
-  printed      whether constants exist that satisfy (71), (82)-(88) for the gains, by exact elimination
-  corrected    what is left of them with the signs put right, and the motion that refutes Theorem 3
-  root-strain  a decay rate and ultimate bounds for the root-strain law, checked in interval arithmetic
+  printed      whether constants exist that satisfy (71), (82)-(88) for the
+               gains, by exact elimination
+  corrected    what is left of them with the signs put right, and the motion
+               that refutes Theorem 3
+  root-strain  a decay rate and ultimate bounds for the root-strain law,
+               checked in interval arithmetic
 
-Parameters have the names of the FMUs: those of the plant, the gains of NabfcController, r_... for the
-root-strain law; delta_f1, delta_f2, delta_F are bounds of disturbances of any shape, delta_f1_dot, delta_f2_dot,
-delta_F_dot of the rates of those that observers learn. The plant's built-in uncertainties are off unless set. Examples:
-  dualarm certify --preset certified --set root_uncertainty=0.1 --set tip_uncertainty=0.05
+Maps (--map):
+  steps        longest stable steps, the table of README
+  gains        spectral radius over step, delay and gains
+  spectrum     exact eigenvalues
+  rates        certified, exact and measured decay
+
+Parameters have the names of the FMUs: those of the plant, the gains of NabfcController, r_... for the root-strain law; \
+delta_f1, delta_f2, delta_F are bounds of disturbances of any shape, delta_f1_dot, delta_f2_dot, delta_F_dot of the rates \
+of those that observers learn. The plant's built-in uncertainties are off unless set.
+
+Examples:
+  dualarm certify --preset certified --set root_uncertainty=0.1 \\
+    --set tip_uncertainty=0.05
   dualarm certify --set r_strain1=0.25 --set r_strain2=0.25 --set delta_F=0.01
-
-Maps (--map): steps (longest stable steps, the table of README), gains (spectral radius over step, delay and gains),
-spectrum (exact eigenvalues), rates (certified, exact and measured decay):
   dualarm certify --map gains --out stability.svg
 
 docs/certificates.md has the derivations.";

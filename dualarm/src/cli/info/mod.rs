@@ -21,7 +21,8 @@ Examples:
   dualarm info dist/DualArmGrasp-PD.ssp          components, connections
   dualarm info model.fmu --load
   dualarm info model.fmu --variables | grep -i temperature
-  dualarm info model.fmu --json | jq '.variables[] | select(.unit == \"rad\") | .name'";
+  dualarm info model.fmu --json |
+    jq '.variables[] | select(.unit == \"rad\") | .name'";
 
 /// Arguments of `dualarm info`.
 #[derive(Debug, Args)]

@@ -16,24 +16,28 @@ use grasp_plant::nalgebra::DMatrix;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::certify::assignment;
-use super::{Failure, json, print};
+use super::{Failure, json, numbers, print};
 use crate::grasp::{CONTROLLERS, Controller};
 
 /// What a reader has to know.
 const AFTER_HELP: &str = "\
 The plant is linear while no actuator is at a limit, so its matrices are the same at every operating point:
-  dx/dt = A x + B u,  y = C x + D u,  in deviations from any equilibrium;
-inputs are the torques on the hubs and the force on the object, outputs the signals that controllers measure.
-States are energy coordinates and the object's position; hub angles follow from the constraint (12).
-With --step also Ad, Bd of x(t+h) = Ad x(t) + Bd u(t) for inputs held over the step, exact.
+  dx/dt = A x + B u,  y = C x + D u,  in deviations from any equilibrium
+
+Inputs are the torques on the hubs and the force on the object, outputs the signals that controllers measure. States are \
+energy coordinates and the object's position; hub angles follow from the constraint (12). With --step also Ad, Bd of \
+x(t+h) = Ad x(t) + Bd u(t) for inputs held over the step, exact.
 
 A controller (--controller) is a sampled system near an operating point, as its FMU steps:
-  x(t+h) = Ad x(t) + Bd y(t),  u(t) = C x(t) + D y(t),
-inputs are the FMU's sixteen, outputs its three commands. The operating point is at rest in the target; --at moves
-inputs away from it. The law is in its initial state there; states that its inputs do not move are in it too.
-Sensors and actuators (GraspInstruments, GraspActuators) delay, round and add noise: they have no such system.
+  x(t+h) = Ad x(t) + Bd y(t),  u(t) = C x(t) + D y(t)
+
+Inputs are the FMU's sixteen, outputs its three commands. The operating point is at rest in the target; --at moves inputs \
+away from it. The law is in its initial state there; states that its inputs do not move are in it too. Sensors and \
+actuators (GraspInstruments, GraspActuators) delay, round and add noise: they have no such system.
 
 The ending of --out says the format: .mat (MATLAB 5: MATLAB, Octave, scipy), .npz (NumPy), .json.
+
+Examples:
   dualarm linearise --out grasp.mat --step 1e-3 --set M=0.5
   >> load grasp.mat; sys = ss(A, B, C, D)
   dualarm linearise --controller nabfc-r --step 1e-3 --out law.mat
@@ -51,10 +55,10 @@ pub struct Arguments {
     #[arg(long, short, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Sampling time in s for the discrete matrices Ad, Bd [default for controllers: 1e-4]
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     step: Option<f64>,
     /// Polynomial degree of the beams' moments, 4 to 24
-    #[arg(long, default_value_t = 8)]
+    #[arg(long, default_value_t = 8, value_name = "ORDER", value_parser = numbers::count)]
     order: usize,
     /// An input of the controller at the operating point
     #[arg(long = "at", value_name = "NAME=VALUE", value_parser = assignment, requires = "controller")]

@@ -17,7 +17,7 @@ use super::fmus::FmuFolder;
 use super::instruments::InstrumentsChoice;
 use super::process::{self, TIME_TO_END};
 use super::progress::Progress;
-use super::{Failure, json, print, print_error, report};
+use super::{Failure, json, numbers, print, print_error, report};
 use crate::grasp::scenarios::BUILT_IN;
 use crate::grasp::{self, CONTROLLERS};
 use crate::report::html::rows::Rows;
@@ -72,16 +72,16 @@ pub struct Arguments {
     #[arg(long, value_enum)]
     coupling: Option<CouplingName>,
     /// Communication step size in s
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     step: Option<f64>,
     /// Start time in s
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     start: Option<f64>,
     /// Stop time in s
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     stop: Option<f64>,
     /// Relative tolerance for FMUs that solve equations numerically [default: each FMU's own]
-    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NUMBER", value_parser = numbers::number, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// Set a parameter or a free input before the start; repeatable
     #[arg(long = "set", value_name = "[COMPONENT.]NAME=VALUE", allow_hyphen_values = true)]
@@ -90,11 +90,12 @@ pub struct Arguments {
     /// on standard output); missing folders are created
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Write a page with animation, curves, metrics and parameters to this file (.html)
+    /// Write a page with animation, curves, metrics and parameters to this file (.html); missing folders are
+    /// created
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
     /// Time in s between two rows of the output; 0 for every step [default: 1e-3]
-    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     interval: Option<f64>,
     /// Follow functions of the controller's proof and say whether the bound holds; they are further columns of the output,
     /// with a figure beside it, and curves of the page

@@ -46,7 +46,7 @@ pub struct Outcome {
     columns: usize,
     /// If an FMU ended the simulation.
     ended: Option<End>,
-    /// Inputs that nothing drives: they keep their values.
+    /// Inputs that nothing drives and nobody has set: they keep their start values.
     open_inputs: Vec<String>,
     /// What the tool and the FMUs warned about, each thing once.
     pub warnings: Vec<String>,
@@ -229,14 +229,19 @@ impl Outcome {
     }
 }
 
-/// The inputs that nothing drives.
+/// The inputs that nothing drives and that neither the user nor the scenario gives a value.
 fn open_inputs(system: &System, master: &Master) -> Vec<String> {
     let driven: HashSet<_> = master.wires().iter().map(|wire| wire.to).chain(master.driven()).collect();
+    let settings = system.settings.iter().map(|setting| &setting.item).chain(&system.overrides);
+    let named: HashSet<_> = settings.map(|setting| setting.target.as_str()).collect();
     let mut open = Vec::new();
     for (component, (name, fmu)) in system.components.iter().enumerate() {
         for (variable, described) in fmu.description().variables.iter().enumerate() {
-            if described.causality == Causality::Input && !driven.contains(&Terminal { component, variable }) {
-                open.push(format!("{name}.{}", described.name));
+            let full = format!("{name}.{}", described.name);
+            let is_set = named.contains(described.name.as_str()) || named.contains(full.as_str());
+            let is_driven = driven.contains(&Terminal { component, variable });
+            if described.causality == Causality::Input && !is_driven && !is_set {
+                open.push(full);
             }
         }
     }

@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use clap::Args;
 
-use crate::cli::Failure;
 use crate::cli::fmus::FmuFolder;
+use crate::cli::{Failure, numbers};
 use crate::sweep::SweepError;
 use crate::sweep::plan::{OtherPoints, Plan};
 use crate::sweep::study::Coordinates;
@@ -44,19 +44,19 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE", conflicts_with = "run")]
     pub state: Option<PathBuf>,
     /// How many runs at once [default: as many as there are processors]
-    #[arg(long, value_name = "COUNT")]
+    #[arg(long, value_name = "COUNT", value_parser = numbers::count)]
     pub workers: Option<usize>,
     /// Give runs worker processes, which may crash and hang: each of that is a row, and the worker is replaced
     #[arg(long)]
     pub isolated: bool,
     /// How long a run may take, in s; with --isolated, which it implies [default: 60]
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     pub timeout: Option<f64>,
     /// Only these runs, from A to before B
     #[arg(long, value_name = "A..B", value_parser = range, conflicts_with = "run")]
     pub runs: Option<Range<u64>>,
     /// Simulate one run again and write its trajectory to --output [default: results/STUDY-run-N.parquet]
-    #[arg(long, value_name = "N", conflicts_with_all = ["trajectories", "report", "isolated", "timeout"])]
+    #[arg(long, value_name = "N", value_parser = numbers::index, conflicts_with_all = ["trajectories", "report", "isolated", "timeout"])]
     pub run: Option<u64>,
     /// Write the trajectory of every run to this folder
     #[arg(long, value_name = "FOLDER")]
@@ -67,7 +67,7 @@ pub struct Arguments {
     /// The numbers of --points are coordinates from 0 to 1 in the study's ranges, not values
     #[arg(long, requires = "points")]
     pub unit: bool,
-    /// Write a page to look at the runs in a browser
+    /// Write a page to look at the runs in a browser to this file (.html); missing folders are created
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     #[command(flatten)]

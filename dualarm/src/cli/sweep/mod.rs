@@ -13,6 +13,7 @@ pub use arguments::Arguments;
 use indicatif::ProgressStyle;
 
 use super::progress::Progress;
+use super::report::check as check_page;
 use super::{Failure, print, print_error};
 use crate::grasp::matrix as cells;
 use crate::report::study as report;
@@ -46,6 +47,10 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let plan = arguments.plan()?;
     let (workshop, ready) = workshop(arguments, &plan, limit)?;
     check_overwriting(&output, arguments, &ready.files)?;
+    if let Some(page) = &arguments.report {
+        check_page(page, &ready.files)?;
+        check_page(page, std::slice::from_ref(&arguments.study))?;
+    }
     let chosen = chosen(arguments, &plan)?;
     let state = arguments.state.clone().unwrap_or_else(|| output.with_extension("jsonl"));
     let mut journal = Journal::open(&state, &ready.fingerprint, plan.runs().end)?;

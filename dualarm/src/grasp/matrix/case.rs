@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::grasp::scenarios::{BuiltIn, built_in};
 use fmi2_cosim::files::has_extension;
-use fmi2_cosim::names::{closest, suggestion};
+use fmi2_cosim::names::{closest, suggestion_and};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 
 /// The files of the folder `scenarios/matrix`, in the order of the rows.
@@ -53,7 +53,10 @@ pub struct Case {
 #[non_exhaustive]
 pub enum CaseError {
     /// No case has this name.
-    #[error("there is no case \"{name}\"{}; the cases are {known}, a file of your own ends in .toml", suggestion(.similar))]
+    #[error(
+        "there is no case \"{name}\"{}",
+        suggestion_and(.similar, &format!("the cases are {known}, a file of your own ends in .toml"))
+    )]
     Unknown {
         /// What the user wrote.
         name: String,

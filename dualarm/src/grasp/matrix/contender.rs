@@ -6,7 +6,7 @@ use super::case::CaseError;
 use crate::grasp::scenarios::{BuiltIn, built_in};
 use crate::grasp::{CONTROLLERS, Controller, NABFC, NABFC_R, NABFC_R_FAST, PD, PD_TUNED, PDS, PDS_TUNED, PID, PLANT};
 use fmi2_cosim::files::has_extension;
-use fmi2_cosim::names::{closest, suggestion};
+use fmi2_cosim::names::{closest, suggestion_and};
 use fmi2_cosim::scenario::Scenario;
 use fmi2_cosim::settings::Setting;
 
@@ -49,8 +49,8 @@ pub struct Contender {
 pub enum ContenderError {
     /// No controller has this name.
     #[error(
-        "there is no controller \"{name}\"{}; the controllers are {known}, or write a preset (.toml) or an FMU (.fmu)",
-        suggestion(.similar)
+        "there is no controller \"{name}\"{}",
+        suggestion_and(.similar, &format!("the controllers are {known}, or write a preset (.toml) or an FMU (.fmu)"))
     )]
     Unknown {
         /// What the user wrote.
@@ -164,6 +164,6 @@ mod tests {
         assert_eq!((found.key.as_str(), found.fmu.as_path()), ("mine", Path::new("PdController.fmu")));
         assert_eq!(found.settings, [Setting::new("kp", 12.0)]);
         let message = Contender::find("pidd").unwrap_err().to_string();
-        assert!(message.contains("did you mean pid "), "{message}");
+        assert!(message.contains("did you mean pid") && !message.contains("?;"), "{message}");
     }
 }

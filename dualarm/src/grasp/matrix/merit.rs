@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::limit::BAND;
-use crate::grasp::metrics::{EffortMetrics, Limits};
+use crate::grasp::metrics::{EffortMetrics, Limits, REST};
 use fmi2_cosim::record::Table;
 
 /// What has to be recorded.
@@ -25,9 +25,6 @@ pub const SIGNALS: [&str; 12] = [
     "tau2",
     "u",
 ];
-
-/// Share of the run for which what has settled must have stayed so.
-const REST: f64 = 0.05;
 
 /// Figures of merit of a run. Forces in N, torques in N·m, times in s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -117,7 +114,6 @@ impl Track {
         let error = |index: usize| self.values[index] - self.target;
         let is_outside = |index: &usize| error(*index).abs() > band || error(*index).is_nan();
         let Some(last) = (0..self.values.len()).rev().find(is_outside) else { return Some(0.0) };
-        // Who has just come back into the band may be on the way out of it again.
         let end = times[times.len() - 1];
         if last + 1 == self.values.len() || times[last] > end - REST * (end - times[0]) {
             return None;

@@ -39,6 +39,9 @@ pub use error::ComposeError;
 pub struct Grasp {
     /// The controller.
     pub controller: Controller,
+    /// The [built-in scenario](BuiltIn) that the default structure is: what the FMUs do by their start values, which is not
+    /// the controller's own scenario where that chooses another law.
+    scenario: &'static str,
     /// Communication step size in s that bears one step of delay between the FMUs, as most tools exchange signals.
     step: f64,
     /// Variants with other parameters: name of the variant and of the [built-in scenario](BuiltIn) they come from.
@@ -52,6 +55,7 @@ pub struct Grasp {
 pub const GRASPS: [Grasp; 3] = [
     Grasp {
         controller: grasp::NABFC,
+        scenario: "nabfc-r",
         step: 1e-4,
         presets: &[
             (PRELOAD, "preload"),
@@ -63,6 +67,7 @@ pub const GRASPS: [Grasp; 3] = [
     },
     Grasp {
         controller: grasp::PDS,
+        scenario: "pds",
         step: 1e-4,
         presets: &[(PRELOAD, "preload"), ("Tuned", "pds-tuned")],
         instrumented: grasp::PDS_TUNED,
@@ -70,6 +75,7 @@ pub const GRASPS: [Grasp; 3] = [
     // With 0.1 ms and a delay, the hub gain excites the arms' higher bending modes.
     Grasp {
         controller: grasp::PD,
+        scenario: "pd",
         step: 5e-5,
         presets: &[(PRELOAD, "preload"), ("Tuned", "pd-tuned"), ("Integral", "pid")],
         instrumented: grasp::PD_TUNED,
@@ -233,4 +239,31 @@ fn paper_set_path(description: &ModelDescription) -> String {
 
 fn file_binding(path: String) -> Binding {
     Binding { values: Values::File(path), ..Binding::default() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The default structure leaves the choice of a law to the start values of the FMUs, so its title must be that of a
+    /// scenario that sets nothing else.
+    #[test]
+    fn the_title_is_of_what_runs() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../modelDescription");
+        for grasp in GRASPS {
+            let read = |file: &str| std::fs::read(folder.join(file).with_extension("xml")).unwrap();
+            let files = grasp.fmus();
+            let all: Vec<_> = files.iter().map(|file| ModelDescription::from_bytes(&read(file)).unwrap()).collect();
+            let scenario = BuiltIn::find(grasp.scenario).unwrap().scenario().unwrap();
+            assert_eq!(scenario.fmus, files[..2].iter().map(PathBuf::from).collect::<Vec<_>>());
+            let set = settings_set("", &scenario, &COMPONENTS, &[&all[0], &all[1]]).unwrap();
+            for set in set.parameters {
+                let variable = all[1].variable(set.name.strip_prefix("controller.").unwrap()).unwrap();
+                assert_eq!(
+                    Some(variable.with_name(set.value)),
+                    variable.start().map(|start| variable.with_name(start))
+                );
+            }
+        }
+    }
 }

@@ -17,7 +17,7 @@ use fmi2_import::{Causality, ModelDescription, Variable};
 impl Grasp {
     /// The default structure: two components, connected by equal names.
     pub(super) fn structure(&self, descriptions: &[&ModelDescription]) -> Result<SystemStructure, ComposeError> {
-        let scenario = BuiltIn::find(self.controller.key)?.scenario()?;
+        let scenario = BuiltIn::find(self.scenario)?.scenario()?;
         let names = COMPONENTS;
         let named: Vec<_> = names.into_iter().zip(descriptions.iter().copied()).collect();
         let connections: Vec<Connection> = wire_by_name(&named)?

@@ -44,6 +44,12 @@ pub fn matrices(matrices: &Matrices) -> String {
     closed + &matrices.contact.as_ref().map_or_else(String::new, contact)
 }
 
+/// A command to be typed again, as a section of the page.
+#[must_use]
+pub fn command(title: &str, text: &str) -> String {
+    format!("<section><h2>{}</h2><pre class=\"command\">{}</pre></section>", escape(title), escape(text))
+}
+
 fn matrix(id: &str, title: &str, matrix: &Matrix) -> String {
     let mut contacts = String::new();
     for (title, meaning, table) in contact::tables(matrix) {

@@ -15,7 +15,7 @@ use crate::grasp::actuator_limits;
 use crate::grasp::matrix::Merit;
 use crate::grasp::matrix::limit::BAND;
 use crate::grasp::matrix::merit::SIGNALS;
-use crate::grasp::metrics::Limits;
+use crate::grasp::metrics::{Limits, REST};
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Pick, Sink, Table};
 use fmi2_cosim::run::Observer;
@@ -45,8 +45,6 @@ pub const GRASP: [(&str, &str, &str); 13] = [
 
 /// Length in s of the windows of `settling_rms`: fifty samples at 1 kHz.
 const WINDOW: f64 = 0.05;
-/// Share of the run for which what has settled must have stayed so, as in [`Merit`].
-const REST: f64 = 0.05;
 /// Share of the target force from which on tension counts as loss of contact.
 const PULL: f64 = 0.01;
 
