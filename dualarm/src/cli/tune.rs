@@ -251,7 +251,9 @@ fn command(arguments: &Arguments, task: &Task) -> Vec<String> {
     let limits =
         [("torque", arguments.max_torque), ("saturated", arguments.max_saturated), ("tension", arguments.max_tension)];
     words.extend(limits.iter().filter_map(|(name, limit)| Some(format!("--max-{name} {}", (*limit)?))));
-    words.iter_mut().for_each(|word| word.retain(|letter| !['"', '\\'].contains(&letter)));
+    for word in &mut words {
+        word.retain(|letter| !['"', '\\'].contains(&letter));
+    }
     words
 }
 
