@@ -2,7 +2,7 @@
 
 use grasp_control::laws::pd::PdGains;
 use grasp_control::laws::pds::PdsGains;
-use grasp_control::laws::root_strain::{HubGains, ObjectGains, RootStrainGains};
+use grasp_control::laws::root_strain::{HubGains, InertiaGains, MassGains, ObjectGains, RootStrainGains};
 use parameter_table::Parameter;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -38,6 +38,8 @@ fn root_strain() {
         compare(&mut file, &ObjectGains::PARAMETERS, &mut gains.object, "");
         compare(&mut file, &HubGains::PARAMETERS, &mut gains.hub[0], "1");
         compare(&mut file, &HubGains::PARAMETERS, &mut gains.hub[1], "2");
+        compare(&mut file, &MassGains::PARAMETERS, &mut gains.mass, "");
+        compare(&mut file, &InertiaGains::PARAMETERS, &mut gains.inertia, "");
         compare(&mut file, &RootStrainGains::PARAMETERS, &mut gains, "");
         assert!(file.is_empty(), "{name}: {file:?} is not in the preset");
     }

@@ -83,6 +83,7 @@ impl RootStrainGains {
     #[must_use]
     pub fn fast() -> Self {
         let hub = HubGains { slope: 10.95, reach: 1.104, strain: 0.03375, feedforward: 0.3954, observer: 115.2 };
+        let default = Self::default();
         Self {
             object: ObjectGains {
                 slope: 8.979,
@@ -93,9 +94,10 @@ impl RootStrainGains {
                 observer: 62.38,
             },
             hub: [hub; 2],
+            inertia: InertiaGains { threshold: 0.1, ..default.inertia },
             strain_bandwidth: 0.0,
             strain_rate_bandwidth: 285.6,
-            ..Self::default()
+            ..default
         }
     }
 
@@ -149,7 +151,7 @@ impl Default for RootStrainGains {
             },
             hub: [hub; 2],
             mass: MassGains { initial: 0.5, smallest: 0.15, largest: 20.0, threshold: 0.02, prior: 2e-4, memory: 0.05 },
-            inertia: InertiaGains { smallest: 0.5, largest: 20.0, threshold: 0.1, prior: 3e-4, memory: 0.1 },
+            inertia: InertiaGains { smallest: 0.5, largest: 20.0, threshold: 0.2, prior: 3e-4, memory: 0.1 },
             filter: FilterGains { bandwidth: 150.0, high_pass: 3.0 },
             learner: Learner::Observer,
             networks: NetworkGains { leakage: 0.02, robust: 0.1 },
