@@ -157,3 +157,22 @@ def test_what_was_lost_is_said_once_at_the_end(stop: float | None, plant: Fmu) -
         slave.fmi.terminate()
         assert len(said()) == 1
         assert "tip 1 once, seen from t = 0.001000 s to 0.050000 s" in said()[0]
+
+
+def test_what_was_lost_within_steps_is_said_with_their_times(plant: Fmu) -> None:
+    """Arms that are pressed onto the object chatter on it: at the end of the two long steps both tips touch again."""
+    with plant.instantiate(logging=True) as slave:
+        slave.set(contact_model="unilateral", theta1_0=-0.005, theta2_0=0.005)
+        slave.start()
+        slave.set(tau1_cmd=0.3, tau2_cmd=-0.3)
+        slave.step(0.0, 0.02, 1)
+        assert slave.get("impacts1", "impacts2") == [0, 0]
+        slave.step(0.02, 0.5, 1)
+        slave.step(0.52, 0.5, 1)
+        assert slave.get("in_contact") == [True]
+        slave.fmi.terminate()
+        said = [message.text for message in slave.log if "contact lost" in message.text]
+        assert len(said) == 1
+        for tip in (1, 2):
+            assert f"tip {tip} " in said[0]
+        assert said[0].count("between communication points from t = 0.020000 s to ") == 2

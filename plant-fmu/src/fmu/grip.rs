@@ -24,6 +24,10 @@ struct Tip {
     duration: f64,
     /// Largest tension that the model bore \[N\]; zero where it bears none.
     tension: f64,
+    /// How often it has opened so far.
+    openings: u32,
+    /// The begin of the first step in which it opened, and the end of the last \[s\].
+    within: (f64, f64),
 }
 
 impl Grip {
@@ -45,6 +49,9 @@ impl Grip {
             return size;
         };
         for ((tip, touching), openings) in self.tips.iter_mut().zip(contact.touching).zip(contact.openings) {
+            if openings > tip.openings {
+                tip.opened(openings, time, size);
+            }
             if openings > 0 && !touching {
                 tip.lost(time, size);
             }
@@ -87,7 +94,12 @@ impl Grip {
                         1e3 * tip.duration
                     )
                 } else {
-                    format!("tip {number} {}, between communication points", times(openings[index]))
+                    format!(
+                        "tip {number} {}, between communication points from t = {:.6} s to {:.6} s",
+                        times(openings[index]),
+                        tip.within.0,
+                        tip.within.1
+                    )
                 }),
                 _ => None,
             }
@@ -108,6 +120,14 @@ impl Grip {
 }
 
 impl Tip {
+    #[cold]
+    fn opened(&mut self, openings: u32, time: f64, size: f64) {
+        if self.openings == 0 {
+            self.within.0 = time - size;
+        }
+        (self.openings, self.within.1) = (openings, time);
+    }
+
     fn lost(&mut self, time: f64, size: f64) {
         if self.duration == 0.0 {
             self.first = time;
