@@ -185,6 +185,8 @@ def test_rust_example_joins_the_loop(hub_friction: Path, tmp_path: Path, control
     done = dualarm("simulate", *fmus, "--stop", "3", "--quiet", "-o", str(table))
     assert done.returncode == 0, done.stderr
     with table.open(newline="", encoding="utf-8") as file:
-        last = list(csv.DictReader(file))[-1]
-    assert abs(float(last["delta_f1"])) > 0.02
+        rows = list(csv.DictReader(file))
+    # All of it while the hub turns; at rest as much as it is pushed with.
+    assert max(abs(float(row["delta_f1"])) for row in rows) == pytest.approx(0.03, rel=0.05)
+    last = rows[-1]
     assert (abs(float(last["contact_force1"]) - GOAL) < 1e-3) == reached

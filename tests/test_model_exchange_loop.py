@@ -62,7 +62,7 @@ def test_the_loop_is_the_limit_of_co_simulation(case: str, fmus: dict[str, Fmu])
             found.append(outputs.read())
 
         nominal = np.concatenate([arms.nominals, controller.nominals])
-        options = {"rtol": 1e-12, "atol": 1e-14 * nominal}
+        options = {"rtol": 1e-13, "atol": 1e-15 * nominal}
         integrate(grasp.rates, z, STOP, [STOP], grasp.indicators, grasp.event, at, **options)
     tolerance = 1e-11 * np.array([float(plant.variables[output].nominal or 1.0) for output in OUTPUTS])
     assert len(found) == 1

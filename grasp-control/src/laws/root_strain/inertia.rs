@@ -79,6 +79,11 @@ pub(super) struct Prior {
 }
 
 impl Prior {
+    /// Half of the lower part of β that there is without any motion.
+    fn least(&self, has_losses: bool) -> f64 {
+        0.5 * if has_losses { self.weight * (self.weight * self.stiffness / self.initial) } else { self.weight }
+    }
+
     /// ω for a squared force.
     fn counting(&self, square: f64) -> f64 {
         square / (square + self.threshold * self.threshold)
@@ -157,11 +162,20 @@ impl Estimator {
         (below / above.clamp(least, most), (least..=most).contains(&above))
     }
 
+    /// β as a fraction, and whether losses are part of it: they never drive, so γ is positive or nothing.
+    ///
+    /// Sums of squares and products have ff nn ≥ nf², so with the prior's weight the lower part is at least that of the prior alone.
+    /// A solver's trial states need not be such sums: for them is the bound, half of that.
+    fn fraction(prior: &Prior, weighted: &Sums) -> (f64, f64, bool) {
+        let Sums { ff, nn, nf, af, an } = *weighted;
+        let has_losses = nf * af > ff * an;
+        let (above, below) = if has_losses { (af * nn - nf * an, ff * nn - nf * nf) } else { (af, ff) };
+        (above, below.max(prior.least(has_losses)), has_losses)
+    }
+
     /// Ĵ.
     pub fn inertia(&self, prior: &Prior) -> f64 {
-        let Sums { ff, nn, nf, af, an } = self.weighted(prior);
-        // Losses never drive: γ is positive or nothing.
-        let (above, below) = if nf * af > ff * an { (af * nn - nf * an, ff * nn - nf * nf) } else { (af, ff) };
+        let (above, below, _) = Self::fraction(prior, &self.weighted(prior));
         Self::clamped(prior, above, below).0
     }
 
@@ -183,17 +197,17 @@ impl Estimator {
 
     /// Change of Ĵ for a change `by` of the sums.
     fn inertia_change(&self, prior: &Prior, by: &Sums) -> f64 {
-        let Sums { ff, nn, nf, af, an } = self.weighted(prior);
-        let (above, below, above_change, below_change) = if nf * af > ff * an {
-            (
-                af * nn - nf * an,
-                ff * nn - nf * nf,
-                by.af * nn + af * by.nn - by.nf * an - nf * by.an,
-                by.ff * nn + ff * by.nn - 2.0 * nf * by.nf,
-            )
+        let weighted = self.weighted(prior);
+        let (above, below, has_losses) = Self::fraction(prior, &weighted);
+        let Sums { ff, nn, nf, af, an } = weighted;
+        let (above_change, mut below_change) = if has_losses {
+            (by.af * nn + af * by.nn - by.nf * an - nf * by.an, by.ff * nn + ff * by.nn - 2.0 * nf * by.nf)
         } else {
-            (af, ff, by.af, by.ff)
+            (by.af, by.ff)
         };
+        if below <= prior.least(has_losses) {
+            below_change = 0.0;
+        }
         let (inertia, inside) = Self::clamped(prior, above, below);
         if inside { (below_change - inertia * above_change) / above } else { 0.0 }
     }

@@ -90,7 +90,7 @@ impl Estimator {
         if prior.largest <= prior.smallest {
             return [1.0, 1.0, loss];
         }
-        let (above, below) = if loss > 0.0 { (af * nn - nf * an, ff * nn - nf * nf) } else { (af, ff) };
+        let (above, below, _) = Self::fraction(prior, &Sums { ff, nn, nf, af, an });
         [above * prior.largest / below - 1.0, 1.0 - above * prior.smallest / below, loss]
     }
 }
