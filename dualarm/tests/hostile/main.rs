@@ -17,7 +17,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use support::archive;
+use support::{archive, compile_library};
 use tempfile::TempDir;
 
 /// The description of the slave, as a model of this name.
@@ -45,21 +45,8 @@ fn description(model: &str) -> String {
 
 /// Compiles the slave; `None` (with a message) without a C compiler.
 fn library() -> Option<Vec<u8>> {
-    let folder = tempfile::tempdir().unwrap();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/hostile.c");
-    let library = folder.path().join("hostile.so");
-    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-    let mut command = Command::new(&compiler);
-    match command.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source).output() {
-        Err(error) => {
-            eprintln!("SKIPPED: the C compiler \"{compiler}\" cannot be run ({error})");
-            None
-        }
-        Ok(output) => {
-            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-            Some(fs::read(library).unwrap())
-        }
-    }
+    compile_library(&source, &["-O1"])
 }
 
 /// A folder with FMUs of these models, their variables changed by `change`, and a folder for temporary files.

@@ -27,14 +27,16 @@ fn compile(as_gain: bool) -> Option<Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     let source = folder.path().join("slave.c");
     fs::write(&source, SLAVE).unwrap();
-    let library = folder.path().join("slave");
+    compile_library(&source, if as_gain { &["-DGAIN", "-lm"] } else { &["-lm"] })
+}
+
+/// A shared library of a C file; `None` (with a message) without a C compiler.
+pub fn compile_library(source: &Path, options: &[&str]) -> Option<Vec<u8>> {
+    let folder = tempfile::tempdir().unwrap();
+    let library = folder.path().join("library");
     let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
     let mut command = Command::new(&compiler);
-    command.args(["-shared", "-fPIC", "-O2", "-o"]).arg(&library).arg(&source);
-    if as_gain {
-        command.arg("-DGAIN");
-    }
-    match command.arg("-lm").output() {
+    match command.args(["-shared", "-fPIC", "-O2", "-o"]).arg(&library).arg(source).args(options).output() {
         Err(error) => {
             eprintln!("SKIPPED: the C compiler \"{compiler}\" cannot be run ({error})");
             None

@@ -71,7 +71,7 @@ impl Loops<'_> {
     }
 
     /// κ √(b/m̂), the share of the shears in the object's surface \[m/(N·s)\].
-    fn tip(&self, at: &Point) -> f64 {
+    pub fn tip(&self, at: &Point) -> f64 {
         self.scaled.strain / at.mass.sqrt()
     }
 

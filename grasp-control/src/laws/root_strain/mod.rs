@@ -341,13 +341,7 @@ impl RootStrain {
 
     /// What the estimators of the inertias see, under the known forces.
     fn moving(&self, inputs: &Inputs, forces: &[f64; 3]) -> [Moving; 3] {
-        let m = &inputs.measured;
-        let rates = match self.source {
-            RateSource::Measured => [m.theta_dot[0], m.theta_dot[1], m.y_object_dot],
-            RateSource::Estimated => self.observers.map(|observer| observer.rate),
-        };
-        let loads = [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1]];
-        std::array::from_fn(|i| Moving { rate: rates[i], force: forces[i], load: loads[i] })
+        moving(self.source, &self.observers, inputs, forces)
     }
 
     fn state_rates(&self, inputs: &Inputs) -> StateRates {
@@ -379,7 +373,7 @@ impl RootStrain {
             at,
             surface: outcome.object,
             posture: outcome.posture,
-            alpha_rate: -scaled.slope * at.v - scaled.strain / at.mass.sqrt() * at.shear_rate,
+            alpha_rate: -scaled.slope * at.v - self.loops().tip(at) * at.shear_rate,
             posture_alpha_rate: std::array::from_fn(|i| {
                 -scaled.hub_slope[i] * at.omega[i] - hub[i].strain * at.moment_rate[i] / at.inertia[i]
             }),
@@ -403,6 +397,19 @@ pub(crate) fn motions(inputs: &Inputs) -> [Motion; 3] {
         Motion { position: m.theta[1], rate: m.theta_dot[1] },
         Motion { position: m.y_object, rate: m.y_object_dot },
     ]
+}
+
+/// What the estimators of the inertias see of hub 1, hub 2 and the object; or the change of that, for it is linear.
+fn moving(source: RateSource, observers: &[Observer; 3], inputs: &Inputs, forces: &[f64; 3]) -> [Moving; 3] {
+    let (m, measured) = (&inputs.measured, motions(inputs));
+    let loads = [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1]];
+    std::array::from_fn(|i| {
+        let rate = match source {
+            RateSource::Measured => measured[i].rate,
+            RateSource::Estimated => observers[i].rate,
+        };
+        Moving { rate, force: forces[i], load: loads[i] }
+    })
 }
 
 /// Q̇ᵢ = −(3EIᵢ/l³)(l θ̇ᵢ − ẏ) of arms that bend as at rest.

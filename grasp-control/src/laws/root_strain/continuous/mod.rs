@@ -3,7 +3,6 @@
 mod present;
 
 use super::RootStrain;
-use super::inertia::Moving;
 use super::networks::{Sight, SightChange};
 use crate::blocks::observer::{Observer, ObserverChange, RateSource};
 use crate::continuous::{Continuous, Decision, Direction, Regimes, indicator, state};
@@ -21,19 +20,6 @@ fn weights_of(nodes: [usize; 3], weights: &mut [f64]) -> [&mut [f64]; 3] {
 /// The learners' limits that hold: balls, robust terms.
 fn held(regimes: &Regimes) -> [[bool; 2]; 3] {
     std::array::from_fn(|i| [regimes.weights[i], regimes.bound[i]])
-}
-
-impl RootStrain {
-    /// Change of what the estimators of the inertias see.
-    fn moving_change(&self, along: Direction<'_>, force_changes: &[f64; 3]) -> [Moving; 3] {
-        let m = &along.inputs.measured;
-        let rates = match self.source {
-            RateSource::Measured => [m.theta_dot[0], m.theta_dot[1], m.y_object_dot],
-            RateSource::Estimated => observers(along.states).map(|observer| observer.rate),
-        };
-        let loads = [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1]];
-        std::array::from_fn(|i| Moving { rate: rates[i], force: force_changes[i], load: loads[i] })
-    }
 }
 
 impl Continuous for RootStrain {
@@ -148,7 +134,7 @@ impl Continuous for RootStrain {
             }
         }
         let (moving, changes) = (self.moving(inputs, &forces), estimators(along.states));
-        let moved = self.moving_change(along, &force_changes);
+        let moved = super::moving(self.source, &observers(along.states), along.inputs, &force_changes);
         let rates = std::array::from_fn(|i| {
             self.inertia[i].derivative_change(&self.gains.filter, &self.priors[i], moving[i], &changes[i], moved[i])
         });

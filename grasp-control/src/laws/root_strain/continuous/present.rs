@@ -119,7 +119,7 @@ impl RootStrain {
         shear_rate: [f64; 2],
     ) -> Seen<'a> {
         let (hub, scaled) = (&self.gains.hub, &self.scaled);
-        let tip = scaled.strain / at.mass.sqrt();
+        let tip = self.loops().tip(at);
         Seen {
             at: by,
             surface: outcome.object,
