@@ -1,52 +1,16 @@
 //! The command line: bad input gives one clear message and a non-zero exit code, and leaves nothing half-written.
 
+#[path = "support/program.rs"]
+mod program;
 #[path = "../../fmi2-import/tests/support/mod.rs"]
 mod support;
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
+use program::{assert_fails, dualarm, files, fixtures, simulate, text};
 use serde_json::Value;
-use support::{package, package_as};
-use tempfile::TempDir;
-
-/// A folder with `Lag.fmu` and `Gain.fmu`.
-fn fixtures() -> Option<TempDir> {
-    let folder = tempfile::tempdir().unwrap();
-    package(folder.path(), "Lag")?;
-    package(folder.path(), "Gain")?;
-    Some(folder)
-}
-
-fn dualarm(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_dualarm")).current_dir(folder).args(arguments).output().unwrap()
-}
-
-/// Runs the loop of `Lag` and `Gain` with more arguments.
-fn simulate(folder: &Path, arguments: &[&str]) -> Output {
-    dualarm(folder, &[&["simulate", "Lag.fmu", "Gain.fmu"], arguments].concat())
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let mut names: Vec<_> =
-        fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
-}
-
-#[track_caller]
-fn assert_fails(output: &Output, code: i32, expected: &str) {
-    let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{message}");
-    assert!(message.contains(expected), "{message:?} should contain {expected:?}");
-    assert_eq!(message.matches("error:").count(), 1, "one message: {message:?}");
-    assert!(output.stdout.is_empty(), "nothing on standard output");
-}
+use support::package_as;
 
 #[test]
 fn a_run_writes_its_rows_and_says_what_it_did() {
@@ -181,29 +145,6 @@ fn scenario_files_describe_runs() {
 }
 
 #[test]
-fn built_in_scenarios_are_listed() {
-    let folder = tempfile::tempdir().unwrap();
-    let list = dualarm(folder.path(), &["simulate", "--list"]);
-    assert!(list.status.success());
-    for expected in ["nabfc ", "pds ", "pd ", "preload "] {
-        assert!(text(&list.stdout).lines().any(|line| line.starts_with(expected)), "{expected}");
-    }
-}
-
-#[test]
-fn failing_runs_leave_no_output() {
-    let Some(folder) = fixtures() else { return };
-    let before = files(folder.path());
-    let run = |setting: &str| simulate(folder.path(), &["--set", setting, "--set", "trouble=error", "-o", "out.csv"]);
-    assert_fails(&run("trouble_at=1"), 1, "at t = 1 s: Lag: fmi2DoStep returned fmi2Error: trouble at t = 1");
-    assert_eq!(files(folder.path()), before);
-
-    let warned = simulate(folder.path(), &["--set", "Lag.trouble_at=1.85", "--set", "trouble=warning"]);
-    assert!(warned.status.success());
-    assert!(text(&warned.stderr).contains("warning: Lag: trouble at t = 1.8"), "{}", text(&warned.stderr));
-}
-
-#[test]
 fn foreign_files_are_named() {
     let Some(folder) = fixtures() else { return };
     fs::write(folder.path().join("notes.fmu"), "no zip").unwrap();
@@ -219,48 +160,6 @@ fn foreign_files_are_named() {
     let other = tempfile::tempdir().unwrap();
     let guid = package_as(other.path(), "Lag", |description| description.replace("{fixture}", "{x}")).unwrap();
     assert_fails(&run(guid.to_str().unwrap()), 1, "refuses to be instantiated: GUID {x} is not {fixture}");
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn results_that_standard_output_does_not_take_are_a_failure() {
-    let Some(folder) = fixtures() else { return };
-    let runs: [&[&str]; 6] = [
-        &["info", "Lag.fmu"],
-        &["simulate", "--list"],
-        &["completions", "bash"],
-        &["--help"],
-        &["help", "compare"],
-        &["--version"],
-    ];
-    for arguments in runs {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_dualarm"));
-        command.args(arguments).current_dir(folder.path()).stdout(fs::File::create("/dev/full").unwrap());
-        let output = command.output().unwrap();
-        assert_fails(&output, 1, "cannot write to standard output: No space left on device");
-    }
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn unwritable_places_are_named() {
-    let Some(folder) = fixtures() else { return };
-    fs::create_dir(folder.path().join("taken.csv")).unwrap();
-    let before = files(folder.path());
-    let run = |path: &str| simulate(folder.path(), &["-o", path]);
-    assert_fails(&run("taken.csv"), 1, "cannot write taken.csv: it is a folder");
-    assert_fails(&run("Lag.fmu/out.csv"), 1, "cannot write Lag.fmu/out.csv:");
-    assert_fails(&run("/proc/out.csv"), 1, "cannot write /proc/out.csv:");
-    assert_fails(&run("/dev/full"), 1, "cannot write /dev/full: No space left on device");
-    assert_eq!(files(folder.path()), before);
-
-    let compare = dualarm(folder.path(), &["compare", "--no-package", "--step", "0"]);
-    assert_fails(&compare, 2, "step size must be a positive number");
-    let compare = dualarm(folder.path(), &["compare", "--no-package", "--step", "10"]);
-    assert_fails(&compare, 2, "a step of 10 s is longer than the run from 0 s to 8 s");
-    let compare = dualarm(folder.path(), &["compare", "--no-package"]);
-    assert_fails(&compare, 1, "there is no DualArmPlant.fmu in dist");
-    assert_eq!(files(folder.path()), before);
 }
 
 /// What a fixture says about itself comes back, whatever it can do on this machine.
@@ -346,112 +245,4 @@ fn json_is_one_document_on_standard_output() {
 
     assert_fails(&simulate(folder.path(), &["--json", "-o", "-"]), 2, "both want standard output");
     assert_fails(&simulate(folder.path(), &["--json", "--set", "Lag.trouble_at=1"]), 1, "at t = 1 s: Lag");
-}
-
-/// The format follows the extension; that others can read it is for `tests/test_tool.py` to see.
-#[test]
-fn parquet_files_are_whole_or_not_there() {
-    let Some(folder) = fixtures() else { return };
-    let before = files(folder.path());
-    let failed = simulate(folder.path(), &["-o", "out.parquet", "--set", "Lag.trouble_at=1"]);
-    assert_fails(&failed, 1, "at t = 1 s");
-    assert_eq!(files(folder.path()), before);
-    assert!(simulate(folder.path(), &["-o", "new/out.PARQUET"]).status.success());
-    let bytes = fs::read(folder.path().join("new/out.PARQUET")).unwrap();
-    assert_eq!((&bytes[..4], &bytes[bytes.len() - 4..]), (&b"PAR1"[..], &b"PAR1"[..]));
-    #[cfg(target_os = "linux")]
-    assert_fails(&simulate(folder.path(), &["-o", "/proc/out.parquet"]), 1, "cannot write /proc/out.parquet:");
-}
-
-#[test]
-fn completions_know_the_commands() {
-    let folder = tempfile::tempdir().unwrap();
-    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        let script = dualarm(folder.path(), &["completions", shell]);
-        assert!(script.status.success());
-        for word in ["simulate", "info", "controller"] {
-            assert!(text(&script.stdout).contains(word), "{word} in {shell}");
-        }
-        assert!(text(&script.stdout).contains("nabfc-fast"), "scenarios in {shell}");
-    }
-    assert_fails(&dualarm(folder.path(), &["completions", "basic"]), 2, "possible values: bash");
-}
-
-/// `dualarm … | head`: no panic, whichever stream the reader closes.
-#[test]
-fn readers_may_leave() {
-    let Some(folder) = fixtures() else { return };
-    let runs: [&[&str]; 4] =
-        [&["completions", "bash"], &["simulate", "Lag.fmu", "Lag.fmu"], &["simulate", "--list"], &["simulate", "x"]];
-    for arguments in runs {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_dualarm"))
-            .current_dir(folder.path())
-            .args(arguments)
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .unwrap();
-        drop((child.stdout.take(), child.stderr.take()));
-        let expected = if arguments == ["simulate", "x"] { 2 } else { 0 };
-        assert_eq!(child.wait().unwrap().code(), Some(expected), "{arguments:?}");
-    }
-}
-
-/// Explanations of the examples stand in a column of their own.
-#[test]
-fn examples_are_aligned() {
-    let folder = tempfile::tempdir().unwrap();
-    let help = text(&dualarm(folder.path(), &["--help"]).stdout);
-    let examples = help.lines().skip_while(|line| *line != "Examples:").skip(1).take_while(|line| !line.is_empty());
-    let columns: Vec<_> = examples.map(|line| line.rfind("  ").map(|blanks| blanks + 2)).collect();
-    assert!(
-        columns.len() > 3 && columns.iter().all(|column| *column == columns[0] && *column > Some(2)),
-        "{columns:?}"
-    );
-    let options = text(&dualarm(folder.path(), &["simulate", "--help"]).stdout);
-    assert!(options.find("--quiet") > options.find("--json"), "what every command has comes last");
-}
-
-/// Everything fits into a terminal of the usual width.
-#[test]
-fn help_fits_into_80_columns() {
-    let folder = tempfile::tempdir().unwrap();
-    for command in [
-        "",
-        "package",
-        "simulate",
-        "scenario",
-        "compare",
-        "report",
-        "tune",
-        "sweep",
-        "verify",
-        "info",
-        "certify",
-        "linearise",
-        "completions",
-    ] {
-        let words: Vec<_> = [command, "--help"].into_iter().filter(|word| !word.is_empty()).collect();
-        let help = Command::new(env!("CARGO_BIN_EXE_dualarm"))
-            .current_dir(folder.path())
-            .env("COLUMNS", "80")
-            .args(&words)
-            .output()
-            .unwrap();
-        assert!(help.status.success());
-        let said = text(&help.stdout);
-        let longest = said.lines().max_by_key(|line| line.chars().count()).unwrap();
-        assert!(longest.chars().count() <= 80, "{command}: {longest:?}");
-    }
-}
-
-#[test]
-fn help_shows_examples_and_exit_codes() {
-    let folder = tempfile::tempdir().unwrap();
-    let help = dualarm(folder.path(), &["--help"]);
-    assert!(help.status.success());
-    for expected in ["Examples:", "Exit codes: 0 success, 1", "package", "simulate", "compare"] {
-        assert!(text(&help.stdout).contains(expected), "{expected}");
-    }
-    assert!(text(&dualarm(folder.path(), &["simulate", "--help"]).stdout).contains("--controller <NAME>"));
 }

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use fmi2_import::{CallError, Experiment, Fmu, Instance, Status, Value};
-use support::{archive, description, package, package_as};
+use support::{package, package_as};
 
 fn start(fmu: &Fmu) -> Instance {
     let mut instance = fmu.instantiate("it").unwrap();
@@ -177,76 +177,6 @@ fn a_wrong_guid_is_refused_with_the_reason() {
     assert_eq!(message, "lag: the FMU refuses to be instantiated: GUID {other} is not {fixture}");
 }
 
-#[test]
-fn what_is_no_usable_fmu_is_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("x.fmu");
-    let expect = |expected: &str| {
-        let message = Fmu::open(&path).expect_err("must not open").to_string();
-        assert!(message.contains(expected) && message.contains("x.fmu"), "{message:?} should contain {expected:?}");
-    };
-    expect("cannot read");
-    fs::write(&path, "hello").unwrap();
-    expect("not a readable zip archive");
-    fs::write(&path, "").unwrap();
-    expect("not a readable zip archive");
-    archive(&path, &[("readme.txt", b"")]);
-    expect("no modelDescription.xml");
-    archive(&path, &[("modelDescription.xml", b"<a>")]);
-    expect("not well-formed XML");
-
-    let lag = description("Lag");
-    archive(&path, &[("modelDescription.xml", lag.replace("\"2.0\"", "\"3.0\"").as_bytes())]);
-    expect("written for FMI 3.0");
-    archive(&path, &[("modelDescription.xml", lag.replace("CoSimulation", "ModelExchange").as_bytes())]);
-    expect("only model exchange");
-    archive(&path, &[("modelDescription.xml", lag.as_bytes()), ("binaries/vax/Lag.so", b"")]);
-    expect("for this platform (it has: binaries/vax/Lag.so)");
-    let entry = format!("binaries/linux64/Lag{}", std::env::consts::DLL_SUFFIX);
-    if cfg!(target_os = "linux") {
-        archive(&path, &[("modelDescription.xml", lag.as_bytes()), (&entry, b"no library")]);
-        expect("the system cannot load it");
-        let evil = [("modelDescription.xml", lag.as_bytes()), (&entry, b""), ("../outside.txt", b"evil")];
-        archive(&path, &evil);
-        expect("points outside the archive");
-        assert!(!folder.path().join("outside.txt").exists());
-    }
-    fs::remove_file(&path).unwrap();
-    fs::create_dir(&path).unwrap();
-    expect("it is a folder");
-}
-
-#[test]
-fn a_library_without_a_needed_function_is_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    // A system library loads but is no FMU.
-    let Some(path) = package(folder.path(), "Lag") else { return };
-    let Some(other) =
-        ["/lib/x86_64-linux-gnu/libm.so.6", "/usr/lib64/libm.so.6"].iter().find_map(|path| fs::read(path).ok())
-    else {
-        return;
-    };
-    archive(&path, &[("modelDescription.xml", description("Lag").as_bytes()), ("binaries/linux64/Lag.so", &other)]);
-    let message = Fmu::open(&path).unwrap_err().to_string();
-    assert!(message.contains("lacks the function fmi2GetTypesPlatform"), "{message}");
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn a_library_that_is_cut_off_is_refused_before_it_kills_us() {
-    let folder = tempfile::tempdir().unwrap();
-    let Ok(whole) = fs::read("/proc/self/exe") else { return };
-    let path = folder.path().join("x.fmu");
-    let lag = description("Lag");
-    for parts in 1..8 {
-        let library = &whole[..whole.len() / 8 * parts];
-        archive(&path, &[("modelDescription.xml", lag.as_bytes()), ("binaries/linux64/Lag.so", library)]);
-        let message = Fmu::open(&path).unwrap_err().to_string();
-        // Debug information belongs to no segment: without it, the test program is whole, but no library.
-        assert!(message.contains("it is cut off") || message.contains("cannot load it"), "{message}");
-    }
-}
-
 /// The library has the functions, but its description does not say that they may be called.
 #[test]
 fn what_an_fmu_does_not_say_it_can_is_not_asked_of_it() {
@@ -260,103 +190,6 @@ fn what_an_fmu_does_not_say_it_can_is_not_asked_of_it() {
     assert_eq!(message, "it: the FMU does not offer fmi2GetFMUstate");
     assert!(lag.directional_derivative(&[2], &[0], &[2.0], &mut [0.0]).is_err());
     assert!(lag.set_input_derivatives(&[0], &[1], &[0.0]).is_err());
-}
-
-/// Writes an archive with the fixture's library under this name.
-fn with_library(path: &std::path::Path, lag: &[u8], entries: &[(&str, &[u8])]) {
-    let description = description("Lag");
-    let own = [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/Lag.so", lag)];
-    archive(path, &[&own, entries].concat());
-}
-
-/// The fixture's library.
-fn library(folder: &std::path::Path) -> Option<Vec<u8>> {
-    let path = package(folder, "Lag")?;
-    let mut zip = zip::ZipArchive::new(fs::File::open(path).unwrap()).unwrap();
-    let mut library = Vec::new();
-    std::io::Read::read_to_end(&mut zip.by_name("binaries/linux64/Lag.so").ok()?, &mut library).unwrap();
-    Some(library)
-}
-
-#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
-#[test]
-fn a_library_for_another_machine_is_named_and_one_for_this_found() {
-    let folder = tempfile::tempdir().unwrap();
-    let Some(lag) = library(folder.path()) else { return };
-    let path = folder.path().join("x.fmu");
-    let message = |library: &[u8]| {
-        with_library(&path, library, &[]);
-        Fmu::open(&path).unwrap_err().to_string()
-    };
-    let mut foreign = lag.clone();
-    foreign[18] = 183; // e_machine: AArch64
-    let refused = "it is for Linux (ELF) on aarch64, and this is Linux (ELF) on x86_64";
-    assert!(message(&foreign).ends_with(refused), "{}", message(&foreign));
-    assert!(message(b"").ends_with("it is empty"));
-    with_library(&path, &foreign, &[("binaries/x86_64-linux/Lag.so", lag.as_slice())]);
-    assert!(Fmu::open(&path).is_ok(), "another folder of this platform has one that fits");
-}
-
-#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
-#[test]
-fn a_library_is_judged_without_being_loaded() {
-    let folder = tempfile::tempdir().unwrap();
-    let Some(lag) = library(folder.path()) else { return };
-    let path = folder.path().join("x.fmu");
-    let check = |library: &[u8]| {
-        with_library(&path, library, &[]);
-        Fmu::check_library(&path).map_err(|error| error.to_string())
-    };
-    assert_eq!(check(&lag), Ok(()));
-    assert!(check(b"no library").unwrap_err().ends_with("it is no shared library"));
-    let Ok(other) = fs::read("/proc/self/exe") else { return };
-    assert!(check(&other).unwrap_err().contains("it lacks the function fmi2GetTypesPlatform"));
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn archives_of_odd_packers_are_read_as_they_are_meant() {
-    let folder = tempfile::tempdir().unwrap();
-    let Some(lag) = library(folder.path()) else { return };
-    let (path, description) = (folder.path().join("x.fmu"), description("Lag"));
-    for [model, binary, resource] in [
-        ["./modelDescription.xml", "./binaries/linux64/Lag.so", "./resources/table.txt"],
-        ["modelDescription.xml", "binaries\\linux64\\Lag.so", "resources\\table.txt"],
-        [".\\modelDescription.xml", ".\\binaries\\.\\linux64/Lag.so", "x/../resources//table.txt"],
-    ] {
-        archive(&path, &[(model, description.as_bytes()), (binary, &lag), (resource, b"1 2 3")]);
-        let mut instance = Fmu::open(&path).unwrap().instantiate("lag").unwrap();
-        let resources = instance.get_string(1).unwrap();
-        let table = PathBuf::from(resources.strip_prefix("file://").unwrap()).join("table.txt");
-        assert_eq!(fs::read_to_string(table).unwrap(), "1 2 3", "{binary}");
-    }
-    let twice = [("modelDescription.xml", description.as_bytes()), ("resources/a", b"1"), ("resources\\a", b"2")];
-    archive(&path, &twice);
-    let message = Fmu::open(&path).unwrap_err().to_string();
-    assert!(message.contains("\"resources/a\" and \"resources\\a\" are the same file"), "{message}");
-    for evil in ["..\\outside.txt", "resources\\..\\..\\outside.txt", "\\outside.txt", "C:\\outside.txt"] {
-        archive(&path, &[("modelDescription.xml", description.as_bytes()), (evil, b"evil")]);
-        let message = Fmu::open(&path).unwrap_err().to_string();
-        assert!(message.contains("points outside the archive"), "{evil}: {message}");
-    }
-}
-
-#[cfg(target_os = "linux")]
-#[test]
-fn archives_that_grow_beyond_all_measure_are_refused() {
-    let folder = tempfile::tempdir().unwrap();
-    let Some(lag) = library(folder.path()) else { return };
-    let path = folder.path().join("x.fmu");
-    let zeros = vec![0; 90 << 20];
-    with_library(&path, &lag, &[("resources/zeros", &zeros)]);
-    assert!(fs::metadata(&path).unwrap().len() < 1 << 20);
-    let message = Fmu::open(&path).unwrap_err().to_string();
-    assert!(message.contains("resources/zeros is too large; this tool unpacks at most"), "{message}");
-    with_library(&path, &lag, &[("resources/zeros", &zeros[..60 << 20])]);
-    assert!(Fmu::open(&path).is_ok());
-    let bomb = [b"<fmiModelDescription>".as_slice(), &vec![b' '; 90 << 20]].concat();
-    archive(&path, &[("modelDescription.xml", &bomb)]);
-    assert!(Fmu::read_description(&path).unwrap_err().to_string().contains("modelDescription.xml is too large"));
 }
 
 /// Six thousand variables of one enumeration of six thousand items: the items are there once.

@@ -1,0 +1,99 @@
+"""Pages of other runs than the paper's: any scenario, saved results, a system that is not ours."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from .support.browser import Browser
+from .support.report import scrub, show, shown_time, spans
+from .support.tool import dualarm
+
+
+def test_a_page_of_any_run(browser: Browser, tmp_path: Path) -> None:
+    """`simulate --report`: a grasp moves; what differs from the defaults is said; the estimates have charts."""
+    path = tmp_path / "heavy.html"
+    done = dualarm("simulate", "unknown-mass", "--set", "delta_F=0.01", "--stop", "1", "--report", str(path))
+    assert done.returncode == 0, done.stderr
+    assert str(path) in done.stdout
+    with browser.open(path) as opened:
+        page = opened.page
+        assert page.locator("circle.tip").count() == 2
+        assert "An object five times as heavy" in page.inner_text("h1")
+        changed = page.locator(".changed tr", has_text="DualArmPlant")
+        assert changed.first.locator("th, td").all_inner_texts()[:4] == ["M DualArmPlant", "0.3", "1.5", "kg"]
+        assert "DualArmPlant.delta_F = 0.01 N" in page.inner_text("[aria-labelledby=parameters-title]")
+        page.get_by_text("What the controller estimates").click()
+        page.wait_for_selector("[data-signal=m_hat] canvas")
+        # Any other signal has a chart when asked for.
+        page.select_option("#signal", "root_moment1")
+        assert "root_moment1 (N·m)" in page.inner_text("[data-signal=root_moment1]")
+
+
+def test_a_page_of_a_grasp_that_opens(browser: Browser, tmp_path: Path) -> None:
+    """Gaps and impacts have charts, the panel says which tip is off; where nothing opens there are no such charts."""
+    pages = {}
+    for scenario in ("approach", "nabfc"):
+        pages[scenario] = tmp_path / f"{scenario}.html"
+        done = dualarm("simulate", scenario, "--stop", "0.3", "--report", str(pages[scenario]))
+        assert done.returncode == 0, done.stderr
+    with browser.open(pages["approach"]) as opened:
+        page = opened.page
+        for signal in ("gap1", "in_contact", "impacts1", "impact_loss"):
+            page.wait_for_selector(f"[data-signal={signal}] canvas")
+        scrub(page, 0.01 / 0.3)
+        assert "no tip touches the object" in page.inner_text(".run .status")
+        scrub(page, 0.29 / 0.3)
+        assert "touch" not in page.inner_text(".run .status")
+    with browser.open(pages["nabfc"]) as opened:
+        assert opened.page.locator("[data-signal=gap1]").count() == 0
+
+
+def test_a_page_of_saved_results(browser: Browser, tmp_path: Path) -> None:
+    """`dualarm report`: files of this tool and of another one overlaid, with another length and another end."""
+    for name, stop in (("a.parquet", "1"), ("b.csv", "2")):
+        done = dualarm("simulate", "pds", "--stop", stop, "-o", str(tmp_path / name))
+        assert done.returncode == 0, done.stderr
+    with (tmp_path / "b.csv").open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    # As OMSimulator names them; a controller of one's own has no target, so nothing is judged.
+    kept = [index for index, name in enumerate(header) if name != "lambda2_d"]
+    with (tmp_path / "c.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([header[index] if index == 0 else f"model.root.plant.{header[index]}" for index in kept])
+        writer.writerows([row[index] for index in kept] for row in rows)
+    page_file = tmp_path / "page.html"
+    files = [str(tmp_path / name) for name in ("a.parquet", "c.csv")]
+    done = dualarm("report", *files, "--names", "ours,mine", "-o", str(page_file))
+    assert done.returncode == 0, done.stderr
+    with browser.open(page_file) as opened:
+        page = opened.page
+        assert page.locator(".run").count() == 2, "both move: lengths follow from the constraint (12)"
+        assert page.locator(".result li").count() == 1
+        assert spans(page)[0][0] == (0.0, 2.0)
+        show(page, 1.5)
+        values = page.locator("[data-signal=theta1] figcaption > span:not(.take)").all_inner_texts()
+        theta = float(rows[1500][header.index("theta1")])
+        assert float(values[1]) == pytest.approx(np.degrees(theta), abs=1e-3)
+        assert page.get_by_role("button", name="mine", exact=True).count() == 1
+
+
+def test_a_page_of_another_system(browser: Browser, tmp_path: Path) -> None:
+    """Without a grasp there are curves, under their names and with their units, and no word of arms."""
+    file = tmp_path / "tank.csv"
+    rows = "".join(f"{k / 10},{20 + k % 7},{k * 1e-9},{'on' if k % 2 else 'off'}\n" for k in range(200))
+    file.write_text(f"Time,T [K],leak [m3/s],pump\n{rows}", encoding="utf-8")
+    done = dualarm("report", str(file))
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == str(tmp_path / "tank.html")
+    with browser.open(tmp_path / "tank.html") as opened:
+        page = opened.page
+        assert page.locator(".chart strong").all_inner_texts() == ["T (K)", "leak (m3/s)"]
+        assert page.locator("#scenes, #exaggeration, .result, .metrics").count() == 0
+        assert not re.search(r"\barms?\b", page.inner_text("main"))
+        page.keyboard.press("End")
+        assert shown_time(page) == pytest.approx(19.9)
