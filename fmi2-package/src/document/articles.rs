@@ -2,8 +2,9 @@
 
 use quick_xml::escape::escape;
 
+use super::page::head;
 use super::text::{self, FormulaError};
-use super::{INDEX, head, is_relative};
+use super::{INDEX, is_relative};
 use crate::Article;
 
 type Files = [(String, Vec<u8>)];
