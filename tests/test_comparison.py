@@ -170,9 +170,11 @@ def test_a_search_does_not_depend_on_workers_and_goes_on_after_an_interruption(t
 
 def test_what_a_search_finds_is_better_than_its_start_and_can_be_compared(tmp_path: Path) -> None:
     out = tmp_path / "found.toml"
-    done = dualarm(*TUNE, "--out", str(out), "--evaluations", "20", "--json")
+    done = dualarm(*TUNE, "--goal", "undisturbed=0.1/2", "--out", str(out), "--evaluations", "20", "--json")
     assert done.returncode == 0, done.stderr
+    assert "--goal undisturbed=0.1/2" in out.read_text(encoding="utf-8")
     document = json.loads(done.stdout)
+    assert document["cases"][0]["goal"] == 0.1
     first = json.loads((tmp_path / "found.jsonl").read_text(encoding="utf-8").splitlines()[1])
     assert document["cost"] <= float(first["cost"])
     done = dualarm("compare", "--no-package", "--controllers", str(out), "--cases", "undisturbed", "--json", "--out", str(tmp_path))
@@ -191,6 +193,10 @@ def test_misspelt_names_are_answered(tmp_path: Path) -> None:
         (("tune", "--controller", "pd", "--parameter", "kpp1=1..2"), "did you mean kp1"),
         (("tune", "--controller", "pd", "--parameter", "kp1=2..1"), "the range is empty"),
         (("tune", "--controller", "pd", "--parameter", "ki"), "its start value is 0, so it needs a range"),
+        (("tune", "--controller", "pd", "--goal", "nois=0.01"), "did you mean noise"),
+        (("tune", "--controller", "pd", "--goal", "noise"), "write CASE=VALUE"),
+        (("tune", "--controller", "pd", "--goal", "noise=-1"), "a positive number is needed"),
+        (("tune", "--controller", "pd", "--goal", "noise=1,noise=2"), "another goal already"),
     ):
         done = dualarm(*arguments, "--out", str(tmp_path / "none"))
         assert (done.returncode, text in done.stderr) == (2, True), done.stderr

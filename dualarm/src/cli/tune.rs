@@ -12,16 +12,18 @@ use super::fmus::FmuFolder;
 use super::progress::Progress;
 use super::tuned::Tuned;
 use super::{Failure, json, matrix, numbers, print, report};
-use crate::grasp::matrix::{self as cells, Cell, CellError, Contender, Lab};
+use crate::grasp::matrix::{self as cells, Case, Cell, CellError, Contender, Lab};
 use crate::tune::dimension::{Dimension, DimensionError};
-use crate::tune::{Best, Limits, Objective, Task, preset};
+use crate::tune::{Best, Goal, Limits, Objective, Task, preset};
 use fmi2_cosim::files::FileSet;
+use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::settings::Setting;
 
 const AFTER_HELP: &str = "\
 Objective: in each case the time until forces, angles and position have settled, over the physical limit (at least \
 0.1 s), or the rms force error over 2 % of the target (at least 0.4) where noise is what matters; the geometric mean of these ratios, \
-with the worst one counting more. Broken limits make a ratio larger. A delay margin is a case: delay-2, delay-5.
+with the worst one counting more. Broken limits make a ratio larger, and a missed goal counts ten times what speed does, until it is \
+missed by a factor of two. A delay margin is a case: delay-2, delay-5.
 
 The search (CMA-ES) depends on cases, parameters, limits and seed only, not on the number of workers. Interrupted, it \
 goes on where it was when the same command is given again; with more evaluations, too.
@@ -34,6 +36,11 @@ Examples:
     -p kp1+kp2=5..500 -p kv1+kv2=0.2..20 -p ki1+ki2=1..5000
   dualarm tune -c my_law.fmu -p gain=0.1..10 --cases undisturbed,mine.toml
   dualarm tune -c nabfc-r --max-torque 1 --evaluations 1000 --seed 3
+  dualarm tune -c pid --cases undisturbed,long,noise --worst 0 \\
+    --goal undisturbed=0.2/2,long=0.9/10,noise=7e-3
+                                                 what must hold: settled in 0.2 s
+                                                 at 2 % of overshoot, 0.9 s at
+                                                 10 %, 7 mN under noise
   dualarm compare --controllers results/tuned-pid.toml,pid
                                                  what came of it, in every case";
 
@@ -65,9 +72,16 @@ pub struct Arguments {
     /// Give a parameter of the controller another value, which stays, or from which the search begins if it varies; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", allow_hyphen_values = true)]
     settings: Vec<Setting>,
+    /// End every case at this time in s at the latest: a search does not need to see how long nothing happens
+    #[arg(long, value_name = "SECONDS", value_parser = positive)]
+    stop: Option<f64>,
     /// Judge it in these cases: names of the files in scenarios/matrix, or scenario files (.toml); one that is named twice counts twice [default: one of each kind]
     #[arg(long, value_name = "CASE", value_delimiter = ',')]
     cases: Vec<String>,
+    /// What must hold in a case: settled in VALUE seconds, or an rms error of VALUE newtons where noise is what matters, with
+    /// at most OVERSHOOT % of the forces' target [default: as --max-overshoot]; repeatable
+    #[arg(long = "goal", value_name = "CASE=VALUE[/OVERSHOOT]", value_delimiter = ',')]
+    goals: Vec<String>,
     /// How often to evaluate the objective
     #[arg(long, default_value_t = 400, value_name = "COUNT", value_parser = numbers::count)]
     evaluations: usize,
@@ -138,6 +152,8 @@ struct ParameterDocument<'a> {
 struct CaseDocument<'a> {
     case: &'a str,
     ratio: Option<f64>,
+    /// In s or N.
+    goal: Option<f64>,
     #[serde(flatten)]
     cell: Option<&'a Cell>,
 }
@@ -150,6 +166,34 @@ fn positive(text: &str) -> Result<f64, String> {
 fn share(text: &str) -> Result<f64, String> {
     let value = numbers::number(text)?;
     if (0.0..=1.0).contains(&value) { Ok(value) } else { Err("a number from 0 to 1 is needed".into()) }
+}
+
+/// The goal of each case.
+fn goals(texts: &[String], cases: &[Case]) -> Result<Vec<Option<Goal>>, Failure> {
+    let mut goals = vec![None; cases.len()];
+    for text in texts {
+        let refuse = |problem: &str| {
+            Failure::usage(format!(
+                "--goal {text}: {problem}; write CASE=VALUE or CASE=VALUE/OVERSHOOT, as undisturbed=0.2/2"
+            ))
+        };
+        let (key, goal) = text.split_once('=').ok_or_else(|| refuse("there is no \"=\""))?;
+        let (value, overshoot) = goal.split_once('/').map_or((goal, None), |(value, rest)| (value, Some(rest)));
+        let number = |text: &str| positive(text.trim()).map_err(|problem| refuse(&problem));
+        let goal = Goal { value: number(value)?, overshoot: overshoot.map(number).transpose()? };
+        let mut places = (0..cases.len()).filter(|case| cases[*case].key == key.trim()).peekable();
+        if places.peek().is_none() {
+            let similar = closest(key.trim(), cases.iter().map(|case| case.key.as_str()));
+            let similar: Vec<String> = similar.into_iter().map(str::to_owned).collect();
+            return Err(refuse(&format!("the search has no case of this name{}", suggestion(&similar))));
+        }
+        for case in places {
+            if goals[case].replace(goal).is_some_and(|other| other != goal) {
+                return Err(refuse("this case has another goal already"));
+            }
+        }
+    }
+    Ok(goals)
 }
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
@@ -226,14 +270,19 @@ fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
         }
     }
     let named = DEFAULT_CASES.map(str::to_owned);
-    let cases = matrix::cases(if arguments.cases.is_empty() { &named } else { &arguments.cases })?;
+    let mut cases = matrix::cases(if arguments.cases.is_empty() { &named } else { &arguments.cases })?;
+    for case in &mut cases {
+        let stop = &mut case.scenario.experiment.stop;
+        *stop = arguments.stop.map_or(*stop, |latest| Some(stop.map_or(latest, |stop| stop.min(latest))));
+    }
     let limits = Limits {
         overshoot: arguments.max_overshoot,
         torque: arguments.max_torque,
         saturated: arguments.max_saturated,
         tension: arguments.max_tension,
     };
-    let objective = Objective { worst: arguments.worst, limits };
+    let goals = goals(&arguments.goals, &cases)?;
+    let objective = Objective { worst: arguments.worst, limits, goals };
     Ok(Task { contender, dimensions, cases, objective, evaluations: arguments.evaluations, seed: arguments.seed })
 }
 
@@ -244,6 +293,10 @@ fn command(arguments: &Arguments, task: &Task) -> Vec<String> {
     words.extend(arguments.settings.iter().map(|setting| format!("--set {setting}")));
     if !arguments.cases.is_empty() {
         words.push(format!("--cases {}", arguments.cases.join(",")));
+    }
+    words.extend(arguments.stop.map(|stop| format!("--stop {stop}")));
+    if !arguments.goals.is_empty() {
+        words.push(format!("--goal {}", arguments.goals.join(",")));
     }
     words
         .push(format!("--evaluations {} --seed {} --worst {}", arguments.evaluations, arguments.seed, arguments.worst));
@@ -266,10 +319,12 @@ fn summary(task: &Task, best: &Best, found: &[Option<Cell>]) -> String {
         let _ = writeln!(text, "  {:<24} {value}{remark}", dimension.names.join(", "));
     }
     text += "\n";
-    for (case, cell) in task.cases.iter().zip(found) {
+    for (number, (case, cell)) in (0..).zip(task.cases.iter().zip(found)) {
         let (first, second) = crate::report::matrix::lines(&cell.ok_or_else(String::new));
-        let ratio = cell.map_or("failed".into(), |cell| format!("ratio {:.2}", task.objective.ratio(&cell)));
-        let _ = writeln!(text, "  {:<30} {first:>8}  {second:<10} {ratio}", case.scenario.title);
+        let ratio = cell.map_or("failed".into(), |cell| format!("ratio {:.2}", task.objective.ratio(number, &cell)));
+        let missed = cell.map(|cell| task.objective.missed(number, &cell)).filter(|missed| *missed > 1.0);
+        let goal = missed.map(|missed| format!(", {missed:.3} times its goal")).unwrap_or_default();
+        let _ = writeln!(text, "  {:<30} {first:>8}  {second:<10} {ratio}{goal}", case.scenario.title);
     }
     text + "\n"
 }
@@ -285,9 +340,10 @@ fn document<'a>(
         let Dimension { names, low, high, .. } = dimension;
         names.iter().map(|name| ParameterDocument { name, value: *value, low: *low, high: *high })
     });
-    let cases = task.cases.iter().zip(found).map(|(case, cell)| CaseDocument {
+    let cases = (0..).zip(task.cases.iter().zip(found)).map(|(number, (case, cell))| CaseDocument {
         case: &case.key,
-        ratio: cell.as_ref().map(|cell| task.objective.ratio(cell)),
+        ratio: cell.as_ref().map(|cell| task.objective.ratio(number, cell)),
+        goal: task.objective.goal(number).map(|goal| goal.value),
         cell: cell.as_ref(),
     });
     Document {

@@ -92,12 +92,13 @@ impl Tuned<'_> {
 
     fn cases(&self) -> TextTable {
         let header = ["case", "settles", "beside it", "ratio to the limit"].map(str::to_owned).into();
-        let row = |(case, cell): (&crate::grasp::matrix::Case, &Option<Cell>)| {
+        let row = |(number_of_case, (case, cell)): (usize, (&crate::grasp::matrix::Case, &Option<Cell>))| {
             let (first, second) = lines(&cell.ok_or_else(String::new));
-            let ratio = cell.map_or("failed".into(), |cell| number(self.task.objective.ratio(&cell), 2));
+            let ratio =
+                cell.map_or("failed".into(), |cell| number(self.task.objective.ratio(number_of_case, &cell), 2));
             vec![case.scenario.title.clone(), first, second, ratio]
         };
-        TextTable { header, rows: self.task.cases.iter().zip(self.found).map(row).collect() }
+        TextTable { header, rows: (0..).zip(self.task.cases.iter().zip(self.found)).map(row).collect() }
     }
 
     /// The best objective over the evaluations.

@@ -19,7 +19,7 @@ use crate::grasp::matrix::{Case, Cell, CellError, Contender, Lab, parallel};
 use dimension::{Dimension, DimensionError};
 use fmi2_cosim::settings::Setting;
 use journal::Journal;
-pub use objective::{Limits, Objective};
+pub use objective::{Goal, Limits, Objective};
 
 /// What is searched for.
 #[derive(Debug, Clone)]
@@ -102,11 +102,21 @@ impl Task {
     /// When an FMU cannot be used.
     pub fn cells(&self, lab: &Lab, values: &[f64], workers: usize) -> Result<Vec<Option<Cell>>, CellError> {
         let contender = self.with(values);
-        let cells = parallel(workers, self.cases.len(), |case| match lab.cell(&self.cases[case], &contender) {
+        // A case that counts several times runs once.
+        let first = |case: usize| {
+            self.cases
+                .iter()
+                .position(|other| (&other.key, &other.text) == (&self.cases[case].key, &self.cases[case].text))
+                .unwrap_or(case)
+        };
+        let once: Vec<usize> = (0..self.cases.len()).filter(|case| first(*case) == *case).collect();
+        let cells = parallel(workers, once.len(), |job| match lab.cell(&self.cases[once[job]], &contender) {
             Err(CellError::Run(_)) => Ok(None),
             cell => cell.map(Some),
         });
-        cells.into_iter().collect()
+        let cells: Vec<Option<Cell>> = cells.into_iter().collect::<Result<_, _>>()?;
+        let cell = |case| once.iter().position(|other| *other == first(case)).and_then(|job| cells[job]);
+        Ok((0..self.cases.len()).map(cell).collect())
     }
 
     /// Whether the controller can run at all with its start values, or why not.
@@ -169,7 +179,8 @@ impl Task {
         let plant = lab.fmu(Path::new(crate::grasp::PLANT)).map_err(CellError::from)?.description().guid.clone();
         let settings: Vec<_> = self.contender.settings.iter().map(ToString::to_string).collect();
         let dimensions: Vec<_> = self.dimensions.iter().map(ToString::to_string).collect();
-        let cases: Vec<_> = self.cases.iter().map(|case| json!([case.key, case.text])).collect();
+        let cases: Vec<_> =
+            self.cases.iter().map(|case| json!([case.key, case.text, case.scenario.experiment.stop])).collect();
         Ok(json!({
             "controller": self.contender.fmu.file_name().map(|name| name.to_string_lossy()),
             "guid": guid,

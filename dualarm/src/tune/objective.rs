@@ -10,6 +10,10 @@
 //! ```
 //!
 //! the typical ratio, with the worst case counting w more: 1 would be perfect in every case.
+//!
+//! A weighted mean cannot say what must hold. A [`Goal`] can: where a case misses it by the factor x > 1, its ratio is multiplied by
+//! x^10, at most by that of x = 2. So a goal that is nearly held counts ten times what speed does, and one that is out of reach for
+//! a controller does not govern all of its gains.
 
 use crate::grasp::matrix::limit::BAND;
 use crate::grasp::matrix::{Cell, Judged};
@@ -36,51 +40,109 @@ pub struct Limits {
     pub tension: Option<f64>,
 }
 
-/// The function of the cells that is to be small.
+/// How much more a missed goal counts than speed.
+const URGE: i32 = 10;
+/// Beyond this factor a goal is out of reach, and does not count more.
+const REACH: f64 = 2.0;
+
+/// What must hold in one case.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Goal {
+    /// Latest settling in s, or largest rms error in N, whichever judges the case.
+    pub value: f64,
+    /// Largest overshoot of the forces in %, in place of that of [`Limits`]; counts in every case that has one.
+    pub overshoot: Option<f64>,
+}
+
+/// The function of the cells that is to be small.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Objective {
     /// How much the worst case counts beside the mean of all, from 0 to 1.
     pub worst: f64,
     /// What may not be exceeded.
     pub limits: Limits,
+    /// Goals of the cases, in their order; cases behind its end have none.
+    pub goals: Vec<Option<Goal>>,
 }
 
 impl Default for Objective {
     fn default() -> Self {
-        Self { worst: 0.3, limits: Limits { overshoot: 2.0, torque: None, saturated: None, tension: None } }
+        Self {
+            worst: 0.3,
+            limits: Limits { overshoot: 2.0, torque: None, saturated: None, tension: None },
+            goals: Vec::new(),
+        }
     }
 }
 
+/// By what a ratio grows where a value is above its limit.
+fn excess(value: f64, limit: f64) -> f64 {
+    1.0 + ((value - limit) / limit.max(1e-9)).max(0.0)
+}
+
 impl Objective {
-    /// The objective for these cells; a run that failed is `None`.
+    /// The objective for these cells, one per case; a run that failed is `None`.
     #[must_use]
     pub fn cost(&self, cells: &[Option<Cell>]) -> f64 {
-        let logarithms: Vec<f64> =
-            cells.iter().map(|cell| cell.as_ref().map_or(WORST, |cell| self.ratio(cell)).ln()).collect();
+        let logarithms: Vec<f64> = (0..)
+            .zip(cells)
+            .map(|(case, cell)| cell.as_ref().map_or_else(|| self.failed(case), |cell| self.ratio(case, cell)).ln())
+            .collect();
         let mean = logarithms.iter().sum::<f64>() / logarithms.len().max(1) as f64;
         let worst = logarithms.iter().copied().fold(f64::MIN, f64::max);
         ((1.0 - self.worst) * mean + self.worst * worst).exp()
     }
 
-    /// The ratio of one case.
+    /// The goal of a case.
     #[must_use]
-    pub fn ratio(&self, cell: &Cell) -> f64 {
-        let Cell { merit, target, .. } = cell;
+    pub fn goal(&self, case: usize) -> Option<Goal> {
+        self.goals.get(case).copied().flatten()
+    }
+
+    /// The ratio of the case of this number.
+    #[must_use]
+    pub fn ratio(&self, case: usize, cell: &Cell) -> f64 {
         let ratio = match cell.judged {
-            Judged::Settling => merit.time_or_worse(cell.stop, *target) / cell.limit.max(FAST),
-            Judged::Error => (merit.error_rms / (BAND * target.abs())).max(QUIET),
+            Judged::Settling => value(cell) / cell.limit.max(FAST),
+            Judged::Error => (value(cell) / (BAND * cell.target.abs())).max(QUIET),
         };
-        let Limits { overshoot, torque, saturated, tension } = self.limits;
-        let excess = |value: f64, limit: f64| 1.0 + ((value - limit) / limit.max(1e-9)).max(0.0);
+        let Limits { torque, saturated, tension, .. } = self.limits;
         let optional = |value: f64, limit: Option<f64>| limit.map_or(1.0, |limit| excess(value, limit));
-        let mut factor = optional(merit.peak_torque, torque)
+        let merit = &cell.merit;
+        let factor = optional(merit.peak_torque, torque)
             * optional(merit.saturated, saturated)
-            * optional(merit.tension, tension);
-        if cell.judged == Judged::Settling {
-            factor *= excess(merit.overshoot, overshoot);
-        }
+            * optional(merit.tension, tension)
+            * self.overshoot(case, cell);
         let ratio = ratio * factor;
-        if ratio.is_nan() { WORST } else { ratio.clamp(LEAST, WORST) }
+        let ratio = if ratio.is_nan() { WORST } else { ratio.clamp(LEAST, WORST) };
+        let missed = self.goal(case).map_or(1.0, |_| self.missed(case, cell).clamp(1.0, REACH));
+        ratio * missed.powi(URGE)
+    }
+
+    /// The ratio of a run that failed.
+    fn failed(&self, case: usize) -> f64 {
+        WORST * self.goal(case).map_or(1.0, |_| REACH.powi(URGE))
+    }
+
+    /// The factor of a case by which it misses its goal, 1 or less where it holds it; 0 without a goal.
+    #[must_use]
+    pub fn missed(&self, case: usize, cell: &Cell) -> f64 {
+        let missed = self.goal(case).map_or(0.0, |goal| value(cell) / goal.value * self.overshoot(case, cell));
+        if missed.is_nan() { f64::INFINITY } else { missed }
+    }
+
+    fn overshoot(&self, case: usize, cell: &Cell) -> f64 {
+        let usual = (cell.judged == Judged::Settling).then_some(self.limits.overshoot);
+        let limit = self.goal(case).and_then(|goal| goal.overshoot).or(usual);
+        limit.map_or(1.0, |limit| excess(cell.merit.overshoot, limit))
+    }
+}
+
+/// What judges a case: the time in s, or the error in N.
+fn value(cell: &Cell) -> f64 {
+    match cell.judged {
+        Judged::Settling => cell.merit.time_or_worse(cell.stop, cell.target),
+        Judged::Error => cell.merit.error_rms,
     }
 }
 
@@ -111,7 +173,7 @@ mod tests {
     #[test]
     fn ratios_are_as_written() {
         let objective = Objective::default();
-        let close = |cell: Cell, ratio: f64| assert!((objective.ratio(&cell) - ratio).abs() < 1e-12 * ratio);
+        let close = |cell: Cell, ratio: f64| assert!((objective.ratio(0, &cell) - ratio).abs() < 1e-12 * ratio);
         close(cell(Some(0.4), 1.0, 0.0), 2.0);
         close(cell(Some(0.4), 6.0, 0.0), 2.0 * 3.0);
         close(cell(None, 0.0, 0.02), 6.0 * 3.0 / 0.2);
@@ -119,7 +181,7 @@ mod tests {
         close(Cell { judged: Judged::Error, ..cell(None, 50.0, 0.001) }, 0.4);
         close(Cell { limit: 0.01, ..cell(Some(0.4), 0.0, 0.0) }, 4.0);
         let limited = Objective { limits: Limits { torque: Some(0.5), ..objective.limits }, ..objective };
-        assert!((limited.ratio(&cell(Some(0.4), 0.0, 0.0)) - 4.0).abs() < 1e-12);
+        assert!((limited.ratio(0, &cell(Some(0.4), 0.0, 0.0)) - 4.0).abs() < 1e-12);
     }
 
     #[test]
@@ -129,5 +191,27 @@ mod tests {
         // Ratios 1 and 16: their geometric mean is 4, and √(4·16) = 8.
         assert!((objective.cost(&[good, bad]) - 8.0).abs() < 1e-12);
         assert!(objective.cost(&[good, None]) > 1e3 * objective.cost(&[good, bad]));
+    }
+    #[test]
+    fn a_missed_goal_counts_ten_times_until_it_is_out_of_reach() {
+        let goal =
+            |value, overshoot| Objective { goals: vec![None, Some(Goal { value, overshoot })], ..Objective::default() };
+        let ratio = |objective: &Objective, cell: Cell| objective.ratio(1, &cell) / objective.ratio(0, &cell);
+        let settled = |time: f64, overshoot: f64| cell(Some(time), overshoot, 0.0);
+        let close = |is: f64, wanted: f64| assert!((is / wanted - 1.0).abs() < 1e-12, "{is} instead of {wanted}");
+        // Held, missed by a fifth, out of reach.
+        close(ratio(&goal(0.5, None), settled(0.4, 1.0)), 1.0);
+        close(ratio(&goal(0.5, None), settled(0.6, 1.0)), 1.2_f64.powi(10));
+        close(ratio(&goal(0.1, None), settled(0.4, 1.0)), 1024.0);
+        close(ratio(&goal(0.1, None), cell(None, 0.0, 1e6)), 1024.0);
+        // An overshoot of its own: 9 % are too much by half of 6, and nothing to 10.
+        close(goal(0.5, Some(6.0)).missed(1, &settled(0.5, 9.0)), 1.5);
+        close(goal(0.5, Some(10.0)).missed(1, &settled(0.5, 9.0)), 1.0);
+        close(goal(0.5, Some(10.0)).ratio(1, &settled(0.4, 9.0)), 2.0);
+        // Where errors judge, overshoot counts if the goal says so.
+        let noisy = Cell { judged: Judged::Error, ..cell(None, 9.0, 0.012) };
+        close(goal(0.01, None).missed(1, &noisy), 1.2);
+        close(goal(0.01, Some(6.0)).missed(1, &noisy), 1.8);
+        assert_eq!(goal(0.01, None).missed(0, &noisy), 0.0);
     }
 }
