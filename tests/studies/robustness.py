@@ -147,7 +147,7 @@ def table_of_indices(found: list[dict], controllers: list[str]) -> str:
 
 def table_of_totals(found: list[dict], controllers: list[str]) -> str:
     """What takes part in the success: the parameters with the largest total-order indices, first-order ones beside them."""
-    lines = ["| controller | what takes part in it: total order (first order) |", "|:--|:--|"]
+    lines = ["| controller | total order (first order) of the parameters involved |", "|:--|:--|"]
     for controller in controllers:
         own = [row for row in found if (row["controller"], row["figure"]) == (controller, "success")]
         largest = [
