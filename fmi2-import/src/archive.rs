@@ -1,5 +1,5 @@
-//! Zip archives, with limits that keep a small file from filling memory or disk. The readers of FMUs and of SSP files share
-//! it; it is no part of the stable interface.
+//! Zip archives, with limits so that a small file cannot fill memory or disk. The readers of FMUs and of SSP files share
+//! this module; it is not part of the stable interface.
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -15,7 +15,7 @@ pub const MAX_ENTRIES: usize = 100_000;
 pub const MAX_UNPACKED: u64 = 4 << 30;
 /// Bytes that every archive may unpack to, however small it is.
 pub const FREE_UNPACKED: u64 = 64 << 20;
-/// Beyond [`FREE_UNPACKED`], an archive may unpack to so many times its own size. Deflate could give 1000 times.
+/// Beyond [`FREE_UNPACKED`], an archive may unpack to this multiple of its own size. Deflate can reach 1000 times.
 pub const MAX_RATIO: u64 = 200;
 /// Bytes of an entry that is read into memory.
 pub const MAX_DOCUMENT: u64 = 256 << 20;
@@ -30,7 +30,7 @@ pub enum ArchiveError {
     /// No zip archive, or a damaged one.
     #[error("{0}")]
     NotAZip(String),
-    /// There is no such entry.
+    /// The entry does not exist.
     #[error("there is no such file in the archive")]
     NotFound,
     /// An entry would land outside the folder it is unpacked to.
@@ -44,25 +44,25 @@ pub enum ArchiveError {
         /// The other one.
         second: String,
     },
-    /// It unpacks to more than a model needs.
+    /// It exceeds a limit that no model needs to exceed.
     #[error("{what}; this tool unpacks {limit}")]
     Limit {
-        /// What there is too much of.
+        /// The limited quantity.
         what: String,
-        /// What is allowed.
+        /// The limit.
         limit: String,
     },
 }
 
-/// An open archive. Entries go by their paths with `/` between folders, whatever the archive has.
+/// An open archive. Paths of entries have `/` between folders, whatever the archive uses.
 pub struct Archive {
     zip: ZipArchive<BufReader<File>>,
     indices: HashMap<String, usize>,
     /// Bytes it may still unpack to.
     allowance: u64,
-    /// Bytes it may unpack to altogether.
+    /// Bytes it may unpack to in total.
     most: u64,
-    /// What is on its way.
+    /// Buffer for copying.
     buffer: Vec<u8>,
 }
 
@@ -72,7 +72,8 @@ impl Archive {
     /// Opens a file.
     ///
     /// # Errors
-    /// When it cannot be read, is no plain file, no zip archive, has too many entries, or one that points outside.
+    /// When it cannot be read, is not a regular file or not a zip archive, has too many entries, or has an entry outside of
+    /// its folder.
     pub fn open(path: &Path) -> Result<Self> {
         let file = plain_file(path)?;
         let length = file.metadata()?.len();
@@ -112,7 +113,7 @@ impl Archive {
         files
     }
 
-    /// Whether there is this file.
+    /// Whether this file exists.
     #[must_use]
     pub fn has(&self, path: &str) -> bool {
         self.indices.contains_key(path)
@@ -183,7 +184,7 @@ impl Archive {
         self.copy(index, u64::MAX, path, &mut file)
     }
 
-    /// Copies an entry as far as the limits allow; what the archive says about sizes need not be true.
+    /// Copies an entry within the limits. The sizes that the archive states are not trusted.
     fn copy(&mut self, index: usize, most: u64, path: &str, to: &mut dyn Write) -> Result<()> {
         let too_large = |limit| Err(ArchiveError::Limit { what: format!("{path} is too large"), limit });
         let entry = self.zip.by_index(index).map_err(damaged)?;
@@ -206,7 +207,7 @@ impl Archive {
     }
 }
 
-/// Copies, and tells damage of the archive from a full disk.
+/// Copies, and distinguishes a damaged archive from a full disk.
 fn copy(from: &mut dyn Read, to: &mut dyn Write, buffer: &mut [u8]) -> Result<u64> {
     let mut copied = 0;
     loop {
@@ -221,7 +222,7 @@ fn copy(from: &mut dyn Read, to: &mut dyn Write, buffer: &mut [u8]) -> Result<u6
     }
 }
 
-/// Opens a file that is nothing else: a pipe would keep us waiting.
+/// Opens a regular file. Opening a pipe would block.
 ///
 /// # Errors
 /// When it cannot be read, or is a folder, a pipe or a device.

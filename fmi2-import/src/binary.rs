@@ -1,4 +1,4 @@
-//! A shared library as a file: what can be said about it without loading it, that is without running its code.
+//! Checks of a shared library as a file, without loading it and so without running its code.
 
 use object::read::elf::{FileHeader, ProgramHeader};
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
@@ -6,9 +6,9 @@ use object::{Architecture, BinaryFormat, Endianness, File, FileKind, Object, elf
 
 use super::library::{LibraryError, REQUIRED};
 
-/// Whether the system's loader can be asked to load these bytes at all: they are for this system and this processor, and
-/// all that their headers promise is there (the loader would map a file that is cut off, and the process would die of the
-/// first access beyond its end). The loader itself refuses a file that is no library at all.
+/// Checks that the system's loader can load these bytes: they are for this system and this processor, and
+/// complete according to their headers. (The loader would map a truncated file, and the process would die at the
+/// first access beyond its end.) The loader itself refuses a file that is not a library.
 pub(crate) fn check_loadable(data: &[u8]) -> Result<(), LibraryError> {
     if data.is_empty() {
         return Err(LibraryError::Empty);
@@ -16,7 +16,7 @@ pub(crate) fn check_loadable(data: &[u8]) -> Result<(), LibraryError> {
     let Ok(kind) = FileKind::parse(data) else { return Ok(()) };
     check_complete(kind, data)?;
     let Some(found) = native_part(kind, data) else {
-        // For several processors, but not for this one; or damaged, which is for the loader to say.
+        // It supports several processors, but not this one; or it is damaged, which the loader reports.
         let is_for_several = matches!(kind, FileKind::MachOFat32 | FileKind::MachOFat64);
         let foreign = || LibraryError::Foreign { found: "macOS (Mach-O) on others".into(), wanted: native_name() };
         return if is_for_several { Err(foreign()) } else { Ok(()) };
@@ -31,8 +31,8 @@ pub(crate) fn check_loadable(data: &[u8]) -> Result<(), LibraryError> {
     }
 }
 
-/// The same, and whether the library offers the functions that every co-simulation FMU must have; `is_alone` if it cannot
-/// have them from other libraries beside it.
+/// The same, and checks that the library has the functions that every co-simulation FMU must have. `is_alone`: no
+/// other libraries beside it can provide them.
 pub(crate) fn check_usable(data: &[u8], is_alone: bool) -> Result<(), LibraryError> {
     check_loadable(data)?;
     let Ok(kind) = FileKind::parse(data) else { return Err(LibraryError::NoLibrary) };
@@ -54,7 +54,7 @@ pub(crate) fn check_usable(data: &[u8], is_alone: bool) -> Result<(), LibraryErr
     }
 }
 
-/// The library, or that part of one for several processors which is for this one.
+/// The library, or the part for this processor of a library for several processors.
 fn native_part(kind: FileKind, data: &[u8]) -> Option<File<'_>> {
     match kind {
         FileKind::MachOFat32 => part(MachOFatFile32::parse(data).ok()?.arches(), data),

@@ -1,9 +1,9 @@
-//! XML documents, with limits that keep a small file from taking hours or all memory, and the lines of their elements.
-//! The readers of descriptions, SSP documents and scenarios share it; it is no part of the stable interface.
+//! XML documents, with limits so that a small file cannot take hours or all memory, and the lines of their elements.
+//! The readers of descriptions, SSP documents and scenarios share this module; it is not part of the stable interface.
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-/// Elements and pieces of text in a document. A description of half a million variables has half as many.
+/// Largest number of elements and pieces of text in a document. A description of half a million variables has half as many.
 pub const MAX_NODES: u32 = 5_000_000;
 /// Attributes of one element: the parser compares each with all others.
 pub const MAX_ATTRIBUTES: usize = 256;
@@ -22,7 +22,7 @@ pub enum XmlError {
     /// More of something than any document needs.
     #[error("line {line}: there are more than {most} {what}; this tool reads no such document")]
     Limit {
-        /// What there is too much of.
+        /// The limited quantity.
         what: &'static str,
         /// How many may be.
         most: usize,
@@ -80,7 +80,8 @@ impl Lines {
     }
 }
 
-/// Counts what the parser takes more than linear time for. The parser itself refuses a text that is not well-formed.
+/// Counts everything for which the parser needs more than linear time. The parser itself refuses a text that is not
+/// well-formed.
 fn check_limits(text: &str) -> Result<(), XmlError> {
     let limit = |what, most, rest: &str| {
         let before = &text[..text.len() - rest.len()];
@@ -118,7 +119,7 @@ fn check_limits(text: &str) -> Result<(), XmlError> {
     Ok(())
 }
 
-/// What is between `<` and `>`.
+/// The text between `<` and `>`.
 struct Tag {
     length: usize,
     attributes: usize,

@@ -1,4 +1,4 @@
-//! What can go wrong with an FMU, in words that say what to do.
+//! Errors of an FMU, with messages that say what to do.
 
 use std::io;
 use std::path::PathBuf;

@@ -1,6 +1,8 @@
-//! The floating-point environment of a thread, which foreign code may change: how results are rounded, whether small numbers
-//! become zero, whether an overflow raises a signal. A library that was compiled with `-ffast-math` changes it when it is
-//! loaded, others when they compute. What computes next, the host or another FMU, must not notice.
+//! The floating-point environment of a thread, which foreign code may change: how results are rounded, whether small
+//! numbers
+//! are flushed to zero, whether an overflow raises a signal. A library that was compiled with `-ffast-math` changes it when
+//! it is
+//! loaded; others change it when they compute. This must not affect the host or other FMUs.
 
 /// Runs foreign code, and leaves the environment as it was before.
 #[inline]
@@ -13,11 +15,11 @@ pub(crate) fn guarded<T>(foreign: impl FnOnce() -> T) -> T {
     result
 }
 
-/// What the environment is set to.
+/// The settings of the environment.
 #[cfg(target_arch = "x86_64")]
 #[inline]
 fn control() -> u32 {
-    /// The lowest six bits say which exceptions there were: they come and go with every operation.
+    /// The lowest six bits are flags of exceptions that occurred; every operation may change them.
     const SETTINGS: u32 = !0x3f;
     let mut register = 0_u32;
     // SAFETY: writes the register MXCSR to the given place, which has its size.
@@ -25,8 +27,9 @@ fn control() -> u32 {
     register & SETTINGS
 }
 
-/// Sets the environment. The older unit, which the C library changes along with it and Rust never uses, gets the settings
-/// that every process begins with.
+/// Sets the environment. The older x87 unit, which the C library changes together with it and Rust never uses, gets the
+/// initial settings
+/// of a process.
 #[cfg(target_arch = "x86_64")]
 #[cold]
 fn restore(settings: u32) {
@@ -38,7 +41,7 @@ fn restore(settings: u32) {
     }
 }
 
-/// What the environment is set to.
+/// The settings of the environment.
 #[cfg(target_arch = "aarch64")]
 #[inline]
 fn control() -> u64 {

@@ -1,8 +1,8 @@
-//! An FMI 2.0 importer for co-simulation: opens any `.fmu`, reads its description, loads its library, runs instances.
+//! An FMI 2.0 importer for co-simulation. It opens any `.fmu`, reads its description, loads its library and runs instances.
 //!
-//! * [`Fmu`] opens the archive and hands out instances;
-//! * [`ModelDescription`] is what `modelDescription.xml` says, [`Variable`] what it says about a variable;
-//! * [`Instance`] is one running slave, behind safe calls whose errors carry the slave's own messages;
+//! * [`Fmu`] opens the archive and creates instances;
+//! * [`ModelDescription`] is the content of `modelDescription.xml`, [`Variable`] its entry for one variable;
+//! * [`Instance`] is one running slave, behind safe calls whose errors contain the slave's own messages;
 //! * [`Value`] is a value of any variable.
 //!
 //! ```no_run

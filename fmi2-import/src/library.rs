@@ -26,9 +26,9 @@ pub enum Status {
     Ok,
     /// Something is odd; the simulation can go on.
     Warning,
-    /// The call (a step, or a value) was refused; the instance is as before.
+    /// The call (a step, or a value) was refused; the instance is unchanged.
     Discard,
-    /// The instance cannot go on.
+    /// The instance cannot continue.
     Error,
     /// Every instance of this FMU is lost.
     Fatal,
@@ -37,7 +37,7 @@ pub enum Status {
 }
 
 impl Status {
-    /// From the C value; values outside the standard count as `Fatal`, since nothing is known about the instance.
+    /// From the C value. Values outside the standard count as `Fatal`, because the state of the instance is unknown.
     #[must_use]
     pub fn from_c(value: c_int) -> Self {
         match value {
@@ -79,27 +79,27 @@ pub enum LibraryError {
     /// The system's loader refuses it.
     #[error("the system cannot load it: {0}")]
     Load(String),
-    /// Nothing is in it.
+    /// It is empty.
     #[error("it is empty")]
     Empty,
-    /// Some other file.
+    /// It is not a library.
     #[error("it is no shared library")]
     NoLibrary,
     /// It was made for another machine.
     #[error("it is for {found}, and this is {wanted}")]
     Foreign {
-        /// What it is for.
+        /// The machine it is for.
         found: String,
-        /// What is wanted here.
+        /// The machine that is needed here.
         wanted: String,
     },
-    /// The file ends before what its headers promise. The system's loader would map it all the same, and the process
-    /// would die of the first access beyond the end.
+    /// The file ends earlier than its headers say. The system's loader would still map it, and the process
+    /// would die at the first access beyond the end.
     #[error("it is cut off: {length} of at least {promised} bytes are there")]
     CutOff {
-        /// What is there.
+        /// The length of the file.
         length: u64,
-        /// What its headers ask for.
+        /// The length according to its headers.
         promised: u64,
     },
     /// A function every co-simulation FMU must have is absent.
@@ -110,14 +110,14 @@ pub enum LibraryError {
     Incompatible {
         /// The inquiry function.
         function: &'static str,
-        /// What it returned.
+        /// Its return value.
         found: String,
-        /// What an FMI 2.0 library returns.
+        /// The return value of an FMI 2.0 library.
         expected: &'static str,
     },
 }
 
-/// What the system says: libloading's own words are only "dlopen failed".
+/// The message of the system: libloading's own message is only "dlopen failed".
 fn root_cause(error: &dyn std::error::Error) -> String {
     std::iter::successors(Some(error), |error| error.source()).last().unwrap_or(error).to_string()
 }
@@ -127,8 +127,9 @@ macro_rules! functions {
         required { $($name:ident: $symbol:literal ($($argument:ty),*) -> $result:ty;)* }
         optional { $($option:ident: $option_symbol:literal ($($option_argument:ty),*) -> $option_result:ty;)* }
     ) => {
-        /// The functions of a loaded library. Those this importer can do without are optional, although the standard
-        /// wants every FMU to have them.
+        /// The functions of a loaded library. Functions that this importer does not need are optional, although the
+        /// standard
+        /// demands them of every FMU.
         pub struct Functions {
             $(#[doc = concat!("`", $symbol, "`")]
             pub $name: unsafe extern "C" fn($($argument),*) -> $result,)*
@@ -196,19 +197,20 @@ functions! {
     }
 }
 
-/// `fmi2DoStepStatus`, a kind of status [`Functions::get_status`] knows.
+/// `fmi2DoStepStatus`, a kind of status for [`Functions::get_status`].
 pub const DO_STEP_STATUS: c_int = 0;
-/// `fmi2LastSuccessfulTime`, a kind of status [`Functions::get_real_status`] knows.
+/// `fmi2LastSuccessfulTime`, a kind of status for [`Functions::get_real_status`].
 pub const LAST_SUCCESSFUL_TIME: c_int = 2;
-/// `fmi2Terminated`, a kind of status [`Functions::get_boolean_status`] knows.
+/// `fmi2Terminated`, a kind of status for [`Functions::get_boolean_status`].
 pub const TERMINATED: c_int = 3;
 
 impl Functions {
     /// Loads a library and looks up its functions.
     ///
     /// # Errors
-    /// When the system cannot load it, a required function is absent, or it was built for another FMI. A file that is cut
-    /// off can kill the process: [`Fmu::unpack`](crate::Fmu::unpack) looks at it first.
+    /// When the system cannot load it, a required function is missing, or it was built for another version of FMI. A
+    /// truncated
+    /// file can kill the process: [`Fmu::unpack`](crate::Fmu::unpack) checks it first.
     pub fn load(path: &Path) -> Result<Self, LibraryError> {
         let functions = Self::of(guarded(|| open(path))?)?;
         // SAFETY: both functions take nothing and return a static C string.
@@ -240,8 +242,9 @@ fn open(path: &Path) -> Result<Library, LibraryError> {
 #[cfg(windows)]
 fn open(path: &Path) -> Result<Library, LibraryError> {
     use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library as WindowsLibrary};
-    // The loader takes paths of 260 characters and more in their canonical form only. Short ones it gets as they are, since
-    // libraries that look for their own folder may not know that form.
+    // The loader accepts paths of 260 characters and more only in their canonical form. Short paths are passed unchanged,
+    // because
+    // libraries that look for their own folder may not understand that form.
     let canonical = (path.as_os_str().len() >= 260).then(|| path.canonicalize().ok()).flatten();
     let path = canonical.as_deref().unwrap_or(path);
     // SAFETY: loading runs the library's initialisers; the user asked for this FMU to be run.

@@ -1,9 +1,10 @@
-//! The names that FMI 2.0 has for platforms: folders below `binaries/`.
+//! The names of platforms in FMI 2.0: folders below `binaries/`.
 
-/// Folders this process can load libraries from, the usual one first.
+/// Folders from which this process can load libraries, the preferred one first.
 ///
-/// Since version 2.0.4 the standard names other platforms than those of the x86 family as FMI 3.0 does, by processor and
-/// system; older FMUs have libraries for them under the old names, so those are looked at too, if the library in them is
+/// Since version 2.0.4 the standard names platforms other than x86 by processor and system, as FMI 3.0 does. Older FMUs
+/// have such
+/// libraries under the old names. These folders are searched too, if the library in them is
 /// for this processor.
 pub(crate) const FOLDERS: &[&str] = folders();
 

@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// A value of one of the types that cross the C interface of FMI 2.0. An enumeration's value is the [`Value::Integer`]
-/// of its item; as [`Value::Text`] it is the item's name, which [`Variable::value`](crate::Variable::value) understands.
+/// of its item, or as [`Value::Text`] the item's name, which [`Variable::value`](crate::Variable::value) accepts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// `fmi2Real`.
@@ -16,13 +16,13 @@ pub enum Value {
     Text(String),
 }
 
-/// A value that is none of the variable's type.
+/// A value that does not fit the variable's type.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{expected} is needed, not \"{value}\"")]
 pub struct Mismatch {
-    /// What was given.
+    /// The given value.
     pub value: String,
-    /// What is needed, in words: `a number in m`, `true or false`, `one of slow, fast`.
+    /// The expected kind of value, in words: `a number in m`, `true or false`, `one of slow, fast`.
     pub expected: String,
 }
 
@@ -52,7 +52,7 @@ macro_rules! from {
 }
 from!(f64 => Real, i32 => Integer, bool => Boolean, String => Text, &str => Text);
 
-/// The truth value that a text stands for in XML and on a command line.
+/// The truth value of a text in XML and on a command line.
 pub(crate) fn truth(text: &str) -> Option<bool> {
     match text {
         "true" | "1" => Some(true),

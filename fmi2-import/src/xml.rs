@@ -1,9 +1,9 @@
 //! Attributes and children of XML elements, with errors that name the line. The readers of descriptions and of SSP
-//! documents share it; it is no part of the stable interface.
+//! documents share this module; it is not part of the stable interface.
 
 use roxmltree::Node;
 
-/// What is wrong with an element.
+/// A fault of an element.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
@@ -12,7 +12,7 @@ pub enum Fault {
     Missing {
         /// Element that should have it.
         element: String,
-        /// What it lacks.
+        /// The missing attribute or child.
         what: String,
         /// Line in the file, from 1.
         line: u32,
@@ -24,7 +24,7 @@ pub enum Fault {
         attribute: String,
         /// Its value.
         value: String,
-        /// What it should be.
+        /// The expected value, in words.
         expected: &'static str,
         /// Line in the file, from 1.
         line: u32,
@@ -62,12 +62,12 @@ pub fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 
     elements(node, name).next()
 }
 
-/// All elements inside the child `list`; none if there is no such child.
+/// All elements inside the child `list`; empty if that child is missing.
 pub fn listed<'a, 'input>(node: Node<'a, 'input>, list: &str) -> impl Iterator<Item = Node<'a, 'input>> {
     child(node, list).into_iter().flat_map(|list| list.children()).filter(Node::is_element)
 }
 
-/// The elements of this name inside the child `list`; none if there is no such child.
+/// The elements of this name inside the child `list`; empty if that child is missing.
 pub fn children<'a, 'input>(node: Node<'a, 'input>, list: &str, name: &str) -> impl Iterator<Item = Node<'a, 'input>> {
     child(node, list).into_iter().flat_map(move |list| elements(list, name))
 }
@@ -89,7 +89,7 @@ pub fn required<'a>(node: Node<'a, '_>, attribute: &str) -> Result<&'a str> {
 /// An optional number.
 ///
 /// # Errors
-/// When the attribute is none.
+/// When the attribute is not a number.
 pub fn number<T: Number>(node: Node, attribute: &str) -> Result<Option<T>> {
     node.attribute(attribute).map(|value| parsed(node, attribute, value)).transpose()
 }
@@ -97,7 +97,7 @@ pub fn number<T: Number>(node: Node, attribute: &str) -> Result<Option<T>> {
 /// A required number.
 ///
 /// # Errors
-/// When the attribute is absent or none.
+/// When the attribute is absent or not a number.
 pub fn needed<T: Number>(node: Node, attribute: &str) -> Result<T> {
     parsed(node, attribute, required(node, attribute)?)
 }
@@ -106,10 +106,10 @@ fn parsed<T: Number>(node: Node, attribute: &str, value: &str) -> Result<T> {
     value.trim().parse().map_err(|_| wrong(node, attribute, value, T::EXPECTED))
 }
 
-/// An optional attribute that is one of several words, which `parse` knows.
+/// An optional attribute with one of several words, which `parse` recognises.
 ///
 /// # Errors
-/// When it is none of them.
+/// When it is none of these words.
 pub fn choice<T>(
     node: Node,
     attribute: &str,
@@ -123,14 +123,14 @@ pub fn choice<T>(
 /// An optional truth value.
 ///
 /// # Errors
-/// When the attribute is none.
+/// When the attribute is not a truth value.
 pub fn truth(node: Node, attribute: &str) -> Result<Option<bool>> {
     choice(node, attribute, "true or false", crate::value::truth)
 }
 
 /// Numbers in attributes, with the words an error needs.
 pub trait Number: std::str::FromStr {
-    /// What is expected.
+    /// The expected value, in words.
     const EXPECTED: &'static str;
 }
 impl Number for f64 {

@@ -1,4 +1,4 @@
-//! What can be wrong with a description.
+//! Faults of a description.
 
 use crate::document::XmlError;
 use crate::xml::Fault;

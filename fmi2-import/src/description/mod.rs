@@ -1,4 +1,4 @@
-//! `modelDescription.xml`: what an FMU says about itself (FMI 2.0.x, section 2.2).
+//! `modelDescription.xml`: the description of an FMU (FMI 2.0.x, section 2.2).
 
 mod error;
 mod parse;
@@ -10,18 +10,18 @@ use std::sync::Arc;
 pub use error::DescriptionError;
 pub use variable::{BaseType, Causality, Initial, Item, RealAttributes, Variability, Variable, VariableType};
 
-/// What an FMU says about itself. Model-exchange-only parts are kept where a user may want to read them.
+/// The description of an FMU. Parts for model exchange only are kept if they may interest a user.
 #[derive(Debug, Clone, Default)]
 pub struct ModelDescription {
     /// `fmiVersion`, always `2.0`.
     pub fmi_version: String,
-    /// Name of the model as the author knows it.
+    /// The author's name for the model.
     pub model_name: String,
     /// Identifies the description; the library checks it at instantiation.
     pub guid: String,
     /// One sentence about the model.
     pub description: Option<String>,
-    /// Who wrote the model.
+    /// The author of the model.
     pub author: Option<String>,
     /// The model's own version.
     pub version: Option<String>,
@@ -31,9 +31,9 @@ pub struct ModelDescription {
     pub license: Option<String>,
     /// The tool that wrote the FMU.
     pub generation_tool: Option<String>,
-    /// When it did, as written.
+    /// The date and time of its generation, as written.
     pub generation_date_and_time: Option<String>,
-    /// How dots and brackets in variable names are meant.
+    /// How dots and brackets in variable names are to be read.
     pub naming: Naming,
     /// Number of event indicators (model exchange).
     pub number_of_event_indicators: u32,
@@ -51,7 +51,7 @@ pub struct ModelDescription {
     pub default_experiment: DefaultExperiment,
     /// All variables, in the order of the file; [`Unknown::index`] counts in this order.
     pub variables: Vec<Variable>,
-    /// Which variables are outputs, derivatives and initial unknowns, and what they depend on.
+    /// The outputs, derivatives and initial unknowns, and their dependencies.
     pub structure: ModelStructure,
     by_name: HashMap<String, usize>,
 }
@@ -91,7 +91,7 @@ pub struct CoSimulation {
     pub can_not_use_memory_management_functions: bool,
     /// The state can be saved and restored.
     pub can_get_and_set_fmu_state: bool,
-    /// Saved state can become bytes and return.
+    /// A saved state can be serialised and deserialised.
     pub can_serialize_fmu_state: bool,
     /// Directional derivatives are offered.
     pub provides_directional_derivative: bool,
@@ -158,11 +158,11 @@ pub struct ModelStructure {
     pub outputs: Vec<Unknown>,
     /// All state derivatives.
     pub derivatives: Vec<Unknown>,
-    /// What the model computes during initialisation.
+    /// The variables that the model computes during initialisation.
     pub initial_unknowns: Vec<Unknown>,
 }
 
-/// A variable the model computes, with what it depends on.
+/// A variable that the model computes, with its dependencies.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Unknown {
     /// Index (from 0) into [`ModelDescription::variables`].

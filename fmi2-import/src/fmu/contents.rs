@@ -1,4 +1,4 @@
-//! What an FMU needs of its archive: a description, and a library for this platform.
+//! The parts of its archive that an FMU needs: a description, and a library for this platform.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(super) fn archive(path: &Path) -> Result<Archive, FmuError> {
     })
 }
 
-/// What is wrong with an archive, as what is wrong with the FMU.
+/// Converts an error of an archive to one of the FMU.
 pub(super) fn of_archive(path: &Path, error: ArchiveError) -> FmuError {
     let path = path.to_owned();
     match error {
@@ -34,7 +34,7 @@ pub(super) fn description(path: &Path, archive: &mut Archive) -> Result<ModelDes
     ModelDescription::from_bytes(&bytes).map_err(|source| FmuError::Description { path: path.to_owned(), source })
 }
 
-/// The folders of this platform that have the library, the usual one first, and its name in the archive.
+/// The folders of this platform that have the library, the preferred one first, and its name in the archive.
 pub(super) fn candidates(
     path: &Path,
     archive: &Archive,

@@ -18,9 +18,9 @@ use crate::library::Functions;
 use contents::{archive, candidates, description, of_archive};
 use uri::file_uri;
 
-/// An FMU that is unpacked. Cheap to clone; the unpacked files vanish with the last user. Its library is loaded by
-/// [`Fmu::load`] or with the first instance: until then none of its code has run. Whoever runs several FMUs unpacks all before
-/// loading one, since loaded code may change what paths mean.
+/// An unpacked FMU. Cheap to clone; the unpacked files are removed with the last clone. [`Fmu::load`] or the first instance
+/// loads its library; none of its code runs before. To run several FMUs, unpack all of them before
+/// loading one, because loaded code may change the meaning of relative paths.
 #[derive(Clone)]
 pub struct Fmu {
     unpacked: Arc<Unpacked>,
@@ -36,7 +36,8 @@ struct Unpacked {
     files: Files,
 }
 
-/// A loaded library, with what its instances need. Fields drop in this order, as above.
+/// A loaded library, with everything its instances need. The order of the fields is the order in which they are dropped, as
+/// above.
 pub(crate) struct Loaded {
     pub functions: Functions,
     pub description: Arc<ModelDescription>,
@@ -48,10 +49,10 @@ pub(crate) struct Loaded {
 #[derive(Debug, Clone)]
 pub struct Files(Arc<TempDir>);
 
-/// What is in an FMU's archive.
+/// The contents of an FMU's archive.
 #[derive(Debug, Clone)]
 pub struct Contents {
-    /// What it says about itself.
+    /// The description.
     pub description: ModelDescription,
     /// The paths of all files in it.
     pub files: Vec<String>,
@@ -99,10 +100,11 @@ impl Fmu {
         Ok(Contents { description, files })
     }
 
-    /// Looks at the library of an FMU, without loading or unpacking it.
+    /// Checks the library of an FMU, without loading or unpacking it.
     ///
     /// # Errors
-    /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, has no library for this platform, or one that is none or
+    /// When the file is unreadable or not an FMI 2.0 co-simulation FMU, or has no library for this platform, or when this
+    /// library is invalid or
     /// lacks a function that every co-simulation FMU must have.
     pub fn check_library(path: impl AsRef<Path>) -> Result<(), FmuError> {
         let path = path.as_ref();
@@ -130,8 +132,9 @@ impl Fmu {
     /// Unpacks an FMU to a temporary folder.
     ///
     /// # Errors
-    /// When the file is unreadable, not an FMI 2.0 co-simulation FMU, has no library for this platform, or one that is not for
-    /// this processor or cut off.
+    /// When the file is unreadable or not an FMI 2.0 co-simulation FMU, has no library for this platform, or when this
+    /// library is for another
+    /// processor or truncated.
     pub fn unpack(path: impl AsRef<Path>) -> Result<Self, FmuError> {
         let path = path.as_ref();
         let mut archive = archive(path)?;
@@ -177,7 +180,7 @@ impl Fmu {
         Ok(fmu)
     }
 
-    /// Loads the library, unless it is loaded: the FMU's code runs from now on.
+    /// Loads the library, unless it is already loaded. The FMU's code runs from now on.
     ///
     /// # Errors
     /// When the library cannot be used.
@@ -206,7 +209,7 @@ impl Fmu {
         }))
     }
 
-    /// What the FMU says about itself.
+    /// The description of the FMU.
     #[must_use]
     pub fn description(&self) -> &ModelDescription {
         &self.unpacked.description
@@ -218,16 +221,16 @@ impl Fmu {
         &self.unpacked.path
     }
 
-    /// The unpacked files, for someone who wants to choose when they are removed.
+    /// The unpacked files, for callers that decide when they are removed.
     #[must_use]
     pub fn files(&self) -> Files {
         self.unpacked.files.clone()
     }
 
-    /// Creates an instance; loads the library if need be.
+    /// Creates an instance; loads the library first if necessary.
     ///
     /// # Errors
-    /// When the library cannot be used, or the FMU refuses, with what it logged.
+    /// When the library cannot be used, or the FMU refuses; the error contains its log messages.
     pub fn instantiate(&self, name: &str) -> Result<Instance, CallError> {
         let loaded = self.loaded().map_err(|source| CallError::Load(Box::new(source)))?;
         Instance::new(Arc::clone(loaded), name)

@@ -39,7 +39,7 @@ impl Instance {
         self.check("fmi2GetDirectionalDerivative", status)
     }
 
-    /// `fmi2SetRealInputDerivatives`: how inputs go on during the next step.
+    /// `fmi2SetRealInputDerivatives`: the derivatives of inputs during the next step.
     ///
     /// # Errors
     /// When the slave cannot.
@@ -64,7 +64,7 @@ impl Instance {
         self.check("fmi2SetRealInputDerivatives", status)
     }
 
-    /// `fmi2GetRealOutputDerivatives`: how outputs change at the end of the last step.
+    /// `fmi2GetRealOutputDerivatives`: the derivatives of outputs at the end of the last step.
     ///
     /// # Errors
     /// When the slave cannot.

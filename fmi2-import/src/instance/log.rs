@@ -1,6 +1,7 @@
-//! What a slave logs: the callback that takes it, and its last words as the end of an error message.
+//! The log of a slave: the callback that receives messages, and the last messages for the end of an error message.
 //!
-//! A slave has to hand back the environment it got, and some hand back something else. So the pointer is never followed:
+//! A slave has to pass back the environment that it received, and some slaves pass back something else. So the pointer is
+//! never dereferenced:
 //! it is looked up among the logs of the living instances.
 
 use std::collections::{HashMap, VecDeque};
@@ -55,7 +56,8 @@ fn living() -> MutexGuard<'static, Vec<(String, Arc<Messages>)>> {
     LIVING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whose log a message belongs to: by the environment, or by the instance's name where a slave lost that, or else that of
+/// The log to which a message belongs. It is found by the environment; if the slave lost that, by the instance's name;
+/// otherwise it is that of
 /// the newest instance, which may still be in `fmi2Instantiate`.
 fn meant(environment: *mut c_void, instance: &str) -> Option<Arc<Messages>> {
     let living = living();
@@ -78,7 +80,7 @@ impl Log {
         self.0.lock()
     }
 
-    /// What a slave gets to log here.
+    /// The callbacks with which a slave logs here.
     pub(super) fn callbacks(&self) -> CallbackFunctions {
         CallbackFunctions {
             logger: fmi2_import_logger,

@@ -1,4 +1,4 @@
-//! One running slave. Every call is safe; a status other than OK or Warning becomes an error that carries what the
+//! One running slave. Every call is safe. A status other than OK or Warning becomes an error with the messages that the
 //! slave logged.
 
 mod derivatives;
@@ -33,7 +33,7 @@ pub struct Experiment {
     pub tolerance: Option<f64>,
 }
 
-/// One running slave. Dropping it ends it in the order the standard wants.
+/// One running slave. Dropping it ends it in the order that the standard demands.
 pub struct Instance {
     component: NonNull<c_void>,
     phase: Phase,
@@ -97,13 +97,13 @@ impl Instance {
         &self.name
     }
 
-    /// What the FMU says about itself.
+    /// The description of the FMU.
     #[must_use]
     pub fn description(&self) -> &ModelDescription {
         &self.loaded.description
     }
 
-    /// The same, for someone who goes on to call the instance.
+    /// The same, for callers that continue to call the instance.
     #[must_use]
     pub fn shared_description(&self) -> Arc<ModelDescription> {
         Arc::clone(&self.loaded.description)
@@ -118,8 +118,8 @@ impl Instance {
             .collect()
     }
 
-    /// `fmi2SetDebugLogging`: whether the slave logs more than its complaints, and in which of the categories of
-    /// [`ModelDescription::log_categories`]; without any, in all.
+    /// `fmi2SetDebugLogging`: whether the slave logs more than its errors, and in which of the categories of
+    /// [`ModelDescription::log_categories`]; an empty list means all.
     ///
     /// # Errors
     /// When the slave refuses, or a category has a zero byte inside.
@@ -192,7 +192,7 @@ impl Instance {
         self.check("fmi2Terminate", status)
     }
 
-    /// `fmi2Reset`: back to the state after instantiation; also the way out after an error.
+    /// `fmi2Reset`: restores the state after instantiation; also possible after an error.
     ///
     /// # Errors
     /// When the slave refuses.
@@ -213,7 +213,7 @@ impl Instance {
         self.loaded.description.co_simulation.as_ref()
     }
 
-    /// A function that the FMU need not have, and that may only be called if it says that it can do what is wanted.
+    /// An optional function of the FMU, which may only be called if the description declares the capability.
     fn optional<F>(&self, name: &'static str, function: Option<F>, can: impl Fn(&CoSimulation) -> bool) -> Result<F> {
         function
             .filter(|_| self.interface().is_some_and(can))

@@ -31,7 +31,7 @@ impl Instance {
         Ok(SavedState { state, owner: self.component })
     }
 
-    /// `fmi2SetFMUstate`: back to a saved state.
+    /// `fmi2SetFMUstate`: restores a saved state.
     ///
     /// # Errors
     /// When the slave cannot, or the state is another instance's.
@@ -45,7 +45,7 @@ impl Instance {
         self.check("fmi2SetFMUstate", status)
     }
 
-    /// `fmi2FreeFMUstate`: gives a saved state back.
+    /// `fmi2FreeFMUstate`: frees a saved state.
     ///
     /// # Errors
     /// When the slave cannot, or the state is another instance's.

@@ -1,4 +1,4 @@
-//! Steps, and what became of one that is not complete.
+//! Steps, and the reason if one is incomplete.
 
 use std::thread;
 use std::time::Duration;
@@ -19,7 +19,7 @@ impl Instance {
         if status == 0 { Ok(Status::Ok) } else { self.incomplete_step(Status::from_c(status)) }
     }
 
-    /// Waits for a step that goes on behind the call, as slaves that can run asynchronously may do.
+    /// Waits for an asynchronous step, which continues after the call.
     #[cold]
     fn incomplete_step(&mut self, mut status: Status) -> Result<Status> {
         const LONGEST_PAUSE: Duration = Duration::from_millis(10);
@@ -38,7 +38,7 @@ impl Instance {
         self.judge("fmi2DoStep", status)
     }
 
-    /// After a discarded step: whether the slave wants the simulation to end.
+    /// After a discarded step: whether the slave requests the end of the simulation.
     pub fn wants_to_end(&mut self) -> bool {
         let mut value = 0;
         let Some(function) = self.functions().get_boolean_status else { return false };

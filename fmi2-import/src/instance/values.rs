@@ -40,7 +40,7 @@ impl Instance {
         })
     }
 
-    /// Gives a variable a value, as [`Variable::value`] understands it.
+    /// Sets a variable to a value, as [`Variable::value`] converts it.
     ///
     /// # Errors
     /// When the value does not fit the variable's type, or the slave refuses it.
@@ -203,7 +203,7 @@ impl Instance {
         })
     }
 
-    /// Calls a function that takes references and as many values, unless there are none.
+    /// Calls a function that takes references and as many values, unless both are empty.
     #[inline]
     fn exchange(
         &mut self,

@@ -102,7 +102,7 @@ impl ModelDescription {
     }
 }
 
-/// Names are keys: whoever has one twice must mean the same.
+/// Names are keys: equal names must have equal definitions.
 fn consistent<'a, T: PartialEq + Copy>(what: &'static str, named: impl Iterator<Item = (&'a str, T)>) -> Result<()> {
     let mut known = HashMap::new();
     for (name, meaning) in named {
@@ -188,7 +188,7 @@ fn unknowns(root: Node, list: &str, count: usize) -> Result<Vec<Unknown>> {
         .collect()
 }
 
-/// An attribute that says what the FMU can do; a missing one means "no".
+/// An attribute for a capability of the FMU; a missing one means "no".
 fn flag(node: Node, attribute: &str) -> Result<bool> {
     Ok(truth(node, attribute)?.unwrap_or(false))
 }

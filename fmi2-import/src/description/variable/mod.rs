@@ -1,4 +1,4 @@
-//! A variable: its role, when it changes, its type and its range, and what values it takes.
+//! A variable: its causality, variability, type, range, and the values it accepts.
 
 mod values;
 
@@ -62,7 +62,7 @@ pub struct Variable {
     pub causality: Causality,
     /// When its value may change.
     pub variability: Variability,
-    /// How its initial value comes about; `None` where the standard defines none (inputs, independent).
+    /// How its initial value is determined; `None` where the standard defines none (inputs, independent).
     pub initial: Option<Initial>,
     /// Base type with start value, unit and range.
     pub kind: VariableType,
@@ -220,7 +220,7 @@ impl Variable {
         }
     }
 
-    /// Whether a user may set it before initialisation: parameters, inputs, and whatever has a start value that counts.
+    /// Whether a user may set it before initialisation: parameters, inputs, and variables whose start value is used.
     #[must_use]
     pub fn is_settable(&self) -> bool {
         self.variability != Variability::Constant

@@ -4,10 +4,10 @@ use super::{BaseType, Variable};
 use crate::value::{Mismatch, Value, truth, whole};
 
 impl Variable {
-    /// The value a text stands for: a number, `true` or `false` (or 1 and 0), an item's name or number, or the text itself.
+    /// The value of a text: a number, `true` or `false` (or 1 and 0), an item's name or number, or the text itself.
     ///
     /// # Errors
-    /// When it stands for none; says what is needed. No real variable takes NaN.
+    /// When the text has no value of this type; the error says what is expected. No real variable accepts NaN.
     pub fn parse(&self, text: &str) -> Result<Value, Mismatch> {
         let value = match self.base_type() {
             BaseType::Real => text.parse().ok().filter(|value: &f64| !value.is_nan()).map(Value::Real),
@@ -22,11 +22,11 @@ impl Variable {
         value.ok_or_else(|| self.mismatch(text.to_owned()))
     }
 
-    /// A value as one of this variable's type: whole numbers may be written as reals or integers, truth values as 1 and 0,
-    /// items of enumerations by name or number, and texts stand for what [`Variable::parse`] reads in them.
+    /// A value as one of this variable's type. Whole numbers may be given as reals or integers, truth values as 1 and 0,
+    /// items of enumerations by name or number; a text is read by [`Variable::parse`].
     ///
     /// # Errors
-    /// When it does not fit the type; says what is needed.
+    /// When it does not fit the type; the error says what is expected.
     pub fn value(&self, given: &Value) -> Result<Value, Mismatch> {
         let number = match given {
             Value::Text(text) => return self.parse(text),
