@@ -2,10 +2,10 @@
 
 use crate::names::number;
 
-/// The communication points `start + i·step`, computed (never accumulated), and `stop` as the last one. When the
-/// duration is no multiple of the step, the last step is shorter.
+/// The communication points `start + i·step`, computed and never accumulated, and `stop` as the last one. When the
+/// duration is not a multiple of the step, the last step is shorter.
 ///
-/// Where start and step are decimal fractions, so are all points: the one after three steps of 0.1 ms is the number
+/// If start and step are decimal fractions, so are all points: the point after three steps of 0.1 ms is the number
 /// nearest to 0.0003, not `3.0 * 1e-4` (which is 0.00030000000000000003).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeGrid {
@@ -72,16 +72,16 @@ pub enum GridError {
 }
 
 impl TimeGrid {
-    /// A duration counts as a multiple of the step if it is one up to this fraction of a step (per step): decimal
+    /// A duration counts as a multiple of the step if the deviation is at most this fraction of a step (per step): decimal
     /// fractions such as 1e-4 are not exact in binary.
     const ROUNDING: f64 = 1e-9;
-    /// A time counts as a communication point if it misses it by up to this fraction of a step.
+    /// A time counts as a communication point if the deviation is at most this fraction of a step.
     const POINT_ROUNDING: f64 = 1e-6;
 
     /// The grid from `start` to `stop` with steps of `step` (all in s).
     ///
     /// # Errors
-    /// When the step is not positive, the stop time not behind the start time, or time would not advance.
+    /// When the step is not positive, the stop time is not after the start time, or time would not advance.
     pub fn new(start: f64, stop: f64, step: f64) -> Result<Self, GridError> {
         if !(step > 0.0 && step.is_finite()) {
             return Err(GridError::Step(step));
@@ -119,7 +119,7 @@ impl TimeGrid {
         self.stop
     }
 
-    /// Size in s of every step but perhaps the last.
+    /// Size in s of every step, except perhaps the last.
     #[must_use]
     pub fn step(&self) -> f64 {
         self.step
@@ -147,8 +147,8 @@ impl TimeGrid {
         [self.time(index), self.stop].into_iter().find(|&point| near(point))
     }
 
-    /// Size of step `index`: always the same bits, so that slaves can reuse what they computed for it, except for a
-    /// shorter last step.
+    /// Size of step `index`. Apart from a shorter last step it always has the same bits, so that slaves can reuse what they
+    /// computed for it.
     #[must_use]
     pub fn size(&self, index: u64) -> f64 {
         if index + 1 == self.steps && self.has_shorter_last_step() { self.stop - self.time(index) } else { self.step }

@@ -1,4 +1,4 @@
-//! Misspelt names: what the user may have meant; and names that are free.
+//! Suggestions for misspelt names, and unused names.
 
 /// "; did you mean …?", or nothing.
 #[must_use]
@@ -9,7 +9,7 @@ pub fn suggestion(similar: &[String]) -> String {
     }
 }
 
-/// The same, and what else there is to say, as a sentence of its own behind a question.
+/// The same, with a further sentence behind the question.
 #[must_use]
 pub fn suggestion_and(similar: &[String], rest: &str) -> String {
     if similar.is_empty() {
@@ -28,15 +28,16 @@ fn alternatives(names: &[String]) -> String {
     }
 }
 
-/// A number as people write it: the shortest digits that read back, with an exponent where it is very large or small.
+/// A number in the usual notation: the fewest digits that read back, with an exponent if it is very large or small.
 #[must_use]
 pub fn number(value: f64) -> String {
     let text = format!("{value:?}");
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// The candidates that come closest to a misspelt name, best first; none if none is close. Nobody misspells a name of
-/// hundreds of letters, and comparing two of them takes their product in time.
+/// The candidates that are closest to a misspelt name, best first; empty if none is close. Names of
+/// hundreds of letters are not compared, because the time of a comparison is proportional to the product of the two
+/// lengths.
 #[must_use]
 pub fn closest<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     const SHOWN: usize = 3;
@@ -65,7 +66,7 @@ pub fn best<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Opti
     closest(wanted, candidates).first().map(ToString::to_string)
 }
 
-/// Adds "did you mean" to serde's message about an unknown name, which quotes the name and then every known one in
+/// Adds "did you mean" to serde's message about an unknown name, which quotes the name and then every valid one in
 /// backticks.
 #[must_use]
 pub fn with_suggestion(message: &str) -> String {

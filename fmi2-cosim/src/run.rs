@@ -1,4 +1,4 @@
-//! One run of a [`System`]: completes how to run it, runs it, tells an [`Observer`] what happens, and says what came out.
+//! One run of a [`System`]: completes the options, runs it, calls an [`Observer`], and returns the results.
 
 use std::time::{Duration, Instant};
 
@@ -42,19 +42,19 @@ pub enum RunError {
     Interval(f64),
 }
 
-/// Follows a run from the start values to the last row, and may have remarks for the user. It gets rows as any [`Sink`]
-/// does.
+/// Follows a run from the start values to the last row, and may return remarks for the user. It receives rows like any
+/// [`Sink`].
 pub trait Observer: Sink {
-    /// The components are initialised; rows with these columns follow. Returns what the user should know.
+    /// Called when the components are initialised; rows with these columns follow. Returns remarks for the user.
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String>;
 
-    /// Whether it needs this column at every step, however few rows are written: then it gets that in
-    /// [`Sink::between`], too. Asked after [`Observer::begin`].
+    /// Whether it needs this column at every step, however few rows are written. It then receives the column in
+    /// [`Sink::between`], too. Called after [`Observer::begin`].
     fn follows(&self, _column: &Column) -> bool {
         false
     }
 
-    /// The last row has come. Returns what the user should know.
+    /// Called after the last row. Returns remarks for the user.
     fn conclude(&mut self) -> Vec<String>;
 }
 
@@ -69,7 +69,7 @@ impl Observer for () {
     }
 }
 
-/// What came out of a run.
+/// The results of a run.
 #[derive(Debug)]
 pub struct Results {
     /// Wall time of the steps.
@@ -80,29 +80,29 @@ pub struct Results {
     pub last: Vec<f64>,
     /// The outputs that are texts, which rows do not have: names and last values.
     pub texts: Vec<(String, String)>,
-    /// What the user should know: remarks of the description's reader, of the master, of the observer.
+    /// Remarks for the user, from the description's reader, the master and the observer.
     pub remarks: Vec<String>,
-    /// If a component ended the simulation, which is no error: it knows that its own is over.
+    /// Set if a component ended the simulation, which is not an error.
     pub ended: Option<Ended>,
 }
 
-/// That a component ended the simulation.
+/// The early end of a simulation by a component.
 #[derive(Debug)]
 pub struct Ended {
     /// How far it got, in s.
     pub time: f64,
     /// The component.
     pub component: String,
-    /// What the FMU says.
+    /// The status of the FMU.
     pub source: CallError,
 }
 
 impl Run {
-    /// Completes what is wanted with the default experiment of the system's first FMU, and that with 0 s to 5 s in
+    /// Completes these options with the default experiment of the system's first FMU, and that with 0 s to 5 s in
     /// steps of 0.1 ms and rows 1 ms apart.
     ///
     /// # Errors
-    /// When that cannot be run.
+    /// When they cannot be run.
     pub fn of(wanted: &RunOptions, system: &System) -> Result<Self, RunError> {
         let suggested =
             system.components.first().map(|(_, fmu)| fmu.description().default_experiment).unwrap_or_default();
@@ -118,11 +118,12 @@ impl Run {
     }
 
     /// Initialises the master, which comes from the system and records `columns`, and steps it over the grid. Rows go to
-    /// `rows` and `observer`, and to both what the observer follows between two of them; `progress` hears how many steps are
-    /// done.
+    /// `rows` and `observer`. Between rows both get the columns that the observer follows. `progress` is called with the
+    /// number of completed
+    /// steps.
     ///
     /// # Errors
-    /// When an FMU refuses, or a row cannot be kept.
+    /// When an FMU refuses, or a row cannot be stored.
     pub fn execute(
         &self,
         system: &System,
@@ -156,7 +157,7 @@ impl Run {
         Ok(Results { wall_time, steps: master.steps(), last: last.values, texts, remarks, ended })
     }
 
-    /// What to say about rows that are not equally spaced: they are taken at communication points only.
+    /// A remark on rows that are not equally spaced: they are taken at communication points only.
     fn uneven_rows(&self) -> Option<String> {
         let steps = self.interval / self.grid.step();
         let is_multiple = (steps - steps.round()).abs() <= 1e-6 * steps.max(1.0);
@@ -174,7 +175,7 @@ impl Run {
 /// The communication points from `start` s to `stop` s, `step` s apart.
 ///
 /// # Errors
-/// When there are none.
+/// When there are none between these times.
 pub fn grid(start: f64, stop: f64, step: f64) -> Result<TimeGrid, RunError> {
     let grid = TimeGrid::new(start, stop, step)?;
     if step > (stop - start) * (1.0 + 1e-9) {
@@ -183,7 +184,7 @@ pub fn grid(start: f64, stop: f64, step: f64) -> Result<TimeGrid, RunError> {
     Ok(grid)
 }
 
-/// What to say about FMUs that were given together but share no signal.
+/// Remarks on FMUs that run together but share no signal.
 fn unconnected(master: &Master) -> Vec<String> {
     let names: Vec<_> = master.names().collect();
     if names.len() < 2 {

@@ -4,7 +4,7 @@ use fmi2_import::{Mismatch, Value, Variable};
 
 use crate::grid::TimeGrid;
 
-/// How a signal goes on from one point to the next.
+/// How a signal continues from one point to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// It keeps the value of the last point and jumps at the next one.
@@ -13,13 +13,13 @@ pub enum Shape {
     Linear,
 }
 
-/// A value over time, given by points. Before the first point it has the first point's value, after the last one the
+/// A value over time, given by points. Before the first point it has the first point's value, after the last point the
 /// last one's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     shape: Shape,
     points: Vec<(f64, f64)>,
-    /// Points whose values are names, by their indices: what they stand for, the variable knows.
+    /// Points whose values are names, by their indices; the variable defines their values.
     names: Vec<(usize, String)>,
 }
 
@@ -32,7 +32,7 @@ pub enum Level {
     Name(String),
 }
 
-/// Why points make no signal.
+/// Why points do not define a signal.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SignalError {
@@ -82,8 +82,9 @@ impl Signal {
         Ok(Self { shape, points, names: Vec::new() })
     }
 
-    /// The same with names of an enumeration's items among the values. It has values once the variable is known, see
-    /// [`Signal::of`].
+    /// The same with names of an enumeration's items among the values. [`Signal::of`] replaces the names by values once the
+    /// variable is
+    /// known.
     ///
     /// # Errors
     /// As [`Signal::new`].
@@ -100,10 +101,10 @@ impl Signal {
         Ok(Self { names, ..Self::new(shape, points)? })
     }
 
-    /// The signal as values of a variable, which says what names mean.
+    /// The signal as values of a variable, which defines the meaning of names.
     ///
     /// # Errors
-    /// When the variable has no item of a name.
+    /// When the variable has no item with one of the names.
     pub fn of(&self, variable: &Variable) -> Result<Self, Mismatch> {
         let mut signal = Self { names: Vec::new(), ..self.clone() };
         for (index, name) in &self.names {
@@ -155,8 +156,8 @@ impl Signal {
             && self.points.windows(2).any(|pair| pair[0].1 != pair[1].1 && pair[0].0 < pair[1].0)
     }
 
-    /// Moves points that miss a communication point by rounding only onto it. Returns the times of the jumps that lie
-    /// between communication points: a master sees them at the next one.
+    /// Moves points that miss a communication point only by rounding onto it. Returns the times of the jumps that are
+    /// between communication points; a master applies them at the next one.
     pub fn snap(&mut self, grid: &TimeGrid) -> Vec<f64> {
         for (time, _) in &mut self.points {
             if let Some(point) = grid.point_at(*time) {

@@ -1,7 +1,7 @@
-//! What is to be co-simulated, wherever it was described: on the command line, in a scenario file, in an archive.
+//! A system to be co-simulated, whether it is described on the command line, in a scenario file or in an archive.
 //!
-//! A [`System`] is the seam between descriptions and the master: whoever reads a description makes one, and
-//! [`System::master`] makes it run.
+//! A [`System`] is the interface between descriptions and the master: every reader of a description makes one, and
+//! [`System::master`] makes the master that runs it.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,24 +12,24 @@ use crate::signal::Signal;
 use crate::wiring::{Terminal, Wire, Wiring};
 use fmi2_import::{Fmu, Value, Variable};
 
-/// Components, what connects them, what is set, and how to run them.
+/// Components, their connections, settings, and the options of a run.
 #[derive(Clone)]
 pub struct System {
-    /// What it is, in a few words.
+    /// A short title.
     pub title: Option<String>,
-    /// What it shows, in sentences, or an empty text.
+    /// A description in sentences, or an empty text.
     pub description: String,
     /// The FMUs under unique names, in the order in which they run.
     pub components: Vec<(String, Fmu)>,
     /// How they are connected.
     pub connections: Connections,
-    /// Values for single variables. Whatever else sets one of them goes before.
+    /// Values for single variables. Every other setting of the same variable takes precedence.
     pub values: Vec<Located<(Terminal, Value)>>,
-    /// Values for parameters and free inputs; the later of two for one variable holds.
+    /// Values for parameters and free inputs; of two values for one variable the later one applies.
     pub settings: Vec<Located<Setting>>,
     /// Free inputs (`name` or `Component.name`) that change over time.
     pub inputs: Vec<Located<(String, Signal)>>,
-    /// What the user sets instead of all that.
+    /// Settings of the user, which override all others.
     pub overrides: Vec<Setting>,
     /// Remarks of the description's reader, for the user.
     pub remarks: Vec<String>,
@@ -46,7 +46,7 @@ pub enum Connections {
     Explicit(Vec<Wire>),
 }
 
-/// A part of a description, and where it stands there.
+/// A part of a description, and its place there.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Located<T> {
     /// The part.
@@ -70,7 +70,8 @@ impl fmt::Display for SourceLine {
     }
 }
 
-/// How to run a system. What is `None` is left to the first FMU's default experiment, or the tool.
+/// The options of a run. If one is `None`, it is taken from the first FMU's default experiment, or from the tool's
+/// defaults.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RunOptions {
     /// Start time in s.
@@ -87,7 +88,7 @@ pub struct RunOptions {
     pub interval: Option<f64>,
 }
 
-/// Whether an FMU can be asked for this relative tolerance.
+/// Whether this value can be passed to an FMU as relative tolerance.
 #[must_use]
 pub fn is_tolerance(value: f64) -> bool {
     value.is_finite() && value > 0.0
@@ -103,9 +104,9 @@ pub enum SystemError {
     /// A value cannot be set.
     #[error("{}{source}", .place.as_ref().map(|place| format!("{place}: ")).unwrap_or_default())]
     Setting {
-        /// Where it stands.
+        /// Its place.
         place: Option<SourceLine>,
-        /// What is wrong with it.
+        /// The fault.
         source: Box<SettingError>,
     },
 }
@@ -137,8 +138,9 @@ impl System {
         })
     }
 
-    /// Instantiates and connects the components, sets what is to be set; next comes [`Master::initialize`]. Whatever the
-    /// descriptions tell is checked before any code of an FMU runs.
+    /// Instantiates and connects the components, and applies the settings; [`Master::initialize`] comes next. Everything in
+    /// the
+    /// descriptions is checked before any code of an FMU runs.
     ///
     /// # Errors
     /// When an FMU refuses, connections are ambiguous, or there is no such variable.
@@ -168,7 +170,7 @@ impl System {
         Ok(master)
     }
 
-    /// Whether everything that is to be set can be, as far as the descriptions tell.
+    /// Checks, from the descriptions alone, that all settings can be applied.
     fn check(&self, drafts: &[Draft]) -> Result<(), SystemError> {
         for Located { item: (Terminal { component, variable }, value), place } in &self.values {
             settings::check_one((*component, *variable), value, drafts).map_err(failure(place.as_ref()))?;
@@ -187,7 +189,7 @@ impl System {
     }
 }
 
-/// Makes an error of a setting that stands there.
+/// Makes an error of a setting at this place.
 fn failure(place: Option<&SourceLine>) -> impl FnOnce(SettingError) -> SystemError {
     move |source| SystemError::Setting { place: place.cloned(), source: Box::new(source) }
 }

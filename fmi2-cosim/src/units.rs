@@ -1,4 +1,4 @@
-//! Units: when values in one unit can become values in another, and how.
+//! Units: which ones can be converted to each other, and how.
 
 use std::collections::HashMap;
 
@@ -13,11 +13,11 @@ pub struct Conversion {
     divisor: f64,
 }
 
-/// Why values in one unit cannot become values in another.
+/// Why values cannot be converted from one unit to another.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum UnitMismatch {
-    /// They measure different things.
+    /// They measure different quantities.
     #[error("{from} cannot be converted to {to}: their base units differ")]
     Dimension {
         /// The unit of the values.
@@ -25,7 +25,7 @@ pub enum UnitMismatch {
         /// The wanted unit.
         to: String,
     },
-    /// A factor or an offset by which nothing can be converted.
+    /// A factor or an offset that allows no conversion.
     #[error("the definition of the unit {0} has a factor of zero, or a factor or an offset that is not finite")]
     Definition(String),
 }
@@ -34,7 +34,7 @@ impl Conversion {
     /// From values in `from` to values in `to`; `None` if they are equal. A difference of values has no offset.
     ///
     /// # Errors
-    /// When the units measure different things, or cannot be used.
+    /// When the units measure different quantities, or cannot be used.
     pub fn between(from: &Unit, to: &Unit, are_differences: (bool, bool)) -> Result<Option<Self>, UnitMismatch> {
         if from.exponents != to.exponents {
             return Err(UnitMismatch::Dimension { from: from.name.clone(), to: to.name.clone() });
@@ -57,7 +57,7 @@ impl Conversion {
     }
 }
 
-/// The units of a description that say what they are in base units, by name.
+/// The units of a description that are defined in base units, by name.
 #[derive(Debug, Clone, Default)]
 pub struct Units<'a>(HashMap<&'a str, &'a Unit>);
 
@@ -86,10 +86,10 @@ impl<'a> Units<'a> {
     }
 
     /// A number in a unit as the value of a variable: in the variable's own unit, its display units, or any unit of the
-    /// same description that measures the same. `None` if the unit is not known.
+    /// same description for the same quantity. `None` if the unit is not known.
     ///
     /// # Errors
-    /// When the unit measures something else.
+    /// When the unit measures another quantity.
     #[must_use]
     pub fn value_for(&self, variable: &Variable, number: f64, unit: &str) -> Option<Result<f64, UnitMismatch>> {
         let VariableType::Real(real) = &variable.kind else { return None };

@@ -1,8 +1,10 @@
-//! Connections between components: who offers a signal, who wants it, what may be connected.
+//! Connections between components: outputs, the inputs that they drive, and the rules for a valid connection.
 //!
-//! There is one rule, for connections by name and for those that a file describes ([`fit`]): a signal keeps its type, but
-//! integers also become reals, and integers and items of enumerations each other; reals are converted between units that
-//! measure the same.
+//! The rules ([`fit`]) are the same for connections by name and for those that a file describes. A signal keeps its type,
+//! except that
+//! integers may drive reals, and integers and items of enumerations may drive each other. Reals are converted between units
+//! of the
+//! same quantity.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -18,7 +20,7 @@ pub struct Wire {
     pub from: Terminal,
     /// The input.
     pub to: Terminal,
-    /// What becomes of the values on their way; `None` if they stay as they are.
+    /// The conversion of its values; `None` if they are passed unchanged.
     pub conversion: Option<Conversion>,
 }
 
@@ -31,7 +33,7 @@ pub struct Terminal {
     pub variable: usize,
 }
 
-/// Connections, and what the user should know about them.
+/// Connections, and remarks on them for the user.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Wiring {
     /// The connections.
@@ -44,19 +46,19 @@ pub struct Wiring {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WiringError {
-    /// Two components offer what a third one wants.
+    /// Two components have an output with the name of a third one's input.
     #[error("both {first} and {second} offer \"{name}\", which {wanting} wants; only one of them can be connected")]
     Ambiguous {
         /// Name of the signal.
         name: String,
-        /// One component that offers it.
+        /// One component with this output.
         first: String,
         /// Another one.
         second: String,
-        /// The component that wants it.
+        /// The component with this input.
         wanting: String,
     },
-    /// An output and an input have one name, but one cannot feed the other.
+    /// An output and an input have the same name, but the output cannot drive the input.
     #[error("{from} and {to} have one name but cannot be connected: {source}; connect them in an SSP, or rename one")]
     Misfit {
         /// The output, `Component.name`.
@@ -68,11 +70,11 @@ pub enum WiringError {
     },
 }
 
-/// Why an output cannot feed an input.
+/// Why an output cannot drive an input.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Misfit {
-    /// Values of one type do not become values of the other.
+    /// Values of one type cannot be converted to the other.
     #[error("one is {from:?}, the other {to:?}")]
     Types {
         /// Type of the output.
@@ -80,7 +82,7 @@ pub enum Misfit {
         /// Type of the input.
         to: BaseType,
     },
-    /// This tool connects no texts.
+    /// This tool does not connect strings.
     #[error("this tool connects no texts")]
     Text,
     /// Units that do not fit.
@@ -91,7 +93,7 @@ pub enum Misfit {
 /// A variable with the units of its description.
 pub type InUnits<'a> = (&'a Variable, &'a Units<'a>);
 
-/// What is doubtful about a connection of reals: nobody says what their units are.
+/// A doubt about a connection of reals: their units are not defined.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Doubt {
     /// Two names, of which at least one is not defined in base units.
@@ -143,10 +145,10 @@ impl Doubts {
     }
 }
 
-/// How values get from an output to an input, and what is doubtful about that.
+/// The conversion of values from an output to an input, and doubts about it.
 ///
 /// # Errors
-/// When they cannot.
+/// When the output cannot drive the input.
 pub fn fit(from: InUnits, to: InUnits) -> Result<(Option<Conversion>, Option<Doubt>), Misfit> {
     use BaseType::{Boolean, Enumeration, Integer, Real, String};
     match (from.0.base_type(), to.0.base_type()) {
@@ -177,7 +179,7 @@ fn is_difference(variable: &Variable) -> bool {
 /// Connects every input to the output of the same name of another component. Inputs without such an output stay free.
 ///
 /// # Errors
-/// When two outputs could feed one input, or an output of the same name cannot feed it.
+/// When two outputs have the name of one input, or an output of the same name cannot drive it.
 pub fn wire_by_name(components: &[(&str, &ModelDescription)]) -> Result<Wiring, WiringError> {
     let units: Vec<_> = components.iter().map(|(_, description)| Units::of(description)).collect();
     let mut offers: HashMap<&str, Vec<Terminal>> = HashMap::new();

@@ -1,9 +1,9 @@
-//! Result files that appear whole or not at all.
+//! Result files that appear complete or not at all.
 //!
-//! A [`NewFile`] is written beside its destination and moved there in the end; a [`FileSet`] does so for files that
-//! belong together. Links are followed, so what a link points to is renewed and the link stays; permissions and owner of
-//! a file that is renewed stay; pipes and devices are written to, never replaced. When the process is about to end
-//! early, [`abandon`] removes what is under construction; when it ended without that, another process does so by
+//! A [`NewFile`] is written beside its destination and moved there at the end; a [`FileSet`] does the same for files that
+//! belong together. Links are followed: the target of a link is replaced and the link stays. A replaced file
+//! keeps its permissions and owner. Pipes and devices are written to, never replaced. When the process is about to end
+//! early, [`abandon`] removes unfinished files; if it has ended without that, another process removes them with
 //! [`clean_up_after`].
 
 mod place;
@@ -32,8 +32,8 @@ pub struct WriteError {
     pub source: io::Error,
 }
 
-/// A file under construction. It is written beside its destination and moved there by [`NewFile::finish`]; dropped
-/// before that, it leaves no trace.
+/// An unfinished file. It is written beside its destination and moved there by [`NewFile::finish`]. If it is dropped
+/// before that, nothing remains.
 #[derive(Debug)]
 pub struct NewFile {
     path: PathBuf,
@@ -140,10 +140,10 @@ pub fn has_extension(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }
 
-/// The text of a file that is nothing else (a pipe would never end) and has a reasonable size.
+/// The text of a regular file of reasonable size. (A pipe would never end.)
 ///
 /// # Errors
-/// When it is not, or cannot be read.
+/// When it is not such a file, or cannot be read.
 pub fn read_text(path: &Path) -> io::Result<String> {
     const MAX_BYTES: u64 = 64 << 20;
     let mut text = String::new();

@@ -1,11 +1,11 @@
-//! What a path given for output means.
+//! The meaning of a path given for output.
 
 use std::fs::{self, File, OpenOptions};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// Where output goes.
+/// The destination of output.
 pub(super) enum Place {
     /// A file, which need not be there yet: an absolute path without a link at its end.
     File(PathBuf),
@@ -13,29 +13,30 @@ pub(super) enum Place {
     Stream(File),
 }
 
-/// More links than this one after the other are a circle.
+/// The largest number of links in a row; more are treated as a circle.
 const LINKS: usize = 40;
 
 static CURRENT_FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
 
-/// From now on relative paths count from the folder that is the current one now, and new files have the permissions that
-/// they would have now, whatever a loaded library does to either. To be called before threads are started.
+/// Stores the current folder and the umask. From now on relative paths count from this folder, and new files have the
+/// permissions of this
+/// umask, whatever a loaded library changes. Call it before threads are started.
 pub fn remember_surroundings() {
     CURRENT_FOLDER.get_or_init(|| std::env::current_dir().ok());
     #[cfg(unix)]
     UMASK.get_or_init(|| {
-        // The system tells the mask only when it is given another one.
+        // The system returns the mask only when another one is set.
         let mask = rustix::process::umask(rustix::fs::Mode::RWXG | rustix::fs::Mode::RWXO);
         rustix::process::umask(mask);
         mask
     });
 }
 
-/// Which permissions new files of this process do not have; see [`remember_surroundings`].
+/// The permissions that new files of this process lack; see [`remember_surroundings`].
 #[cfg(unix)]
 static UMASK: OnceLock<rustix::fs::Mode> = OnceLock::new();
 
-/// Makes new files have the permissions that the user wants.
+/// Restores the umask, so that new files have the user's usual permissions.
 pub(super) fn usual_permissions() {
     #[cfg(unix)]
     if let Some(mask) = UMASK.get() {
@@ -58,7 +59,7 @@ pub fn is_standard_output(path: &Path) -> bool {
     matches!(follow(path), Ok(End::Descriptor(Some(1), _)))
 }
 
-/// Whether both paths mean one file, under whatever names; not if it is not there.
+/// Whether both paths mean the same existing file, also under different names.
 #[must_use]
 pub fn are_same(one: &Path, other: &Path) -> bool {
     let (one, other) = (absolute(one), absolute(other));
@@ -75,7 +76,7 @@ pub fn are_same(one: &Path, other: &Path) -> bool {
 impl Place {
     pub(super) fn of(path: &Path) -> io::Result<Self> {
         let target = match follow(path)? {
-            // Opening their names would start a file that is already half written from its beginning.
+            // Opening it by name would overwrite the file from its beginning, although it is already half written.
             End::Descriptor(Some(1), _) => return own_stream(io::stdout()).map(Self::Stream),
             End::Descriptor(Some(2), _) => return own_stream(io::stderr()).map(Self::Stream),
             End::Descriptor(_, path) => {
@@ -101,7 +102,7 @@ fn own_stream(stream: impl std::os::windows::io::AsHandle) -> io::Result<File> {
     stream.as_handle().try_clone_to_owned().map(File::from)
 }
 
-/// The file under a number that code does not close which closes files it did not open: those are the first ones.
+/// The file under a high number. Code that closes files that it did not open closes those with low numbers.
 #[cfg(unix)]
 pub(super) fn out_of_the_way(file: File) -> File {
     const LEAST: i32 = 100;
@@ -116,7 +117,7 @@ pub(super) fn out_of_the_way(file: File) -> File {
     file
 }
 
-/// Where links lead to.
+/// The end of a chain of links.
 enum End {
     Path(PathBuf),
     /// An open file of a process, by its entry in `/proc` or `/dev/fd`; with its number if the process is this one.

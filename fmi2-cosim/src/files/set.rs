@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use super::under_construction::{Part, appear_together};
 use super::{Destination, NewFile, WriteError};
 
-/// Files that belong together: all of them appear at their places, or none. Dropped, it leaves no trace.
+/// Files that belong together: all of them appear at their places, or none. If the set is dropped, nothing remains.
 #[derive(Debug, Default)]
 pub struct FileSet {
     parts: Mutex<Vec<(PathBuf, Part)>>,
@@ -32,7 +32,7 @@ impl FileSet {
         self.add(file)
     }
 
-    /// Adds a file that is written. A pipe or a device has its content from now on.
+    /// Adds a complete file. A pipe or a device has its content from now on.
     ///
     /// # Errors
     /// When not everything could be written.
@@ -54,7 +54,7 @@ impl FileSet {
     /// Moves all files to their places.
     ///
     /// # Errors
-    /// When one cannot be moved: then all files are as they were before.
+    /// When one cannot be moved. Then all files are unchanged.
     pub fn appear(self) -> Result<(), WriteError> {
         let parts = self.parts.into_inner().unwrap_or_else(PoisonError::into_inner);
         let (paths, parts): (Vec<_>, Vec<_>) = parts.into_iter().unzip();

@@ -1,4 +1,4 @@
-//! Files that are not yet at their places, and what becomes of them when the process must end.
+//! Unfinished files, and their removal when the process must end.
 
 use std::collections::HashMap;
 use std::fs::{self, File, OpenOptions};
@@ -11,8 +11,8 @@ use tempfile::NamedTempFile;
 
 use super::place::{out_of_the_way, usual_permissions};
 
-/// Paths of this process that lead nowhere if it ends now: files under construction, and folders made for them. With each
-/// the entry of the journal that names it, if there is a journal.
+/// Paths of this process that are useless if it ends now: unfinished files, and folders made for them. Each has
+/// the journal entry that names it, if there is a journal.
 type Unfinished = HashMap<PathBuf, Option<PathBuf>>;
 
 static UNFINISHED: Mutex<Option<Unfinished>> = Mutex::new(None);
@@ -23,20 +23,20 @@ fn unfinished() -> MutexGuard<'static, Option<Unfinished>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on this process writes down what it has under construction, in an existing folder, so that another process can
-/// remove it with [`clean_up_after`] if this one ends without a chance to.
+/// From now on this process records its unfinished files in an existing folder, so that another process can
+/// remove them with [`clean_up_after`] if this one ends without doing so.
 pub fn keep_journal(folder: PathBuf) {
     JOURNAL.get_or_init(|| folder);
 }
 
-/// Removes what a process that has ended left under construction, by its journal.
+/// Removes the unfinished files of a process that has ended, by its journal.
 pub fn clean_up_after(journal: &Path) {
     let Ok(entries) = fs::read_dir(journal) else { return };
     let read = |entry: io::Result<fs::DirEntry>| Some(path_of(fs::read(entry.ok()?.path()).ok()?));
     remove(entries.filter_map(read).collect());
 }
 
-/// Adds a path to what is under construction.
+/// Adds an unfinished path.
 fn begun(unfinished: &mut Option<Unfinished>, path: PathBuf) {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let entry = JOURNAL.get().map(|journal| journal.join(NEXT.fetch_add(1, Ordering::Relaxed).to_string()));
@@ -45,7 +45,7 @@ fn begun(unfinished: &mut Option<Unfinished>, path: PathBuf) {
     unfinished.get_or_insert_default().insert(path, entry);
 }
 
-/// Takes a path from what is under construction.
+/// Removes a path from the unfinished ones.
 fn ended(path: &Path) {
     let entry = unfinished().as_mut().and_then(|unfinished| unfinished.remove(path));
     if let Some(Some(entry)) = entry {
@@ -73,9 +73,9 @@ fn path_of(bytes: Vec<u8>) -> PathBuf {
     String::from_utf8_lossy(&bytes).into_owned().into()
 }
 
-/// Removes files, and folders that are empty then.
+/// Removes files, and the folders that are then empty.
 fn remove(mut paths: Vec<PathBuf>) {
-    // What is inside a folder comes before the folder.
+    // The contents of a folder come before the folder.
     paths.sort_unstable_by_key(|path| std::cmp::Reverse(path.components().count()));
     for path in &paths {
         if fs::remove_file(path).is_err() {
@@ -84,8 +84,8 @@ fn remove(mut paths: Vec<PathBuf>) {
     }
 }
 
-/// Removes everything under construction, for a process that is about to end: files stay as they were. Waits for files
-/// that are being moved to their places, and lets none follow.
+/// Removes all unfinished files, for a process that is about to end; existing files stay unchanged. Waits for files
+/// that are being moved to their places, and prevents further moves.
 pub fn abandon() {
     let mut unfinished = unfinished();
     remove(unfinished.take().unwrap_or_default().into_keys().collect());
@@ -93,7 +93,7 @@ pub fn abandon() {
     std::mem::forget(unfinished);
 }
 
-/// A file under construction beside the one it will be.
+/// An unfinished file beside its destination.
 #[derive(Debug)]
 pub(super) struct Part {
     target: PathBuf,
@@ -103,12 +103,12 @@ pub(super) struct Part {
     folders: Folders, // the last one to be dropped: folders can be removed only when they are empty
 }
 
-/// How a part comes to its place.
+/// How a part gets to its place.
 #[derive(Debug)]
 enum Way {
-    /// By taking the name.
+    /// By a rename.
     Rename,
-    /// By its content: the file there has other names too, or is somebody else's, and must stay the same file.
+    /// By its content: the existing file has other names too, or another owner, and must stay the same file.
     Fill(File),
 }
 
@@ -124,11 +124,11 @@ impl Part {
         let folder = target.parent().unwrap_or(Path::new("/")).to_owned();
         let folders = Folders::create(&folder)?;
         let existing = fs::metadata(&target).ok();
-        // Writing must be allowed, although only the folder is asked when a name is taken.
+        // The user must be allowed to write to the file, although a rename only needs the permission of the folder.
         let opened = existing.as_ref().map(|_| OpenOptions::new().write(true).open(&target)).transpose()?;
         let part = match begin(&folder, existing.as_ref()) {
             Ok(part) => part,
-            // An existing file can still be filled where none may be made beside it.
+            // If no file can be created beside it, an existing file can still be filled.
             Err(_) if opened.is_some() => begin(&std::env::temp_dir(), existing.as_ref())?,
             Err(error) => return Err(error),
         };
@@ -225,14 +225,14 @@ fn keep_former(target: &Path, part: &Path) -> Option<PathBuf> {
     fs::hard_link(target, &former).ok().map(|()| former)
 }
 
-/// A new file in a folder, with no more permissions than the one it will stand for.
+/// A new file in a folder, with no more permissions than the file that it replaces.
 fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".").suffix(".part");
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // Of a new file minus the user's umask, as for any other file.
+        // The permissions of a new file, without those in the user's umask, as for any other file.
         let mode = existing.map_or(0o666, |existing| existing.permissions().mode() & 0o666);
         builder.permissions(fs::Permissions::from_mode(mode));
     }
@@ -244,8 +244,8 @@ fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTemp
     Ok(NamedTempFile::from_parts(out_of_the_way(file), path))
 }
 
-/// Whether the part can take the name of this file without anybody noticing: same owner, same permissions, no further
-/// names. Gives it the owner and permissions if it may.
+/// Whether the part can replace this file unnoticed: same owner, same permissions, no further
+/// names. Sets owner and permissions of the part if that is allowed.
 #[cfg(unix)]
 fn can_stand_for(part: &NamedTempFile, existing: &fs::Metadata) -> bool {
     use std::os::unix::fs::{MetadataExt, fchown};

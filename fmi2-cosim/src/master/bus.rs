@@ -74,13 +74,13 @@ pub(crate) struct Buses {
     boolean: Bus<bool>,
     /// Integers that are wanted as reals.
     crossings: Vec<Crossing>,
-    /// Of each component, who has what it wants.
+    /// For each component, the components that drive its inputs.
     sources: Vec<Vec<usize>>,
-    /// Counts the readings.
+    /// Counts the reads.
     clock: u64,
-    /// Of each component, when its outputs were fetched last.
+    /// For each component, when its outputs were last fetched.
     read_at: Vec<u64>,
-    /// Of each component, when it got its inputs: 0 if somebody else may have given it others since.
+    /// For each component, when its inputs were last set; 0 if other code may have set them since.
     written_at: Vec<u64>,
 }
 
@@ -134,7 +134,7 @@ impl Buses {
         self.boolean.read(component, instance)
     }
 
-    /// Hands a component its inputs.
+    /// Sets the inputs of a component.
     #[inline]
     pub(crate) fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
         self.written_at[component] = self.clock;
@@ -143,7 +143,7 @@ impl Buses {
         self.boolean.write(component, instance)
     }
 
-    /// Hands a component its inputs, unless nobody has been read since it got them.
+    /// Sets the inputs of a component, unless no outputs have been read since they were last set.
     #[inline]
     pub(crate) fn refresh(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
         let since = self.written_at[component];
@@ -153,12 +153,12 @@ impl Buses {
         Ok(())
     }
 
-    /// Somebody else may give a component inputs.
+    /// Marks that other code may set the inputs of a component.
     pub(crate) fn forget(&mut self, component: usize) {
         self.written_at[component] = 0;
     }
 
-    /// The signals as they are now, to compare with later.
+    /// The present signals, for a later comparison.
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot(self.real.signals.clone(), self.integer.signals.clone(), self.boolean.signals.clone())
     }
@@ -182,7 +182,7 @@ fn kind(descriptions: &[&ModelDescription], terminal: Terminal) -> Option<Kind> 
     Kind::of(descriptions[terminal.component].variables[terminal.variable].base_type())
 }
 
-/// All wires to inputs of one type. The outputs of each component lie next to each other in `signals`, so one call
+/// All wires to inputs of one type. The outputs of each component are contiguous in `signals`, so one call
 /// fetches them.
 struct Bus<T> {
     signals: Vec<T>,

@@ -1,4 +1,4 @@
-//! The components: their names, what drives their inputs, and what they cannot do together.
+//! The components: their names, the sources of their inputs, and combinations that are impossible.
 
 use std::collections::{HashMap, HashSet};
 
@@ -13,7 +13,7 @@ use fmi2_import::{Fmu, Instance, ModelDescription};
 pub(super) struct Slave {
     pub name: String,
     pub instance: Instance,
-    /// Its inputs that others drive: what drives them.
+    /// Its driven inputs, with the output that drives each.
     pub drivers: HashMap<usize, String>,
 }
 
@@ -29,7 +29,7 @@ impl settings::Target for Slave {
     }
 }
 
-/// A component that is to be, with what drives its inputs.
+/// A component before instantiation, with the outputs that drive its inputs.
 pub(crate) struct Draft<'a> {
     pub(super) name: &'a str,
     pub(super) fmu: &'a Fmu,
@@ -60,10 +60,10 @@ impl settings::Target for Draft<'_> {
     }
 }
 
-/// Whether all components can do the last step of a grid, which may be shorter than the others.
+/// Checks that all components support the last step of a grid, which may be shorter than the others.
 ///
 /// # Errors
-/// When one can only do steps of equal size.
+/// When one supports only steps of equal size.
 pub fn check_steps<'a>(
     components: impl IntoIterator<Item = (&'a str, &'a ModelDescription)>,
     grid: &TimeGrid,
@@ -98,7 +98,7 @@ pub(super) fn check_instances(named: &[(String, Fmu)]) -> Result<(), MasterError
     Ok(())
 }
 
-/// The FMUs under names that tell them apart: their models', with a number from the second of one name on.
+/// The FMUs under unique names: the model's name, with a number from the second FMU of the same model on.
 pub(crate) fn named(fmus: &[Fmu]) -> Vec<(String, Fmu)> {
     let models: HashSet<&str> = fmus.iter().map(|fmu| fmu.description().model_name.as_str()).collect();
     let mut taken: HashSet<String> = HashSet::new();

@@ -1,4 +1,4 @@
-//! How components exchange their signals, and what that is called.
+//! The ways in which components exchange signals, and their names.
 
 use std::fmt;
 
@@ -43,7 +43,7 @@ impl Coupling {
         }
     }
 
-    /// What it means, in one sentence.
+    /// Its meaning, in one sentence.
     #[must_use]
     pub fn summary(self) -> &'static str {
         match self {

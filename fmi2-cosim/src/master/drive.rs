@@ -1,6 +1,6 @@
 //! Inputs that follow signals over time.
 //!
-//! At every communication point an input gets its signal's value there. During the step it is held, unless it is a
+//! At every communication point an input gets the value of its signal. During the step it is held, unless the signal is a
 //! straight line and the FMU can interpolate inputs: then it also gets the slope to the value at the end of the step
 //! (`fmi2SetRealInputDerivatives`, order 1).
 
@@ -17,7 +17,7 @@ pub(crate) struct Drive {
     described: Variable,
     interpolates: bool,
     signal: Signal,
-    /// What the FMU was told last; `None` if it has to be told again.
+    /// The slope that the FMU received last; `None` if it has to be sent again.
     told: Option<f64>,
 }
 
@@ -29,7 +29,7 @@ impl Drive {
         Self { component, variable, described, interpolates, signal, told: None }
     }
 
-    /// Fits the signal to the communication points. Returns what a user should know about that.
+    /// Fits the signal to the communication points. Returns remarks for the user.
     pub fn fit(&mut self, grid: &TimeGrid, name: &str) -> Vec<String> {
         let jumps = self.signal.snap(grid);
         let mut remarks: Vec<String> = jumps
@@ -46,7 +46,7 @@ impl Drive {
         remarks
     }
 
-    /// Gives the FMU the value at `time` and, if it can use it, the slope until `next`. True if anything changed.
+    /// Sets the value at `time` and, if the FMU can use it, the slope until `next`. True if anything changed.
     pub fn apply(&mut self, instance: &mut Instance, time: f64, next: Option<f64>) -> Result<bool, CallError> {
         let value = self.signal.at(time);
         let slope = match next {

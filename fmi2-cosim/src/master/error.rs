@@ -10,7 +10,7 @@ use fmi2_import::CallError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MasterError {
-    /// Equal names do not say what to connect.
+    /// Equal names do not determine the connections.
     #[error(transparent)]
     Wiring(#[from] WiringError),
     /// A call before the first step failed.
@@ -21,17 +21,17 @@ pub enum MasterError {
     Step {
         /// The communication point in s.
         time: f64,
-        /// What the FMU says.
+        /// The error of the FMU.
         source: CallError,
     },
-    /// A component asks for the end of the simulation.
+    /// A component requests the end of the simulation.
     #[error("at t = {} s: {component} asks to end the simulation: {source}", seconds(*.time))]
     Ended {
         /// How far it got, in s.
         time: f64,
         /// The component.
         component: String,
-        /// What the FMU says.
+        /// The status of the FMU.
         source: CallError,
     },
     /// An FMU that one process can have only one instance of is there more than once.

@@ -1,11 +1,12 @@
 //! The co-simulation master: steps any set of FMUs together and exchanges their signals.
 //!
-//! Components are connected by equal names ([`wire_by_name`](crate::wiring::wire_by_name)). Two ways to exchange:
+//! Components are connected by equal names ([`wire_by_name`](crate::wiring::wire_by_name)). There are two ways to exchange
+//! signals:
 //!
-//! * [`Coupling::Jacobi`]: read every output, set every input, step everybody. No component sees another one's new
+//! * [`Coupling::Jacobi`]: read all outputs, set all inputs, step all components. No component receives another one's new
 //!   outputs before the next communication point: the commands of a controller reach the plant one step late.
-//! * [`Coupling::GaussSeidel`]: one component after the other gets the newest outputs, steps and publishes its own. A
-//!   controller after its plant computes its commands from the plant's outputs at the same instant: no delay.
+//! * [`Coupling::GaussSeidel`]: one component after the other receives the newest outputs, steps and publishes its own. A
+//!   controller after its plant computes its commands from the plant's outputs at the same instant, without delay.
 //!
 //! ```no_run
 //! use fmi2_import::Fmu;
@@ -77,35 +78,37 @@ pub struct Master {
     recording: Recording,
     /// Steps of the run that are done.
     steps: u64,
-    /// Inputs are already those of the current communication point. Exchanging a second time would give a Jacobi
-    /// coupling the commands it must see one step later.
+    /// Inputs already belong to the current communication point. A second exchange would give a Jacobi
+    /// coupling the commands that it must receive one step later.
     exchanged: bool,
 }
 
 impl Master {
-    /// Instantiates the FMUs under their model's names and connects equal names. The order counts for
+    /// Instantiates the FMUs under their model's names and connects equal names. The order matters for
     /// [`Coupling::GaussSeidel`].
     ///
     /// # Errors
-    /// When an FMU refuses to be instantiated, can be only once and is there twice, or equal names do not say what to
-    /// connect.
+    /// When an FMU refuses to be instantiated, is given twice although it can be instantiated only once, or equal names do
+    /// not
+    /// determine the connections.
     pub fn new(fmus: &[Fmu], coupling: Coupling) -> Result<Self, MasterError> {
         let named = named(fmus);
         let Wiring { wires, remarks } = wires_by_name(&named)?;
         Ok(Self { remarks, ..Self::with_wires(&named, wires, coupling)? })
     }
 
-    /// Instantiates the FMUs under these names and connects them as `wires` says. The order counts for
+    /// Instantiates the FMUs under these names and connects them by `wires`. The order matters for
     /// [`Coupling::GaussSeidel`].
     ///
     /// # Errors
-    /// When an FMU refuses to be instantiated, or can be only once and is there twice.
+    /// When an FMU refuses to be instantiated, or is given twice although it can be instantiated only once.
     ///
     /// # Panics
-    /// When a wire names a component or a variable that is not there.
+    /// When a wire names a component or a variable that does not exist.
     pub fn with_wires(named: &[(String, Fmu)], wires: Vec<Wire>, coupling: Coupling) -> Result<Self, MasterError> {
         check_instances(named)?;
-        // All libraries before the first instance: one that cannot be loaded stops everything before any has begun to work.
+        // All libraries are loaded before the first instance is made: a library that cannot be loaded is reported before
+        // any FMU has begun to work.
         for (_, fmu) in named {
             fmu.load().map_err(|source| CallError::Load(Box::new(source)))?;
         }
@@ -156,10 +159,10 @@ impl Master {
         &mut self.components[component].instance
     }
 
-    /// Sets a variable before initialisation. An input that was to follow a signal keeps this value instead.
+    /// Sets a variable before initialisation. An input that was set to follow a signal keeps this value instead.
     ///
     /// # Errors
-    /// When there is no such variable, it is not the user's to set, the value does not fit or the FMU refuses it.
+    /// When there is no such variable, it must not be set by the user, the value does not fit or the FMU refuses it.
     pub fn apply(&mut self, setting: &Setting) -> Result<(), SettingError> {
         for (place, value) in settings::check(setting, &self.components)? {
             self.set(place, value)?;
@@ -170,7 +173,7 @@ impl Master {
     /// Sets one variable before initialisation, as [`Master::apply`] does.
     ///
     /// # Errors
-    /// When it is not the user's to set, the value does not fit or the FMU refuses it.
+    /// When it must not be set by the user, the value does not fit or the FMU refuses it.
     ///
     /// # Panics
     /// When there is no such component or variable.
@@ -193,7 +196,7 @@ impl Master {
         Ok(())
     }
 
-    /// What [`Master::apply`] has set, in its order.
+    /// The settings that [`Master::apply`] has made, in their order.
     pub fn settings(&self) -> impl Iterator<Item = Applied<'_>> {
         self.settings.iter().map(|((component, variable), value)| {
             let Slave { name: component, instance, .. } = &self.components[*component];
@@ -202,12 +205,12 @@ impl Master {
         })
     }
 
-    /// Lets an input (`name`, in every component where it is free, or `Component.name`) follow a signal over time, from
-    /// [`Master::initialize`] on. It has the signal's value at every communication point; between them it is held or, on
-    /// a straight line and if the FMU can interpolate inputs, follows the line.
+    /// Makes an input (`name`, in every component where it is free, or `Component.name`) follow a signal over time, from
+    /// [`Master::initialize`] on. It has the signal's value at every communication point. Between them it is held. On
+    /// a straight line it follows the line instead, if the FMU can interpolate inputs.
     ///
     /// # Errors
-    /// When there is no such variable or it is no free input.
+    /// When there is no such variable or it is not a free input.
     pub fn drive(&mut self, target: &str, signal: &Signal) -> Result<(), SettingError> {
         for place in settings::meant(target, &self.components, |component, index| {
             settings::obstacle_to_driving(component, index, signal)
@@ -221,13 +224,13 @@ impl Master {
         Ok(())
     }
 
-    /// Gives every component this relative tolerance, from [`Master::initialize`] on, instead of the one of its own
+    /// Sets this relative tolerance in every component, from [`Master::initialize`] on, instead of that of its
     /// default experiment.
     pub fn set_tolerance(&mut self, tolerance: f64) {
         self.tolerance = Some(tolerance);
     }
 
-    /// Adds what a user should hear with the warnings of the run.
+    /// Adds remarks for the user to the warnings of the run.
     pub fn remark(&mut self, remarks: impl IntoIterator<Item = String>) {
         self.remarks.extend(remarks);
     }
@@ -238,7 +241,7 @@ impl Master {
         self.steps
     }
 
-    /// What a user should know about the run, apart from errors; known after [`Master::initialize`], and more of it after
+    /// Warnings of the run for the user; available after [`Master::initialize`], and more of them after
     /// [`Master::run`].
     #[must_use]
     pub fn warnings(&self) -> &[String] {
@@ -252,16 +255,16 @@ impl Master {
         columns
     }
 
-    /// Has those of the recorded columns read at every communication point, however few rows there are: between two rows
-    /// they go to [`Sink::between`](crate::record::Sink::between). [`Master::record`] forgets it.
+    /// Reads these recorded columns at every communication point, however few rows there are. Between two rows
+    /// they are passed to [`Sink::between`](crate::record::Sink::between). [`Master::record`] resets this selection.
     ///
     /// # Panics
-    /// When there are not as many of them as columns.
+    /// When their number is not that of the columns.
     pub fn follow(&mut self, columns: &[bool]) {
         self.recording.follow(columns);
     }
 
-    /// What the components have logged since this was last asked: name and message.
+    /// The messages that the components have logged since the last call: component and message.
     pub fn take_log(&mut self) -> Vec<(String, LogMessage)> {
         let log = self.components.iter_mut().flat_map(|component| {
             let messages = component.instance.take_log().into_iter();
@@ -270,7 +273,7 @@ impl Master {
         log.collect()
     }
 
-    /// The outputs that are texts, which no row has: names, as those of the columns, and present values.
+    /// The string outputs, which rows omit: names, like those of the columns, and present values.
     ///
     /// # Errors
     /// When an FMU refuses.
@@ -300,7 +303,7 @@ impl Master {
         components.map(|component| (component.name.as_str(), component.instance.description())).collect()
     }
 
-    /// Ends the simulation and returns what the components logged: name and message.
+    /// Ends the simulation and returns the log of the components: name and message.
     ///
     /// # Errors
     /// When an FMU refuses to terminate.

@@ -29,7 +29,7 @@ struct Port {
 #[derive(Default)]
 struct Outputs<T> {
     references: Vec<ValueReference>,
-    /// Where they stand in a row.
+    /// Their places in a row.
     columns: Vec<usize>,
     values: Vec<T>,
 }
@@ -135,7 +135,7 @@ impl Recording {
         &self.values
     }
 
-    /// The row as the components stand, which come in the order of their descriptions.
+    /// The row for the present state of the components, which come in the order of their descriptions.
     pub(crate) fn read<'a>(&mut self, instances: impl Iterator<Item = &'a mut Instance>) -> Result<&[f64], CallError> {
         read(&mut self.ports, &mut self.values, instances)
     }

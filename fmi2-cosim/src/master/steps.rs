@@ -10,8 +10,8 @@ impl Master {
     /// Exchanges at most this often to find consistent initial values.
     const MAX_SWEEPS: usize = 100;
 
-    /// Initialises all components with consistent signals: they are exchanged in initialisation mode until nothing
-    /// changes any more, which also follows chains of direct feedthrough.
+    /// Initialises all components with consistent signals: they are exchanged in initialisation mode until they no longer
+    /// change, which also resolves chains of direct feedthrough.
     ///
     /// # Errors
     /// When an FMU refuses, or the signals do not settle.
@@ -55,7 +55,7 @@ impl Master {
         Ok(())
     }
 
-    /// Hands every component its inputs and fetches its outputs, one after the other. True when nothing changed.
+    /// Sets the inputs and fetches the outputs of every component, one after the other. True when nothing changed.
     fn sweep(&mut self) -> Result<bool, CallError> {
         let before = self.buses.snapshot();
         for (index, component) in self.components.iter_mut().enumerate() {
@@ -72,12 +72,14 @@ impl Master {
         Ok(())
     }
 
-    /// Steps over the whole grid. Rows go to `sink` at the start, then every `interval` s, and at the end, and in between
-    /// what [is followed](Master::follow); `progress` hears from time to time how many steps are done.
+    /// Steps over the whole grid. Rows go to `sink` at the start, then every `interval` s, and at the end; between rows
+    /// the [followed](Master::follow) columns do. `progress` is called from time to time with the number of completed
+    /// steps.
     ///
     /// # Errors
-    /// When an FMU does not complete a step, or a row cannot be kept. After [`MasterError::Ended`] the rows are whole: the
-    /// last one is that of the time at which the FMU ended the simulation.
+    /// When an FMU does not complete a step, or a row cannot be stored. After [`MasterError::Ended`] the rows are complete:
+    /// the
+    /// last one is for the time at which the FMU ended the simulation.
     pub fn run(
         &mut self,
         grid: &TimeGrid,
@@ -114,8 +116,9 @@ impl Master {
         Ok(())
     }
 
-    /// Gives the driven inputs their values at `time`; `next` is the communication point after it. Outputs that follow
-    /// them at once are fetched again, so that no component computes with those of the old inputs.
+    /// Sets the driven inputs to their values at `time`; `next` is the following communication point. Outputs that depend
+    /// directly on
+    /// them are fetched again, so that no component computes with outputs of the old inputs.
     fn apply_drives(&mut self, time: f64, next: Option<f64>) -> Result<(), MasterError> {
         let mut apply = || {
             for drive in &mut self.drives {
@@ -145,7 +148,7 @@ impl Master {
         sink.between(time, values).map_err(MasterError::Record)
     }
 
-    /// The last row of a simulation that a component ended in the step that began at `begin`. Nothing may be set any more.
+    /// The last row of a simulation that a component ended in the step that began at `begin`. No input may be set any more.
     fn put_early_end(&mut self, end: f64, begin: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
         // A slave that cannot be read after its end leaves the rows there are.
         let instances = self.components.iter_mut().map(|component| &mut component.instance);
@@ -156,8 +159,8 @@ impl Master {
         sink.end(end, values).map_err(MasterError::Record)
     }
 
-    /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep what they
-    /// have: only [`Master::run`] moves them.
+    /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep their
+    /// values: only [`Master::run`] changes them.
     ///
     /// # Errors
     /// When an FMU does not complete it.

@@ -59,10 +59,10 @@ impl<W: Write> CsvSink<W> {
         Self { writer: ::csv::Writer::from_writer(writer), digits: String::new() }
     }
 
-    /// Hands back the writer.
+    /// Returns the writer.
     ///
     /// # Errors
-    /// When what is still buffered cannot be written.
+    /// When buffered data cannot be written.
     pub fn into_inner(self) -> io::Result<W> {
         self.writer.into_inner().map_err(|error| io::Error::new(error.error().kind(), error.error().to_string()))
     }
@@ -96,7 +96,7 @@ impl<W: Write> Sink for CsvSink<W> {
     }
 }
 
-/// The error below the CSV writer's, whose kind says whether a reader has gone.
+/// The error inside the CSV writer's error. Its kind says whether the reader has closed the pipe.
 fn plain(error: ::csv::Error) -> io::Error {
     match error.into_kind() {
         ::csv::ErrorKind::Io(error) => error,

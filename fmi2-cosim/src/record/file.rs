@@ -6,7 +6,8 @@ use std::path::Path;
 use super::{Column, CsvSink, ParquetSink, Sink};
 use crate::files::{NewFile, WriteError, has_extension};
 
-/// Rows in a file that appears when it is finished: Parquet if its name ends so, CSV otherwise. Boxed, since both are large.
+/// Rows in a file that appears when it is finished: Parquet if its extension is `.parquet`, CSV otherwise. Boxed, since
+/// both are large.
 pub enum FileSink {
     /// Text, row by row.
     Csv(Box<CsvSink<NewFile>>),
@@ -15,7 +16,7 @@ pub enum FileSink {
 }
 
 impl FileSink {
-    /// Begins the file; `tool` is the program that a Parquet file says it is from.
+    /// Begins the file; `tool` is the program that a Parquet file names as its creator.
     ///
     /// # Errors
     /// When it cannot be written.

@@ -104,7 +104,7 @@ impl Schedule {
         Self { start, interval, next: 0.0 }
     }
 
-    /// Whether the communication point at `time` s is one of them; to be asked in the order of time.
+    /// Whether the communication point at `time` s is one of them. Call it in the order of time.
     pub fn is_due(&mut self, time: f64) -> bool {
         if self.interval <= 0.0 {
             return true;

@@ -1,5 +1,5 @@
-//! What a run leaves behind: rows of values over time, kept in memory or written as [CSV](CsvSink) or
-//! [Parquet](ParquetSink), and [read] back.
+//! The results of a run: rows of values over time, kept in memory or written as [CSV](CsvSink) or
+//! [Parquet](ParquetSink), and [read] again.
 
 mod csv;
 mod file;
@@ -26,11 +26,11 @@ pub struct Column {
     pub name: String,
     /// Its unit.
     pub unit: Option<String>,
-    /// What its values are.
+    /// The kind of its values.
     pub kind: Kind,
 }
 
-/// What the values of a column are; in memory all are `f64`.
+/// The kind of the values in a column; in memory all are `f64`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kind {
     /// Real numbers.
@@ -43,7 +43,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of column a variable of this type becomes; `None` for texts, which rows do not have.
+    /// The kind of column for a variable of this type; `None` for strings, which rows omit.
     #[must_use]
     pub fn of(base: BaseType) -> Option<Self> {
         match base {
@@ -60,22 +60,23 @@ pub trait Sink {
     /// Takes one row: the time in s and one value per column (booleans as 0 and 1).
     ///
     /// # Errors
-    /// When the row cannot be kept.
+    /// When the row cannot be stored.
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()>;
 
-    /// A communication point between two rows, of a run that [follows](crate::master::Master::follow) some columns: these
-    /// have the values of now, all others still those of the last row.
+    /// Takes the values at a communication point between two rows, if the run [follows](crate::master::Master::follow) some
+    /// columns. These
+    /// columns have their present values, all others those of the last row.
     ///
     /// # Errors
-    /// When it cannot be kept.
+    /// When it cannot be stored.
     fn between(&mut self, _time: f64, _values: &[f64]) -> io::Result<()> {
         Ok(())
     }
 
-    /// The run is over. This was the last row; who did not keep it may want to.
+    /// Marks the end of the run, with the values of its end. A sink that has not stored them as a row may do so now.
     ///
     /// # Errors
-    /// When the row cannot be kept.
+    /// When the row cannot be stored.
     fn end(&mut self, _time: f64, _values: &[f64]) -> io::Result<()> {
         Ok(())
     }

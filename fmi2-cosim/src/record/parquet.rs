@@ -1,7 +1,7 @@
 //! Rows as Apache Parquet: a compressed column per variable, which pandas, Polars, `DuckDB`, MATLAB and others read directly.
 //!
 //! Booleans and integers keep their types. Parquet has no place for the units of columns (Arrow's schema is not part of
-//! it); they stand in the file's key-value metadata: `units` holds a JSON object from column name to unit.
+//! it). The units are in the file's key-value metadata: `units` is a JSON object from column name to unit.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -33,11 +33,11 @@ impl ParquetSink {
     const MAX_ROWS: usize = 1 << 16;
     /// Values that are kept in memory at most: 32 MiB of them.
     const MAX_VALUES: usize = 1 << 22;
-    /// Columns that are compressed at most. Each takes a compressor of a quarter megabyte anew, and what it leaves behind makes
-    /// the allocator's memory as large as all of them together: gigabytes for ten thousand columns.
+    /// The largest number of compressed columns. Each needs a new compressor of a quarter megabyte, and after it is freed
+    /// the allocator's memory stays as large as all of them together: gigabytes for ten thousand columns.
     const MAX_COMPRESSED: usize = 1 << 10;
 
-    /// Begins the file; `created_by` is the name and version of the program, which the file keeps.
+    /// Begins the file; `created_by` is the name and version of the program, which is stored in the file.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -148,7 +148,8 @@ mod tests {
 
     use super::*;
 
-    /// Ten thousand columns took gigabytes: a compressor each. Wide files go without; narrow ones keep theirs.
+    /// Ten thousand columns took gigabytes, a compressor each. Files with many columns are not compressed; files with few
+    /// are.
     #[test]
     fn wide_tables_go_without_compressors_and_read_back() {
         for (width, compressed) in [(3, true), (3000, false)] {

@@ -1,8 +1,11 @@
-//! Results read back: [CSV](super::CsvSink) and [Parquet](super::ParquetSink) of this tool, and what other tools write of that kind.
+//! Reads results again: [CSV](super::CsvSink) and [Parquet](super::ParquetSink) of this tool, and similar files of other
+//! tools.
 //!
-//! The column of times is the one called `time` or `t`, in any case, with or without its unit, else the first one. A CSV may be
-//! separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets, as in `theta1 [rad]`.
-//! Columns that hold texts are left out; a field that is empty is not a number.
+//! The time column is the one called `time` or `t`, in upper or lower case, with or without its unit, otherwise the first
+//! one. A CSV may be
+//! separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets, as in
+//! `theta1 [rad]`.
+//! Columns of strings are omitted; an empty field is not a number.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -28,20 +31,20 @@ pub enum ReadError {
     /// It is of another kind.
     #[error("{} is neither .csv (.txt, .dat) nor .parquet; write results as one of them", .0.display())]
     Kind(PathBuf),
-    /// Its content is not what its name promises.
+    /// Its content does not match its extension.
     #[error("{}: {message}", path.display())]
     Content {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault.
         message: String,
     },
 }
 
-/// Reads a file as its extension says.
+/// Reads a file by its extension.
 ///
 /// # Errors
-/// When it cannot be read, has no rows, or its times are not numbers that never fall.
+/// When it cannot be read, has no rows, or its times are not numbers in ascending order.
 pub fn read(path: &Path) -> Result<Table, ReadError> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     let columns = match extension.as_deref() {
@@ -55,7 +58,7 @@ pub fn read(path: &Path) -> Result<Table, ReadError> {
 /// A column and its values.
 type Values = (Column, Vec<f64>);
 
-/// Columns whose times are found and checked.
+/// Finds and checks the time column.
 fn table(mut columns: Vec<Values>) -> Result<Table, String> {
     let is_time = |column: &Column| ["time", "t"].contains(&column.name.to_lowercase().as_str());
     let place = columns.iter().position(|(column, _)| is_time(column)).unwrap_or(0);
@@ -126,7 +129,7 @@ fn csv(path: &Path) -> Result<Vec<Values>, ReadError> {
     Ok(columns.into_iter().flatten().collect())
 }
 
-/// What a field says, or nothing if it is a text.
+/// The number in a field, or `None` if it is a string.
 fn number(field: &str, has_decimal_commas: bool) -> Option<f64> {
     if field.is_empty() {
         return Some(f64::NAN);

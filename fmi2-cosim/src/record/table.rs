@@ -81,7 +81,7 @@ impl Table {
         self.to_csv(NewFile::create(path)?)?.finish()
     }
 
-    /// Writes all rows as CSV to a file, which is finished or added to others next.
+    /// Writes all rows as CSV to a file, which the caller finishes or adds to others.
     ///
     /// # Errors
     /// When it cannot be written.

@@ -37,9 +37,9 @@ use fmi2_import::{Causality, Fmu, FmuError, Variable};
 /// A scenario as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
-    /// What it is, in a few words.
+    /// A short title.
     pub title: String,
-    /// What it shows.
+    /// A description of what it shows.
     pub description: String,
     /// The FMU files as written, in the order in which they run.
     pub fmus: Vec<PathBuf>,
@@ -59,16 +59,16 @@ pub struct Scenario {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScenarioError {
-    /// A value stands in the wrong table.
+    /// A value is in the wrong table.
     #[error("{place}: {name} is {problem}: it belongs under [{table}]")]
     Table {
         /// File and line.
         place: String,
         /// The variable as written.
         name: String,
-        /// What it is.
+        /// Its kind.
         problem: &'static str,
-        /// Where it belongs.
+        /// The table in which it belongs.
         table: &'static str,
     },
     /// The file cannot be read.
@@ -88,10 +88,10 @@ pub enum ScenarioError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong there.
+        /// The fault.
         message: String,
     },
-    /// An FMU is at none of the places where it may be.
+    /// An FMU is in none of the searched folders.
     #[error("there is no {file} in {}", .searched.join(" or "))]
     NoFmu {
         /// The file as written in the scenario.
@@ -108,7 +108,7 @@ impl Scenario {
     /// Reads a scenario file.
     ///
     /// # Errors
-    /// When it cannot be read or is no scenario; says where and what.
+    /// When it cannot be read or is not a scenario; the error names the place and the fault.
     pub fn read(path: &Path) -> Result<Self, ScenarioError> {
         Ok(Self::read_with_text(path)?.0)
     }
@@ -127,15 +127,15 @@ impl Scenario {
     /// Reads the text of a scenario file; `file` is its name in messages.
     ///
     /// # Errors
-    /// When it is no scenario; says where and what.
+    /// When it is not a scenario; the error names the place and the fault.
     pub fn parse(file: &str, text: &str) -> Result<Self, ScenarioError> {
         file::parse(file, text)
     }
 
-    /// Unpacks its FMUs: each where the file says, relative to the file's folder, or else in the folder `fmus`.
+    /// Unpacks its FMUs. Each is looked for by its path relative to the scenario's folder, then in the folder `fmus`.
     ///
     /// # Errors
-    /// When one is not there or cannot be used.
+    /// When one is missing or cannot be used.
     pub fn system(&self, fmus: &Path) -> Result<System, ScenarioError> {
         let folders: Vec<&Path> = self.folder.as_deref().into_iter().chain([fmus]).collect();
         let find = |file: &PathBuf| {
@@ -159,7 +159,7 @@ impl Scenario {
         })
     }
 
-    /// Checks that `[inputs]` has inputs and `[parameters]` has none.
+    /// Checks that `[inputs]` has only inputs and `[parameters]` has none.
     fn check_tables(&self, system: &System) -> Result<(), ScenarioError> {
         for (table, other, settings) in [("parameters", "inputs", &self.settings), ("inputs", "parameters", &self.held)]
         {

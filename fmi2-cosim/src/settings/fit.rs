@@ -1,4 +1,4 @@
-//! Values as those of a variable's type, unit and range.
+//! Conversion of values to a variable's type, unit and range.
 
 use super::SettingError;
 use super::meaning::Target;
@@ -53,7 +53,7 @@ fn outside(variable: &Variable, value: &Value) -> Option<String> {
     })
 }
 
-/// A number with its unit behind it, such as `3 deg`, as a value of a variable; `None` if it is none.
+/// A number followed by its unit, such as `3 deg`, as a value of a variable; `None` if the text is not of this form.
 fn in_own_unit(
     value: &Value,
     variable: &Variable,

@@ -1,4 +1,4 @@
-//! Which variables a name means, and what is in the way of setting them.
+//! The variables that a name means, and obstacles to setting them.
 
 use super::fit::fitted;
 use super::{Setting, SettingError};
@@ -7,7 +7,7 @@ use crate::signal::Signal;
 use fmi2_import::description::BaseType;
 use fmi2_import::{Causality, ModelDescription, Value, Variability, Variable};
 
-/// A component as far as settings are concerned. It need not run yet: everything but the FMU's own refusal is known before.
+/// A component as settings see it. It need not run yet: everything except a refusal by the FMU is known before.
 pub(crate) trait Target {
     fn name(&self) -> &str;
     fn description(&self) -> &ModelDescription;
@@ -60,7 +60,7 @@ pub(crate) fn meant<T: Target>(
         }
     }
     match first_obstacle {
-        // A name may be one component's output and another one's parameter: it means the one where nothing is in the way.
+        // A name may be one component's output and another one's parameter: it means the one that can be set.
         _ if !free.is_empty() => Ok(free),
         None => Err(unknown(wanted, targets)),
         Some((target, variable, reason)) => Err(SettingError::NotSettable {
@@ -114,7 +114,7 @@ pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &
     }
 }
 
-/// What to say about a name that no component has.
+/// The error for a name that no component has.
 fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
     let components: Vec<String> = targets.iter().map(|target| target.name().to_owned()).collect();
     let split = wanted
@@ -145,7 +145,7 @@ fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
     }
 }
 
-/// The settable variables whose names come closest, and those that say this word of themselves, with `prefix.` in front.
+/// The settable variables with the closest names, and those whose description contains this word, with `prefix.` in front.
 fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -> Vec<String> {
     const SHOWN: usize = 5;
     let settable = || {

@@ -1,6 +1,6 @@
-//! Values a user gives to variables by name: `name=value` or `Component.name=value`.
+//! Values that a user sets by name: `name=value` or `Component.name=value`.
 //!
-//! `meaning` finds the variables that a name means, `fit` makes values of their types.
+//! `meaning` finds the variables that a name means, `fit` converts values to their types.
 
 mod fit;
 mod meaning;
@@ -18,7 +18,7 @@ pub(crate) use meaning::{Place, Target, check, check_one, meant, obstacle_to_dri
 pub struct Setting {
     /// `name` (in every component that has it) or `Component.name`.
     pub target: String,
-    /// What it gets. A text from the command line stands for whatever the variable's type makes of it.
+    /// Its value. The variable's type determines how a text from the command line is read.
     pub value: Value,
 }
 
@@ -29,24 +29,24 @@ pub enum SettingError {
     /// No component has such a variable.
     #[error("there is no variable \"{target}\" in {}{}", .components.join(" or "), suggestion(.similar))]
     Unknown {
-        /// What the user wrote.
+        /// The target as the user wrote it.
         target: String,
         /// The components that were searched.
         components: Vec<String>,
         /// Settable variables with similar names.
         similar: Vec<String>,
     },
-    /// What stands before the dot is no component.
+    /// The part before the dot is not a component.
     #[error("there is no component \"{component}\"; the components are {}{}", .components.join(", "), suggestion(.similar))]
     UnknownComponent {
-        /// What stands before the dot.
+        /// The part before the dot.
         component: String,
         /// All components.
         components: Vec<String>,
-        /// What the user may have meant.
+        /// Names that the user may have meant.
         similar: Vec<String>,
     },
-    /// The variable is not the user's to set.
+    /// The user must not set this variable.
     #[error("{component}.{name} cannot be set: {reason}")]
     NotSettable {
         /// The component.
@@ -63,9 +63,9 @@ pub enum SettingError {
         component: String,
         /// The variable.
         name: String,
-        /// What the user wrote.
+        /// The value as the user wrote it.
         value: String,
-        /// What is needed.
+        /// The expected kind of value.
         expected: String,
     },
     /// The value is outside the range that the FMU states.
@@ -77,7 +77,7 @@ pub enum SettingError {
         name: String,
         /// The range in words.
         range: String,
-        /// What was given.
+        /// The given value.
         value: Value,
     },
     /// The FMU refused the value.
@@ -85,7 +85,7 @@ pub enum SettingError {
     Refused {
         /// The setting.
         setting: Setting,
-        /// What the FMU says.
+        /// The error of the FMU.
         source: Box<CallError>,
     },
 }

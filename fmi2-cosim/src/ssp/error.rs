@@ -1,4 +1,4 @@
-//! What can go wrong with an SSP, in words that name the file, the line and the element.
+//! Errors of an SSP, with messages that name the file, the line and the element.
 
 use std::io;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ pub enum SspError {
     NotAZip {
         /// The file.
         path: PathBuf,
-        /// What the zip reader says.
+        /// The message of the zip reader.
         reason: String,
     },
     /// The archive has no such system structure.
@@ -57,7 +57,7 @@ pub enum SspError {
         path: PathBuf,
         /// Its path in the archive.
         entry: String,
-        /// What is wrong with it.
+        /// The fault.
         source: ArchiveError,
     },
     /// A document in the archive cannot be used.
@@ -67,7 +67,7 @@ pub enum SspError {
         path: PathBuf,
         /// The document's path in the archive.
         document: String,
-        /// What is wrong with it.
+        /// The fault.
         source: Box<DocumentError>,
     },
     /// An FMU in the archive cannot be unpacked.
@@ -87,12 +87,12 @@ pub enum SspError {
         path: PathBuf,
         /// The FMU's path in the archive.
         entry: String,
-        /// What is wrong with it.
+        /// The fault.
         source: Box<FmuError>,
     },
 }
 
-/// What is wrong with an `.ssd`, `.ssv` or `.ssm` document.
+/// A fault of an `.ssd`, `.ssv` or `.ssm` document.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DocumentError {
@@ -107,7 +107,7 @@ pub enum DocumentError {
     Root {
         /// The root element.
         found: String,
-        /// What it should be.
+        /// The expected root element.
         expected: &'static str,
     },
     /// Another version of the standard.
@@ -116,38 +116,38 @@ pub enum DocumentError {
     /// An attribute or child is absent, or an attribute's value makes no sense.
     #[error(transparent)]
     Content(#[from] Fault),
-    /// The standard has it, this tool does not.
+    /// The standard allows it, but this tool does not support it.
     #[error("line {line}: {what}: this tool does not support that; {instead}")]
     Unsupported {
         /// The element.
         what: String,
-        /// What to do about it.
+        /// A way to avoid it.
         instead: &'static str,
         /// Line in the file.
         line: u32,
     },
-    /// More parameters than any system has.
+    /// More parameters than any real system has.
     #[error("line {line}: the bindings apply more than {most} parameters; this tool reads no such document")]
     TooMany {
-        /// How many may be.
+        /// The largest allowed number.
         most: usize,
         /// Line in the file.
         line: u32,
     },
-    /// A name that means nothing here.
+    /// An unknown name.
     #[error("line {line}: there is no {what}{}", suggestion(.similar.as_deref()))]
     Unknown {
-        /// What was looked for.
+        /// The name, and what it should name.
         what: String,
-        /// The closest name there is.
+        /// The closest existing name.
         similar: Option<String>,
         /// Line in the file.
         line: u32,
     },
-    /// Two things that must be unique, or two that do not fit together.
+    /// Two things that must be unique, or that do not fit together.
     #[error("line {line}: {problem}")]
     Conflict {
-        /// What collides.
+        /// The conflict, in words.
         problem: String,
         /// Line in the file.
         line: u32,

@@ -1,8 +1,8 @@
 //! System Structure and Parameterization (SSP) 1.0.1: FMUs, their connections and their parameters in one `.ssp` file.
 //!
-//! * [`structure`] and [`parameters`] are the two documents, as values; [`write`](mod@write) and [`read`] turn them into
+//! * [`structure`] and [`parameters`] are the two documents, as values; [`write`](mod@write) and [`read`] convert them to
 //!   XML and back.
-//! * [`package`] is the archive that holds them and the FMUs; [`Package::system`] makes of it what the master runs.
+//! * [`package`] is the archive that holds them and the FMUs; [`Package::system`] makes the system that the master runs.
 
 mod error;
 pub mod package;

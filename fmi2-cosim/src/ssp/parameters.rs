@@ -30,16 +30,16 @@ pub struct ParameterValue {
     pub name: String,
     /// Its value; of an enumeration, the item's name.
     pub value: Value,
-    /// What the value needs to be understood.
+    /// The unit or enumeration that the value refers to.
     pub refers_to: Reference,
     /// Where it is declared.
     pub line: Line,
 }
 
-/// What else a parameter names besides its value.
+/// Definitions that a parameter's value refers to.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Reference {
-    /// Nothing: the value says all.
+    /// None: the value is complete.
     #[default]
     Nothing,
     /// The unit of a real number.

@@ -7,7 +7,7 @@ use fmi2_import::description::{BaseType, Unit};
 /// One `.ssd` document.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SystemStructure {
-    /// Name of this structure, shown when variants are chosen. `OMSimulator` wants an identifier.
+    /// Name of this structure, shown when variants are chosen. `OMSimulator` requires an identifier.
     pub name: String,
     /// One sentence about it.
     pub description: Option<String>,
@@ -21,7 +21,7 @@ pub struct SystemStructure {
     pub origin: Origin,
 }
 
-/// Under which licence a document stands, and which program wrote it.
+/// The licence of a document, and the program that wrote it.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Origin {
     /// The licence, as an SPDX identifier or a sentence.
@@ -41,7 +41,7 @@ pub struct SystemElement {
     pub connectors: Vec<Connector>,
     /// Parameters by hierarchical name, `component.parameter`. They take precedence over those of the components.
     pub bindings: Vec<Binding>,
-    /// What it consists of, in the order of the file.
+    /// Its components, in the order of the file.
     pub components: Vec<ComponentElement>,
     /// From whom to whom.
     pub connections: Vec<Connection>,
@@ -214,7 +214,7 @@ pub struct DefaultExperiment {
     pub start: Option<f64>,
     /// Stop time in s.
     pub stop: Option<f64>,
-    /// Communication step size in s. SSP 1.0 has no place for it; it is kept in the annotations that `OMSimulator` and
+    /// Communication step size in s. SSP 1.0 has no place for it; it is stored in the annotations that `OMSimulator` and
     /// `libcosim` read.
     pub step: Option<f64>,
     /// Relative tolerance. SSP 1.0 has no place for it either; `OMSimulator` reads it from its annotation.
@@ -256,7 +256,8 @@ impl Extent {
     }
 }
 
-/// Line of a file something was read from; 0 for what was not read. No part of the value: all lines are equal.
+/// Line of a file from which something was read; 0 for values that were not read. It is not part of the value: all lines
+/// compare equal.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Line(pub u32);
 

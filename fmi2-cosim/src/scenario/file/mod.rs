@@ -84,7 +84,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
 }
 
 impl ExperimentTable {
-    /// What it says, if that can be run; or else where and what is wrong.
+    /// The options, if they can be run; otherwise the place and the fault.
     fn check(self) -> Result<RunOptions, (usize, String)> {
         let Self { start, stop, step, interval, tolerance, coupling } = self;
         let value = |key: &Option<Spanned<f64>>| key.as_ref().map(|value| *value.get_ref());

@@ -11,7 +11,7 @@ use fmi2_import::Value;
 /// A number, a truth value or a text.
 pub(super) struct Constant(pub Value);
 
-/// What an input is held at, or how it changes.
+/// The value at which an input is held, or its signal over time.
 pub(super) enum Input {
     Constant(Value),
     Varying(Signal),
@@ -20,7 +20,7 @@ pub(super) enum Input {
 /// A number, a truth value as 1 or 0, or a name.
 struct Point(Level);
 
-/// What a nested table under a name most likely was meant to be.
+/// The probable intention behind a nested table under a name.
 const DOTTED: &str = "a value (write \"Component.name\" with its quotation marks)";
 
 impl<'de> Deserialize<'de> for Constant {

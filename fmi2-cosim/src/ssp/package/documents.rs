@@ -37,7 +37,7 @@ impl Documents {
         Ok(Self { path: path.to_owned(), zip, sets: HashMap::new(), mappings: HashMap::new(), places: HashMap::new() })
     }
 
-    /// Content of an entry. When there is none, `wanted` says which document asks for it, and on which line.
+    /// Content of an entry. If there is none, the error says which document refers to it (`wanted`), and on which line.
     fn bytes(&mut self, entry: &str, wanted: Option<(&str, Line)>) -> Result<Vec<u8>, SspError> {
         match self.zip.read(entry) {
             Ok(bytes) => Ok(bytes),
@@ -109,7 +109,7 @@ impl Documents {
         Ok(sets)
     }
 
-    /// The name of a document in messages, one for all who name it.
+    /// The name of a document in messages, shared by all messages.
     fn place(&mut self, document: &str) -> Arc<str> {
         if let Some(known) = self.places.get(document) {
             return Arc::clone(known);
@@ -149,7 +149,7 @@ impl Documents {
     }
 }
 
-/// `%20` and the like as the characters they stand for (RFC 3986, section 2.1).
+/// Replaces `%20` and the like by the characters that they encode (RFC 3986, section 2.1).
 fn percent_decoded(uri: &str) -> String {
     let bytes = uri.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());

@@ -26,7 +26,7 @@ use fmi2_import::{Fmu, FmuError};
 /// The system structure that every package has.
 pub const DEFAULT_STRUCTURE: &str = "SystemStructure.ssd";
 
-/// An SSP that is read, with its FMUs unpacked to a temporary folder; they vanish with it.
+/// An SSP with its FMUs unpacked to a temporary folder, which is removed together with this value.
 #[derive(Debug)]
 pub struct Package {
     path: PathBuf,
@@ -39,7 +39,7 @@ pub struct Package {
     _folder: TempDir,
 }
 
-/// A binding with its parameters at hand. Documents that are bound more than once are read once.
+/// A binding with its parameters. A document that is bound more than once is read once.
 #[derive(Debug)]
 pub(super) struct BoundSet {
     /// The document that has the parameters.
@@ -57,7 +57,7 @@ impl BoundSet {
         if self.prefix.is_empty() { name.into() } else { format!("{}{name}", self.prefix).into() }
     }
 
-    /// Where a parameter stands.
+    /// The line of a parameter.
     pub fn line(&self, parameter: &ParameterValue) -> SourceLine {
         SourceLine { file: Arc::clone(&self.place), line: parameter.line.0 as usize }
     }
@@ -67,7 +67,7 @@ impl Package {
     /// Reads `FILE.ssp`, or one variant of it as `FILE.ssp#VARIANT.ssd`, and unpacks its FMUs.
     ///
     /// # Errors
-    /// When the file is no SSP, is damaged, lacks something it refers to, or has something this tool does not support.
+    /// When the file is not an SSP, is damaged, lacks a file it refers to, or has features that this tool does not support.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, SspError> {
         let (path, document) = split_variant(path.as_ref());
         let mut archive = Documents::open(&path)?;
@@ -110,7 +110,7 @@ impl Package {
         Ok(Self { path, document, structure, component_sets, system_sets, fmus, _folder: folder })
     }
 
-    /// What the system consists of.
+    /// The structure of the system.
     #[must_use]
     pub fn structure(&self) -> &SystemStructure {
         &self.structure
@@ -200,8 +200,8 @@ pub fn is_ssp(path: &Path) -> bool {
     has_extension(&split_variant(path).0, "ssp")
 }
 
-/// The bytes of an archive with these entries. The same content always gives the same bytes: entries carry no time of
-/// day.
+/// The bytes of an archive with these entries. The same content always gives the same bytes: entries have no time
+/// stamps.
 ///
 /// # Errors
 /// When an entry is larger than an archive of SSP 1.0 can hold.
@@ -209,7 +209,7 @@ pub fn archive<'a>(entries: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> io
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let options = SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
     for (name, content) in entries {
-        // FMUs are archives themselves: nothing to gain.
+        // FMUs are compressed archives themselves: compressing them again gains nothing.
         let is_packed = Path::new(name).extension().is_some_and(|extension| extension == "fmu");
         let method = if is_packed { CompressionMethod::Stored } else { CompressionMethod::Deflated };
         zip.start_file(name, options.compression_method(method))?;

@@ -1,4 +1,5 @@
-//! SSD, SSV and SSM documents from XML. What this tool cannot run is an error that names the element and its line.
+//! Reads SSD, SSV and SSM documents from XML. A feature that this tool cannot run is an error that names the element and
+//! its line.
 
 mod parameters;
 mod system;
@@ -20,7 +21,7 @@ type Result<T> = std::result::Result<T, DocumentError>;
 /// Reads an `.ssd` file.
 ///
 /// # Errors
-/// When it is no SSD of SSP 1.0, or has something this tool does not support, such as nested systems.
+/// When it is not an SSD of SSP 1.0, or has features that this tool does not support, such as nested systems.
 pub fn system_structure(bytes: &[u8]) -> Result<SystemStructure> {
     let text = text(bytes)?;
     let (document, lines) = (&document::parse(text)?, &Lines::of(text));
@@ -46,7 +47,7 @@ pub fn system_structure(bytes: &[u8]) -> Result<SystemStructure> {
 /// Reads an `.ssv` file.
 ///
 /// # Errors
-/// When it is no parameter set of SSP 1.0, or has values of a type that FMI 2.0 lacks.
+/// When it is not a parameter set of SSP 1.0, or has values of a type that FMI 2.0 lacks.
 pub fn parameter_set(bytes: &[u8]) -> Result<ParameterSet> {
     let text = text(bytes)?;
     let document = document::parse(text)?;
@@ -56,7 +57,7 @@ pub fn parameter_set(bytes: &[u8]) -> Result<ParameterSet> {
 /// Reads an `.ssm` file.
 ///
 /// # Errors
-/// When it is no parameter mapping of SSP 1.0, or transforms values by tables.
+/// When it is not a parameter mapping of SSP 1.0, or transforms values by tables.
 pub fn parameter_mapping(bytes: &[u8]) -> Result<Vec<MappingEntry>> {
     let text = text(bytes)?;
     let document = document::parse(text)?;

@@ -1,4 +1,4 @@
-//! Parameter sets and their mappings: SSV, SSM and what an SSD has of them inside.
+//! Parameter sets and their mappings: SSV, SSM and the same elements inside an SSD.
 
 use fmi2_import::document::Lines;
 use roxmltree::Node;

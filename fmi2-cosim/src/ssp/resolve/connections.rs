@@ -1,4 +1,4 @@
-//! What connections mean: which variables they wire, and which variables the connectors of the system stand for.
+//! The meaning of connections: the variables that they wire, and the variables behind the connectors of the system.
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,7 +10,7 @@ use crate::wiring::{Doubt, Doubts, Misfit, Terminal, Wire, fit};
 use fmi2_import::description::BaseType;
 use fmi2_import::{Causality, Variable};
 
-/// What the connections of a package mean.
+/// The resolved connections of a package.
 #[derive(Default)]
 pub(super) struct Connections<'a> {
     pub wires: Vec<Wire>,
@@ -88,7 +88,7 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    /// The variable of a component's connector, which must be as the connector says.
+    /// The variable of a component's connector, which must agree with the connector.
     fn variable(&self, component: usize, connector: &Connector) -> Result<usize> {
         let description = self.descriptions[component];
         let line = connector.line.0;
@@ -169,7 +169,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// Whether a connector of this type can stand for a variable: as with connections, integers and items of enumerations
+/// Whether a connector of this type fits a variable. As with connections, integers and items of enumerations
 /// are the same numbers.
 fn is_of_type(variable: &Variable, base_type: BaseType) -> bool {
     let is_integer = |base_type| matches!(base_type, BaseType::Integer | BaseType::Enumeration);

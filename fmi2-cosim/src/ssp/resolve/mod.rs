@@ -1,4 +1,4 @@
-//! From a package to what the master needs: wires between variables ([`connections`]), and values for parameters
+//! Converts a package to the master's input: wires between variables ([`connections`]), and values for parameters
 //! ([`values`]).
 
 mod connections;
@@ -23,15 +23,16 @@ pub struct Resolved {
     pub wires: Vec<Wire>,
     /// Parameters and start values, each variable once.
     pub values: Vec<Located<(Terminal, Value)>>,
-    /// Parameters that no variable is named after: the standard says to ignore them, their author may want to know.
+    /// Remarks on parameters without a variable of their name. The standard says to ignore such parameters; the author may
+    /// want to know of them.
     pub remarks: Vec<String>,
 }
 
-/// Finds the variables that a package's connections and parameters mean. `descriptions` belong to its components, in
-/// their order.
+/// Finds the variables that a package's connections and parameters mean. `descriptions` are those of its components, in
+/// the same order.
 ///
 /// # Errors
-/// When a connection or a connector does not fit the FMUs, or needs something this tool does not support.
+/// When a connection or a connector does not fit the FMUs, or needs features that this tool does not support.
 pub fn resolve(package: &Package, descriptions: &[&ModelDescription]) -> std::result::Result<Resolved, SspError> {
     let units: Vec<_> = descriptions.iter().map(|description| Units::of(description)).collect();
     let resolver = Resolver::new(package, descriptions, &units);

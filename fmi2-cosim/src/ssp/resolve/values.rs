@@ -1,4 +1,4 @@
-//! What parameters mean: a value for each variable, in the variable's unit.
+//! The meaning of parameters: a value for each variable, in the variable's unit.
 
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -21,12 +21,12 @@ const MAX_APPLIED: usize = 4_000_000;
 /// Factor and offset of a transformation, if there is one.
 type Linear = Option<(f64, f64)>;
 
-/// What the parameters of a package mean. The later of two values for one variable holds.
+/// The resolved parameters of a package. Of two values for one variable the later one applies.
 #[derive(Default)]
 pub(super) struct Values {
     driven: HashSet<Terminal>,
     pub found: Vec<Option<Located<(Terminal, Value)>>>,
-    /// Per component and variable, where its latest value is; of a component that has none, an empty list.
+    /// The index of the latest value per component and variable; an empty list for a component without values.
     latest: Vec<Vec<Option<u32>>>,
     pub remarks: Vec<String>,
     /// Documents, by the addresses of their names, and lines.
@@ -35,7 +35,7 @@ pub(super) struct Values {
 }
 
 impl Values {
-    /// None yet, in a system of so many components whose wires drive these inputs.
+    /// No values yet, in a system of this many components whose wires drive these inputs.
     pub fn of(components: usize, wires: &[Wire]) -> Self {
         Self {
             driven: wires.iter().map(|wire| wire.to).collect(),
@@ -46,7 +46,7 @@ impl Values {
 }
 
 impl Resolver<'_> {
-    /// What a name in a parameter set of the system means.
+    /// The variables that a name in a parameter set of the system means.
     pub(super) fn hierarchical(&self, name: &str, aliases: &HashMap<&str, Vec<Terminal>>) -> Option<Vec<Terminal>> {
         let mut meant = aliases.get(name).cloned().unwrap_or_default();
         // A component's name may have dots, and so may a variable's.
@@ -59,7 +59,7 @@ impl Resolver<'_> {
         (!meant.is_empty()).then_some(meant)
     }
 
-    /// Adds the settings of one parameter set; `find` knows what a name means.
+    /// Adds the settings of one parameter set; `find` returns the variables of a name.
     pub(super) fn apply(
         &self,
         bound: &BoundSet,

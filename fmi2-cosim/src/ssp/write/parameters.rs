@@ -41,7 +41,7 @@ fn mapping_entry(xml: &mut Xml, entry: &MappingEntry) {
     }
 }
 
-/// What a parameter set says of itself.
+/// The attributes of a parameter set.
 pub(super) fn set_attributes(set: &ParameterSet) -> Attributes<'static> {
     let mut attributes = vec![("version", "1.0".to_owned()), ("name", set.name.clone())];
     describe(&mut attributes, set.description.as_ref());
@@ -49,7 +49,7 @@ pub(super) fn set_attributes(set: &ParameterSet) -> Attributes<'static> {
     attributes
 }
 
-/// Parameters, and what they refer to.
+/// Parameters, and the units and enumerations that they refer to.
 pub(super) fn set_content(xml: &mut Xml, set: &ParameterSet) {
     xml.element("ssv:Parameters", &[], |xml| {
         for parameter in &set.parameters {
