@@ -1,14 +1,11 @@
 //! Co-simulates FMI 2.0 FMUs.
 //!
 //! * A [`system`] defines which FMUs run together, how they are connected and which values are set; a [`scenario`] file or
-//!   an
-//!   [`ssp`] archive describes one.
+//!   an [`ssp`] archive describes one.
 //! * [`master`] steps the FMUs of a system together on a [`grid`], with [`wiring`] by equal names and in convertible
-//!   [`units`], [`settings`] by name
-//!   and [`signal`]s over time.
+//!   [`units`], [`settings`] by name and [`signal`]s over time.
 //! * [`run`] does all of this for one system and calls an observer. [`names`] suggests corrections of misspelt names.
-//!   [`record`] stores the results.
-//!   [`files`] writes files completely or not at all.
+//!   [`record`] stores the results. [`files`] writes files completely or not at all.
 
 pub mod files;
 pub mod grid;

@@ -35,9 +35,8 @@ pub fn number(value: f64) -> String {
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
-/// The candidates that are closest to a misspelt name, best first; empty if none is close. Names of
-/// hundreds of letters are not compared, because the time of a comparison is proportional to the product of the two
-/// lengths.
+/// The candidates that are closest to a misspelt name, best first; empty if none is close. Names of hundreds of letters are
+/// not compared, because the time of a comparison is proportional to the product of the two lengths.
 #[must_use]
 pub fn closest<'a>(wanted: &str, candidates: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     const SHOWN: usize = 3;

@@ -119,8 +119,7 @@ impl Run {
 
     /// Initialises the master, which comes from the system and records `columns`, and steps it over the grid. Rows go to
     /// `rows` and `observer`. Between rows both get the columns that the observer follows. `progress` is called with the
-    /// number of completed
-    /// steps.
+    /// number of completed steps.
     ///
     /// # Errors
     /// When an FMU refuses, or a row cannot be stored.

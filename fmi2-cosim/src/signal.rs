@@ -83,8 +83,7 @@ impl Signal {
     }
 
     /// The same with names of an enumeration's items among the values. [`Signal::of`] replaces the names by values once the
-    /// variable is
-    /// known.
+    /// variable is known.
     ///
     /// # Errors
     /// As [`Signal::new`].

@@ -139,8 +139,7 @@ impl System {
     }
 
     /// Instantiates and connects the components, and applies the settings; [`Master::initialize`] comes next. Everything in
-    /// the
-    /// descriptions is checked before any code of an FMU runs.
+    /// the descriptions is checked before any code of an FMU runs.
     ///
     /// # Errors
     /// When an FMU refuses, connections are ambiguous, or there is no such variable.

@@ -1,10 +1,8 @@
 //! Connections between components: outputs, the inputs that they drive, and the rules for a valid connection.
 //!
 //! The rules ([`fit`]) are the same for connections by name and for those that a file describes. A signal keeps its type,
-//! except that
-//! integers may drive reals, and integers and items of enumerations may drive each other. Reals are converted between units
-//! of the
-//! same quantity.
+//! except that integers may drive reals, and integers and items of enumerations may drive each other. Reals are converted
+//! between units of the same quantity.
 
 use std::collections::{BTreeSet, HashMap};
 

@@ -1,8 +1,6 @@
 //! The floating-point environment of a thread, which foreign code may change: how results are rounded, whether small
-//! numbers
-//! are flushed to zero, whether an overflow raises a signal. A library that was compiled with `-ffast-math` changes it when
-//! it is
-//! loaded; others change it when they compute. This must not affect the host or other FMUs.
+//! numbers are flushed to zero, whether an overflow raises a signal. A library that was compiled with `-ffast-math` changes
+//! it when it is loaded; others change it when they compute. This must not affect the host or other FMUs.
 
 /// Runs foreign code, and leaves the environment as it was before.
 #[inline]
@@ -28,8 +26,7 @@ fn control() -> u32 {
 }
 
 /// Sets the environment. The older x87 unit, which the C library changes together with it and Rust never uses, gets the
-/// initial settings
-/// of a process.
+/// initial settings of a process.
 #[cfg(target_arch = "x86_64")]
 #[cold]
 fn restore(settings: u32) {

@@ -128,8 +128,7 @@ macro_rules! functions {
         optional { $($option:ident: $option_symbol:literal ($($option_argument:ty),*) -> $option_result:ty;)* }
     ) => {
         /// The functions of a loaded library. Functions that this importer does not need are optional, although the
-        /// standard
-        /// demands them of every FMU.
+        /// standard demands them of every FMU.
         pub struct Functions {
             $(#[doc = concat!("`", $symbol, "`")]
             pub $name: unsafe extern "C" fn($($argument),*) -> $result,)*
@@ -209,8 +208,7 @@ impl Functions {
     ///
     /// # Errors
     /// When the system cannot load it, a required function is missing, or it was built for another version of FMI. A
-    /// truncated
-    /// file can kill the process: [`Fmu::unpack`](crate::Fmu::unpack) checks it first.
+    /// truncated file can kill the process: [`Fmu::unpack`](crate::Fmu::unpack) checks it first.
     pub fn load(path: &Path) -> Result<Self, LibraryError> {
         let functions = Self::of(guarded(|| open(path))?)?;
         // SAFETY: both functions take nothing and return a static C string.
@@ -243,8 +241,7 @@ fn open(path: &Path) -> Result<Library, LibraryError> {
 fn open(path: &Path) -> Result<Library, LibraryError> {
     use libloading::os::windows::{LOAD_WITH_ALTERED_SEARCH_PATH, Library as WindowsLibrary};
     // The loader accepts paths of 260 characters and more only in their canonical form. Short paths are passed unchanged,
-    // because
-    // libraries that look for their own folder may not understand that form.
+    // because libraries that look for their own folder may not understand that form.
     let canonical = (path.as_os_str().len() >= 260).then(|| path.canonicalize().ok()).flatten();
     let path = canonical.as_deref().unwrap_or(path);
     // SAFETY: loading runs the library's initialisers; the user asked for this FMU to be run.

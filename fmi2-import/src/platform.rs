@@ -3,9 +3,7 @@
 /// Folders from which this process can load libraries, the preferred one first.
 ///
 /// Since version 2.0.4 the standard names platforms other than x86 by processor and system, as FMI 3.0 does. Older FMUs
-/// have such
-/// libraries under the old names. These folders are searched too, if the library in them is
-/// for this processor.
+/// have such libraries under the old names. These folders are searched too, if the library in them is for this processor.
 pub(crate) const FOLDERS: &[&str] = folders();
 
 const fn folders() -> &'static [&'static str] {

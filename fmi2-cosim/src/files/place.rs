@@ -19,8 +19,7 @@ const LINKS: usize = 40;
 static CURRENT_FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
 
 /// Stores the current folder and the umask. From now on relative paths count from this folder, and new files have the
-/// permissions of this
-/// umask, whatever a loaded library changes. Call it before threads are started.
+/// permissions of this umask, whatever a loaded library changes. Call it before threads are started.
 pub fn remember_surroundings() {
     CURRENT_FOLDER.get_or_init(|| std::env::current_dir().ok());
     #[cfg(unix)]

@@ -244,8 +244,8 @@ fn begin(folder: &Path, existing: Option<&fs::Metadata>) -> io::Result<NamedTemp
     Ok(NamedTempFile::from_parts(out_of_the_way(file), path))
 }
 
-/// Whether the part can replace this file unnoticed: same owner, same permissions, no further
-/// names. Sets owner and permissions of the part if that is allowed.
+/// Whether the part can replace this file unnoticed: same owner, same permissions, no further names. Sets owner and
+/// permissions of the part if that is allowed.
 #[cfg(unix)]
 fn can_stand_for(part: &NamedTempFile, existing: &fs::Metadata) -> bool {
     use std::os::unix::fs::{MetadataExt, fchown};

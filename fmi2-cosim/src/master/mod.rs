@@ -78,8 +78,8 @@ pub struct Master {
     recording: Recording,
     /// Steps of the run that are done.
     steps: u64,
-    /// Inputs already belong to the current communication point. A second exchange would give a Jacobi
-    /// coupling the commands that it must receive one step later.
+    /// Inputs already belong to the current communication point. A second exchange would give a Jacobi coupling the
+    /// commands that it must receive one step later.
     exchanged: bool,
 }
 
@@ -89,8 +89,7 @@ impl Master {
     ///
     /// # Errors
     /// When an FMU refuses to be instantiated, is given twice although it can be instantiated only once, or equal names do
-    /// not
-    /// determine the connections.
+    /// not determine the connections.
     pub fn new(fmus: &[Fmu], coupling: Coupling) -> Result<Self, MasterError> {
         let named = named(fmus);
         let Wiring { wires, remarks } = wires_by_name(&named)?;

@@ -78,8 +78,7 @@ impl Master {
     ///
     /// # Errors
     /// When an FMU does not complete a step, or a row cannot be stored. After [`MasterError::Ended`] the rows are complete:
-    /// the
-    /// last one is for the time at which the FMU ended the simulation.
+    /// the last one is for the time at which the FMU ended the simulation.
     pub fn run(
         &mut self,
         grid: &TimeGrid,
@@ -117,8 +116,7 @@ impl Master {
     }
 
     /// Sets the driven inputs to their values at `time`; `next` is the following communication point. Outputs that depend
-    /// directly on
-    /// them are fetched again, so that no component computes with outputs of the old inputs.
+    /// directly on them are fetched again, so that no component computes with outputs of the old inputs.
     fn apply_drives(&mut self, time: f64, next: Option<f64>) -> Result<(), MasterError> {
         let mut apply = || {
             for drive in &mut self.drives {

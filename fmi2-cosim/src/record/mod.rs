@@ -64,8 +64,7 @@ pub trait Sink {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()>;
 
     /// Takes the values at a communication point between two rows, if the run [follows](crate::master::Master::follow) some
-    /// columns. These
-    /// columns have their present values, all others those of the last row.
+    /// columns. These columns have their present values, all others those of the last row.
     ///
     /// # Errors
     /// When it cannot be stored.

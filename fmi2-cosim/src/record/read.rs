@@ -2,10 +2,8 @@
 //! tools.
 //!
 //! The time column is the one called `time` or `t`, in upper or lower case, with or without its unit, otherwise the first
-//! one. A CSV may be
-//! separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets, as in
-//! `theta1 [rad]`.
-//! Columns of strings are omitted; an empty field is not a number.
+//! one. A CSV may be separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets,
+//! as in `theta1 [rad]`. Columns of strings are omitted; an empty field is not a number.
 
 use std::collections::BTreeMap;
 use std::fs::File;

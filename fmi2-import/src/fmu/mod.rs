@@ -19,8 +19,8 @@ use contents::{archive, candidates, description, of_archive};
 use uri::file_uri;
 
 /// An unpacked FMU. Cheap to clone; the unpacked files are removed with the last clone. [`Fmu::load`] or the first instance
-/// loads its library; none of its code runs before. To run several FMUs, unpack all of them before
-/// loading one, because loaded code may change the meaning of relative paths.
+/// loads its library; none of its code runs before. To run several FMUs, unpack all of them before loading one, because
+/// loaded code may change the meaning of relative paths.
 #[derive(Clone)]
 pub struct Fmu {
     unpacked: Arc<Unpacked>,
@@ -104,8 +104,7 @@ impl Fmu {
     ///
     /// # Errors
     /// When the file is unreadable or not an FMI 2.0 co-simulation FMU, or has no library for this platform, or when this
-    /// library is invalid or
-    /// lacks a function that every co-simulation FMU must have.
+    /// library is invalid or lacks a function that every co-simulation FMU must have.
     pub fn check_library(path: impl AsRef<Path>) -> Result<(), FmuError> {
         let path = path.as_ref();
         let mut archive = archive(path)?;
@@ -133,8 +132,7 @@ impl Fmu {
     ///
     /// # Errors
     /// When the file is unreadable or not an FMI 2.0 co-simulation FMU, has no library for this platform, or when this
-    /// library is for another
-    /// processor or truncated.
+    /// library is for another processor or truncated.
     pub fn unpack(path: impl AsRef<Path>) -> Result<Self, FmuError> {
         let path = path.as_ref();
         let mut archive = archive(path)?;

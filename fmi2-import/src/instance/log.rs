@@ -1,8 +1,7 @@
 //! The log of a slave: the callback that receives messages, and the last messages for the end of an error message.
 //!
 //! A slave has to pass back the environment that it received, and some slaves pass back something else. So the pointer is
-//! never dereferenced:
-//! it is looked up among the logs of the living instances.
+//! never dereferenced: it is looked up among the logs of the living instances.
 
 use std::collections::{HashMap, VecDeque};
 use std::ffi::{c_char, c_int, c_void};
@@ -57,8 +56,7 @@ fn living() -> MutexGuard<'static, Vec<(String, Arc<Messages>)>> {
 }
 
 /// The log to which a message belongs. It is found by the environment; if the slave lost that, by the instance's name;
-/// otherwise it is that of
-/// the newest instance, which may still be in `fmi2Instantiate`.
+/// otherwise it is that of the newest instance, which may still be in `fmi2Instantiate`.
 fn meant(environment: *mut c_void, instance: &str) -> Option<Arc<Messages>> {
     let living = living();
     let by_environment = living.iter().find(|(_, log)| Arc::as_ptr(log).cast() == environment.cast_const());
