@@ -1,4 +1,4 @@
-//! The zip archive that an `.fmu` file is (FMI 2.0.4, section 2.3).
+//! The zip archive of an `.fmu` file (FMI 2.0.4, section 2.3).
 
 use std::collections::HashMap;
 use std::io::{Cursor, Read, Write};
@@ -10,7 +10,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use crate::{PackageError, document};
 
-/// An archive in the making. The same content always gives the same bytes: entries carry no time of day.
+/// An archive to be written. The same content always gives the same bytes: entries have no time stamps.
 #[derive(Clone, Debug, Default)]
 pub struct Archive {
     entries: Vec<(String, Vec<u8>)>,
@@ -79,7 +79,7 @@ impl Archive {
     }
 }
 
-/// With the permissions of any other new file; a temporary one is the user's alone.
+/// Gives the file the permissions of any other new file; a temporary file is private to the user.
 #[cfg(unix)]
 fn readable_by_others(mut builder: tempfile::Builder<'static, 'static>) -> tempfile::Builder<'static, 'static> {
     use std::os::unix::fs::PermissionsExt;
@@ -87,7 +87,7 @@ fn readable_by_others(mut builder: tempfile::Builder<'static, 'static>) -> tempf
     builder
 }
 
-/// An archive that is written, and not yet at its place. Dropped, it leaves no trace.
+/// A complete archive that is not yet at its place. If it is dropped, nothing remains.
 #[derive(Debug)]
 pub struct Finished {
     file: NamedTempFile,
@@ -95,10 +95,10 @@ pub struct Finished {
 }
 
 impl Finished {
-    /// Moves it to its place, which it returns.
+    /// Moves it to its place and returns the path.
     ///
     /// # Errors
-    /// If that cannot be.
+    /// If it cannot be moved.
     pub fn appear(self) -> Result<PathBuf, PackageError> {
         let Self { file, path } = self;
         match file.persist(&path) {
@@ -108,7 +108,7 @@ impl Finished {
     }
 }
 
-/// The content of a file that is nothing else: a pipe would keep us waiting.
+/// The content of a regular file. Opening a pipe would block.
 pub(crate) fn plain_file(path: &Path) -> std::io::Result<Vec<u8>> {
     let kind = std::fs::metadata(path)?;
     if !kind.is_file() && !kind.is_dir() {
@@ -136,10 +136,11 @@ pub fn read(path: &Path) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
     Ok(files)
 }
 
-/// Refuses to replace the archive of a model of another crate, and one whose name differs in small and capital letters only.
+/// Refuses to replace the archive of a model of another crate, and an archive whose name differs only in upper and lower
+/// case.
 ///
 /// # Errors
-/// If there is one in the folder.
+/// If there is such an archive in the folder.
 pub fn check_target(folder: &Path, model: &str, package: &str) -> Result<(), PackageError> {
     let wanted = format!("{model}.fmu");
     let entries = std::fs::read_dir(folder).map_err(PackageError::file("read", folder))?;

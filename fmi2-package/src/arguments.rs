@@ -50,7 +50,7 @@ pub enum Command {
 #[derive(Debug)]
 pub struct Options {
     pub out: PathBuf,
-    /// Built ones; if there are none, they are built.
+    /// Libraries that were built before; if empty, they are built.
     pub libraries: Vec<PathBuf>,
     pub platforms: Vec<&'static Platform>,
     pub required: Vec<&'static Platform>,
@@ -94,7 +94,7 @@ pub fn parse() -> Result<Command, PackageError> {
     })
 }
 
-/// Names with commas between them.
+/// Names separated by commas.
 fn platforms(parser: &mut lexopt::Parser) -> Result<Vec<&'static Platform>, PackageError> {
     let names = parser.value().map_err(|error| PackageError::Usage(error.to_string()))?;
     Platform::list(&names.to_string_lossy()).map_err(PackageError::Usage)

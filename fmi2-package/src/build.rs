@@ -1,4 +1,4 @@
-//! Asks cargo about the crate whose packaging program runs, and for its library.
+//! Asks cargo about the crate whose packaging program runs, and builds its library.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::platform::Platform;
 
-/// The profile that libraries are built with, where the workspace has it.
+/// The profile for libraries, if the workspace has it.
 const PROFILE: &str = "fmu";
 
 /// Why the library could not be built.
@@ -20,12 +20,12 @@ pub enum BuildError {
     /// Cargo could not be started.
     #[error("cannot run {program}: {source}")]
     Start {
-        /// What was run.
+        /// The program that was started.
         program: String,
-        /// Why not.
+        /// Why it could not be started.
         source: std::io::Error,
     },
-    /// Cargo failed; it has said why on standard error.
+    /// Cargo failed and printed the reason to standard error.
     #[error("cargo could not build the library for {0}")]
     Failed(&'static str),
     /// Cargo does not know the crate.
@@ -43,7 +43,7 @@ pub struct Crate {
 }
 
 impl Crate {
-    /// As `cargo run` names it.
+    /// The crate that `cargo run` names.
     pub fn find() -> Result<Self, BuildError> {
         let variable = |name| std::env::var(name).map_err(|_| BuildError::NoCargo(name));
         let manifest = PathBuf::from(variable("CARGO_MANIFEST_DIR")?).join("Cargo.toml");
@@ -60,7 +60,7 @@ impl Crate {
         BuildError::Start { program: self.cargo.clone(), source }
     }
 
-    /// The licences of what the library is linked from.
+    /// The licences of the crates that are linked into the library.
     pub fn licenses(&self) -> Result<String, BuildError> {
         let platform = Platform::here().map_or_else(Vec::new, |platform| vec!["--filter-platform", platform.target]);
         let metadata = self.metadata(&platform)?;
@@ -89,7 +89,7 @@ impl Crate {
         Ok(if has_table(&text, &format!("profile.{PROFILE}")) { PROFILE } else { "release" })
     }
 
-    /// Builds the library with these GUIDs in it and tells where it is. Cargo reports the path itself.
+    /// Builds the library with these GUIDs compiled in and returns its path, which cargo reports.
     pub fn library(&self, platform: &'static Platform, guids: &str) -> Result<PathBuf, BuildError> {
         let mut command = platform.build_library(self.cargo.as_ref());
         command.args(["--profile", self.profile()?, "--message-format=json-render-diagnostics", "--manifest-path"]);

@@ -24,30 +24,31 @@ pub use response::{Beside, OfTime, Panel, Response, ResponseError};
 use document::Origin;
 use platform::Platform;
 
-/// What a model's author says of it besides its declarations. Every part is optional.
+/// The author's part of a model's documentation, beside its declarations. Every field is optional.
 #[derive(Clone, Copy, Debug)]
 pub struct Document<'a> {
     /// Name of the model.
     pub model: &'a str,
-    /// What it models and how, in Markdown; formulas in LaTeX between `$`, or `$$` on lines of their own. Headings start
-    /// at the second level (`##`). Images are [`files`](Self::files) below `documentation/`.
+    /// The description of the model in Markdown, with formulas in LaTeX between `$`, or `$$` on separate lines. Headings
+    /// start at the second level (`##`). Images are [`files`](Self::files) below `documentation/`.
     pub text: &'a str,
-    /// The icon that tools show, as PNG: becomes `model.png`. It brings its own ground: pages and tools may be dark.
+    /// The icon that tools show, as PNG: becomes `model.png`. It needs its own background: pages and tools may be dark.
     pub icon: &'a [u8],
     /// The licence's text: becomes `documentation/licenses/license.txt`.
     pub license: &'a str,
     /// A run whose results the page shows.
     pub response: Option<Response<'a>>,
-    /// How the archive was made, as one would type it; `cargo fmi2 package` if empty.
+    /// The command that made the archive; `cargo fmi2 package` if empty.
     pub command: &'a str,
     /// Further files.
     pub files: &'a [File<'a>],
-    /// Further pages, which the text can have links to.
+    /// Further pages, to which the text can link.
     pub articles: &'a [Article<'a>],
 }
 
 impl Document<'_> {
-    /// Nothing, to fill up a definition with: `Document { model: "Lag", text: "…", ..Document::new() }`.
+    /// An empty document, for the remaining fields of a definition:
+    /// `Document { model: "Lag", text: "…", ..Document::new() }`.
     #[must_use]
     pub const fn new() -> Self {
         Self { model: "", text: "", icon: &[], license: "", response: None, command: "", files: &[], articles: &[] }
@@ -60,7 +61,7 @@ impl Default for Document<'_> {
     }
 }
 
-/// A file to put into a model's archive besides what is generated.
+/// A file to put into a model's archive beside the generated files.
 #[derive(Clone, Copy, Debug)]
 pub struct File<'a> {
     /// Path in the archive, e.g. `documentation/figure.svg`.
@@ -74,12 +75,12 @@ pub struct File<'a> {
 pub struct Article<'a> {
     /// Path in the archive, e.g. `documentation/history.html`.
     pub path: &'a str,
-    /// What it is called.
+    /// Its title.
     pub title: &'a str,
-    /// Where it comes from, in a sentence below its name.
+    /// Its origin, in a sentence below the title.
     pub about: &'a str,
-    /// Markdown with LaTeX formulas, with a heading of the first level. It may live elsewhere, too: links to files that the
-    /// archive does not have become plain text.
+    /// Markdown with LaTeX formulas, with a heading of the first level. The text may come from another place: links to
+    /// files that the archive does not have become plain text.
     pub text: &'a str,
 }
 
@@ -101,15 +102,15 @@ pub enum PackageError {
     NoSuchModel {
         /// The document's model.
         model: String,
-        /// The models there are.
+        /// The existing models.
         known: Vec<&'static str>,
     },
-    /// A part of a document cannot become part of an FMU.
+    /// A part of a document that an FMU cannot contain.
     #[error("document of {model}: {problem}")]
     Document {
         /// The model.
         model: &'static str,
-        /// What is wrong, and what to do.
+        /// The fault, and what to do.
         problem: String,
     },
     /// The run for the page's figure failed.
@@ -130,18 +131,18 @@ pub enum PackageError {
         /// Why.
         source: std::io::Error,
     },
-    /// Standard output did not take what the program says.
+    /// The program could not write to standard output.
     #[error("cannot write to standard output: {0}")]
     StandardOutput(std::io::Error),
     /// A platform has no name in FMI 2.0, or cannot be built for here.
     #[error("{0}")]
     Platform(String),
-    /// A file is no library for these models.
+    /// A file is not a library for these models.
     #[error("{}: {problem}", path.display())]
     Library {
         /// Which one.
         path: PathBuf,
-        /// What is wrong, and what to do.
+        /// The fault, and what to do.
         problem: String,
     },
     /// An archive cannot be merged.
@@ -152,7 +153,7 @@ pub enum PackageError {
         /// Why not.
         problem: String,
     },
-    /// Two models want the same file.
+    /// Two models would have the same file.
     #[error("two models are called {one} and {other}, so that one's archive would replace the other's: rename one")]
     SameName {
         /// One model.
@@ -160,12 +161,12 @@ pub enum PackageError {
         /// The other one.
         other: &'static str,
     },
-    /// An archive of that name is there, and another model's.
+    /// An archive of that name exists already and belongs to another model.
     #[error("{} is {whose}: choose another folder (--out), or remove it", path.display())]
     Taken {
-        /// Where.
+        /// Its path.
         path: PathBuf,
-        /// Of what.
+        /// Its owner.
         whose: String,
     },
 }
@@ -177,7 +178,7 @@ impl PackageError {
     }
 }
 
-/// The packaging program: parses the command line, does what it says, reports errors. See `--help`.
+/// The packaging program: parses the command line, executes it, reports errors. See `--help`.
 #[must_use]
 pub fn main(library: &'static Library, documents: &[Document<'_>]) -> ExitCode {
     match program::run(library, documents) {
@@ -193,7 +194,7 @@ pub fn main(library: &'static Library, documents: &[Document<'_>]) -> ExitCode {
 /// document give the same bytes.
 ///
 /// # Errors
-/// If it cannot be written, if the document is at odds with the model, or if FMI 2.0 does not know the platform.
+/// If it cannot be written, if the document contradicts the model, or if FMI 2.0 does not know the platform.
 pub fn write(
     model: &'static dyn ExportedModel,
     description: &Description,

@@ -1,4 +1,4 @@
-//! The licences of the crates that are linked into a library: most of them ask for their text to go where the binary goes.
+//! The licences of the crates that are linked into a library. Most of them demand that their text accompanies the binary.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -7,8 +7,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-/// A list of the crates that the library of `root` (an identifier of a package) is linked from, with the texts of their licences,
-/// each text once. `metadata` is what `cargo metadata` says.
+/// A list of the crates that are linked into the library of `root` (an identifier of a package), with the texts of their
+/// licences, each text once. `metadata` is the output of `cargo metadata`.
 pub fn text(metadata: &Value, root: &str) -> String {
     let packages: BTreeMap<&str, &Value> =
         list(&metadata["packages"]).iter().filter_map(|package| Some((package["id"].as_str()?, package))).collect();
@@ -18,7 +18,7 @@ pub fn text(metadata: &Value, root: &str) -> String {
     let mut waiting = vec![root];
     while let Some(id) = waiting.pop() {
         for dependency in nodes.get(id).map_or(&[][..], |node| list(&node["deps"])) {
-            // Neither what tests need nor what only runs while compiling.
+            // Without dependencies of tests and of build scripts.
             let is_normal = list(&dependency["dep_kinds"]).iter().any(|kind| kind["kind"].is_null());
             let Some(id) = dependency["pkg"].as_str() else { continue };
             if is_normal && packages.get(id).is_some_and(|package| !is_macro(package)) && linked.insert(id) {

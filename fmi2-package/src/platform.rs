@@ -1,6 +1,6 @@
-//! Platforms: what FMI 2.0.4 (section 2.3) calls the folders below `binaries/`, and what a library for them looks like. For all
-//! but the first six the standard refers to the platform tuples of FMI 3.0. What it takes to build for them is in
-//! [`toolchain`](crate::toolchain).
+//! Platforms: the folders below `binaries/` in FMI 2.0.4 (section 2.3), and the format of the libraries in them. For all
+//! but the first six the standard refers to the platform tuples of FMI 3.0. [`toolchain`](crate::toolchain) says what a
+//! build for a platform needs.
 
 use object::{Architecture, BinaryFormat, Object, ObjectKind};
 
@@ -11,7 +11,7 @@ pub struct Platform {
     pub folder: &'static str,
     pub(crate) os: &'static str,
     pub(crate) arch: &'static str,
-    /// What cargo calls it.
+    /// Cargo's name for it.
     pub target: &'static str,
     /// The linker that cargo starts if it is not the machine's own, and the package that has it.
     pub(crate) linker: Option<(&'static str, &'static str)>,
@@ -95,17 +95,17 @@ impl Platform {
         PLATFORMS.iter().find(|platform| (platform.os, platform.arch) == (OS, ARCH))
     }
 
-    /// The one of this folder.
+    /// The platform of this folder.
     ///
     /// # Errors
-    /// If there is none; the message names those there are.
+    /// If there is none; the message lists all platforms.
     pub fn named(folder: &str) -> Result<&'static Self, String> {
         PLATFORMS.iter().find(|platform| platform.folder == folder).ok_or_else(|| {
             format!("unknown platform {folder:?}; known are {}", PLATFORMS.map(|platform| platform.folder).join(", "))
         })
     }
 
-    /// How its libraries' names end.
+    /// The file extension of its libraries.
     #[must_use]
     pub fn extension(&self) -> &'static str {
         match self.os {
@@ -115,10 +115,10 @@ impl Platform {
         }
     }
 
-    /// The one that a file is an FMU's library for.
+    /// The platform of an FMU's library.
     ///
     /// # Errors
-    /// If it is none; the message says what it is instead.
+    /// If the file is not such a library; the message says what it is.
     pub fn of(library: &[u8]) -> Result<&'static Self, String> {
         let file = object::File::parse(library).map_err(|error| format!("it is no shared library: {error}"))?;
         let os = match file.format() {
@@ -151,10 +151,10 @@ impl Platform {
             .ok_or_else(|| format!("FMI 2.0 names no folder for binaries of {os} on {arch}"))
     }
 
-    /// Those of these names, with commas between them.
+    /// The platforms of these names, separated by commas.
     ///
     /// # Errors
-    /// If there is none of a name; the message names those there are.
+    /// If a name is unknown; the message lists all platforms.
     pub fn list(names: &str) -> Result<Vec<&'static Self>, String> {
         let mut platforms: Vec<&'static Self> = Vec::new();
         for name in names.split(',').map(str::trim).filter(|name| !name.is_empty()) {

@@ -1,4 +1,4 @@
-//! What the packaging program does: descriptions, libraries, documents into archives.
+//! The work of the packaging program: combines descriptions, libraries and documents into archives.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::document::{self, Origin};
 use crate::platform::{PLATFORMS, Platform};
 use crate::{Document, PackageError, requirements, toolchain};
 
-/// A library and what it is for.
+/// A library and its platform.
 type Binary = (&'static Platform, Vec<u8>);
 
 pub fn run(library: &'static Library, documents: &[Document<'_>]) -> Result<(), PackageError> {
@@ -39,7 +39,7 @@ pub fn run(library: &'static Library, documents: &[Document<'_>]) -> Result<(), 
     }
 }
 
-/// The GUIDs of a crate's models, as [`VARIABLE`](fmi2_export::packaging::VARIABLE) wants them.
+/// The GUIDs of a crate's models, in the format of [`VARIABLE`](fmi2_export::packaging::VARIABLE).
 fn guids(descriptions: &[Description]) -> String {
     let entries: Vec<String> = descriptions.iter().map(|one| format!("{}={}", one.name, one.guid)).collect();
     entries.join(";")
@@ -77,7 +77,7 @@ fn package(
         Vec::new()
     };
 
-    // First what can be wrong with the documents: building takes longer.
+    // Documents are checked first, because building takes longer.
     let none = Document::new();
     let document = |name| documents.iter().find(|document| document.model == name).unwrap_or(&none);
     let further = |name: &str| {
@@ -136,7 +136,7 @@ fn package(
         }
         finished.push(archive.beside(options.out.join(format!("{}.fmu", description.name)))?);
     }
-    // The models of a library belong together: an interruption before this leaves the former ones.
+    // The models of a library belong together: an interruption before this point keeps the former ones.
     let written = finished.into_iter().map(archive::Finished::appear).collect::<Result<Vec<_>, _>>()?;
     written.iter().try_for_each(|path| print(&format!("{}\n", path.display())))
 }
@@ -180,7 +180,8 @@ fn contains(content: &[u8], part: &[u8]) -> bool {
     content.windows(part.len()).any(|window| window == part)
 }
 
-/// The libraries of an archive that was made elsewhere from the description of one of the models, and which model that is.
+/// The libraries of an archive that was made elsewhere from the description of one of the models, and the name of this
+/// model.
 fn merge<'d>(path: &Path, descriptions: &'d [Description]) -> Result<(&'d str, Vec<Binary>), PackageError> {
     let wrong = |problem: String| PackageError::Merge { path: path.to_owned(), problem };
     let files = archive::read(path)?;
@@ -208,7 +209,8 @@ fn merge<'d>(path: &Path, descriptions: &'d [Description]) -> Result<(&'d str, V
     Ok((description.name, binaries))
 }
 
-/// Each document is for a model, and each model has a file name of its own, also where small and capital letters are the same.
+/// Checks that each document is for a model, and that each model has a unique file name, also where upper and lower case
+/// are the same.
 fn check_names(documents: &[Document<'_>], descriptions: &[Description]) -> Result<(), PackageError> {
     let known: Vec<&'static str> = descriptions.iter().map(|description| description.name).collect();
     for (i, name) in known.iter().enumerate() {

@@ -1,4 +1,5 @@
-//! What a library needs of the system that loads it: `documentation/externalDependencies.txt` (FMI 2.0.4, section 2.3).
+//! The requirements of a library on the system that loads it: `documentation/externalDependencies.txt` (FMI 2.0.4, section
+//! 2.3).
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -8,20 +9,20 @@ use object::{Endianness, File, Object, elf};
 
 use crate::platform::Platform;
 
-/// Where an archive says it.
+/// The path of this file in an archive.
 pub const PATH: &str = "documentation/externalDependencies.txt";
 
-/// What a library needs of the system that loads it.
+/// The requirements of a library on the system that loads it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Requirements {
-    /// The oldest glibc that has all it asks for.
+    /// The oldest glibc that has all functions it needs.
     pub glibc: Option<(u32, u32)>,
     /// Shared libraries by their file names, sorted.
     pub libraries: Vec<String>,
 }
 
 impl Requirements {
-    /// Those of a library; nothing is known of formats other than ELF and PE.
+    /// The requirements of a library; empty for formats other than ELF and PE.
     #[must_use]
     pub fn of(library: &[u8]) -> Self {
         match File::parse(library) {
@@ -37,7 +38,7 @@ impl Requirements {
     }
 }
 
-/// What the loader looks at: `DT_NEEDED`, and the versions asked of each.
+/// The entries that the loader reads: `DT_NEEDED`, and the versions required of each library.
 fn of_elf(file: &ElfFile64<'_, Endianness>, data: &[u8]) -> object::Result<Requirements> {
     let (endian, sections) = (file.endian(), file.elf_section_table());
     let mut found = Requirements::default();
@@ -59,7 +60,7 @@ fn of_elf(file: &ElfFile64<'_, Endianness>, data: &[u8]) -> object::Result<Requi
     Ok(found)
 }
 
-/// `GLIBC_2.17` is version 2.17; other names are of other libraries.
+/// `GLIBC_2.17` is version 2.17; other names belong to other libraries.
 fn glibc(name: &[u8]) -> Option<(u32, u32)> {
     let version = std::str::from_utf8(name).ok()?.strip_prefix("GLIBC_")?;
     let mut parts = version.split('.').map(|part| part.parse().ok());

@@ -1,4 +1,4 @@
-//! A run of a model whose results its page shows: the model's own code, stepped by the packaging program.
+//! A run of a model whose results its page shows. The packaging program steps the model's own code.
 
 use std::fmt::Write as _;
 
@@ -25,7 +25,7 @@ pub type OfTime = fn(f64) -> f64;
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Response<'a> {
-    /// What is done, in Markdown.
+    /// A description of the experiment, in Markdown.
     pub caption: &'a str,
     /// Values of parameters, and of inputs that stay constant. Booleans are 0 or 1, enumerations numbered from 1.
     pub start: &'a [(&'a str, f64)],
@@ -35,14 +35,14 @@ pub struct Response<'a> {
     pub stop_time: f64,
     /// Communication step size (s).
     pub step_size: f64,
-    /// What is shown.
+    /// The panels of the figure.
     pub panels: &'a [Panel<'a>],
-    /// Signals of what is around the model, which panels may show with its own.
+    /// Signals from outside the model, which panels may show with its own.
     pub beside: &'a [Beside<'a>],
 }
 
-/// A signal of what is around the model: the plant's, where the model is its controller and the inputs are what the plant
-/// measured in the loop of both.
+/// A signal from outside the model. For a controller this is a signal of the plant, if the inputs were measured in the loop
+/// of both.
 #[derive(Clone, Copy, Debug)]
 pub struct Beside<'a> {
     /// Its name.
@@ -56,9 +56,9 @@ pub struct Beside<'a> {
 /// Some variables over time, all of one unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Panel<'a> {
-    /// What they are.
+    /// Its title.
     pub title: &'a str,
-    /// Their names, the model's or [beside](Response::beside) it: at most four.
+    /// The variables' names, of the model or [beside](Response::beside) it: at most four.
     pub variables: &'a [&'a str],
 }
 
@@ -71,10 +71,10 @@ pub enum ResponseError {
     Unknown {
         /// The name.
         name: String,
-        /// The name that is most like it.
+        /// The most similar name.
         hint: Option<String>,
     },
-    /// A variable of this kind cannot take part as wanted.
+    /// A variable of this kind cannot be used in this way.
     #[error("{name} {problem}")]
     Unfit {
         /// Its name.
@@ -82,25 +82,25 @@ pub enum ResponseError {
         /// Why not.
         problem: &'static str,
     },
-    /// The times make no sense.
+    /// The times are not valid.
     #[error("stop_time {stop_time} and step_size {step_size} (s) must be positive, and at most 100 000 steps")]
     Times {
-        /// The wanted end.
+        /// The given stop time.
         stop_time: f64,
-        /// The wanted step size.
+        /// The given step size.
         step_size: f64,
     },
     /// The model refused a call.
     #[error("the model refused at {time} s: {message}")]
     Refused {
-        /// When.
+        /// The time.
         time: f64,
-        /// What it said.
+        /// The message of the model.
         message: String,
     },
 }
 
-/// What a run has given.
+/// The results of a run.
 pub struct Run<'i> {
     pub times: Vec<f64>,
     /// The inputs over time, with their values from each time on.
@@ -112,13 +112,13 @@ pub struct Run<'i> {
 /// Values of a signal.
 pub struct Series<'i> {
     pub name: &'i str,
-    /// The unit people are shown, and how many of it one of the signal's own is.
+    /// The unit that readers see, and the factor: shown value = factor · value.
     pub unit: (&'i str, f64),
     pub values: Vec<f64>,
     source: Source<'i>,
 }
 
-/// Whose signal it is.
+/// The owner of a signal.
 enum Source<'i> {
     Model(&'i VariableFacts),
     Beside(OfTime),
@@ -134,16 +134,16 @@ impl<'i> Series<'i> {
         Self { name: &variable.name, unit, values: Vec::new(), source: Source::Model(variable) }
     }
 
-    /// Whether it is the model's.
+    /// Whether it belongs to the model.
     pub fn is_of_model(&self) -> bool {
         matches!(self.source, Source::Model(_))
     }
 }
 
-/// Runs a model. As most masters do, it records what the outputs are after each step, with the inputs of that step.
+/// Runs a model. Like most masters, it records the outputs after each step, with the inputs of that step.
 ///
 /// # Errors
-/// If the run names what is not there, or the model refuses.
+/// If the run names a variable that does not exist, or the model refuses.
 pub fn run<'i>(
     model: &'static dyn ExportedModel,
     interface: &'i Interface,
@@ -250,7 +250,7 @@ impl Run<'_> {
     }
 }
 
-/// Numbers are written so that they read back as the same.
+/// Numbers are written so that they read back exactly.
 fn csv(times: &[f64], columns: &[&Series<'_>]) -> String {
     let mut csv = String::from("time");
     for series in columns {

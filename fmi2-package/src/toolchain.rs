@@ -1,4 +1,4 @@
-//! What it takes to build for a [`Platform`] here, and how cargo is asked to.
+//! The requirements for building for a [`Platform`] on this machine, and the cargo command that builds.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -7,19 +7,19 @@ use std::sync::OnceLock;
 
 use crate::platform::{PLATFORMS, Platform};
 
-/// Those that are built where their toolchains are, besides the machine's own: for others a target that is installed does not
-/// tell that its linker and libraries are there, too.
+/// Platforms that are built wherever their toolchains are installed, besides the machine's own. For other platforms an
+/// installed target does not mean that linker and libraries are installed too.
 const USUAL: [&str; 5] = ["linux64", "win64", "aarch64-linux", "darwin64", "aarch64-darwin"];
-/// Those that people look for: whoever leaves them out is told.
+/// Platforms that users expect: the program reports it if they are omitted.
 const EXPECTED: [&str; 2] = ["linux64", "win64"];
-/// The oldest glibc that libraries are linked for where zig is there: that of 2012 and of `manylinux2014`, and the oldest that
-/// Rust's standard library runs on.
+/// The oldest glibc for which libraries are linked if zig is installed: that of 2012 and of `manylinux2014`, and the oldest
+/// that Rust's standard library supports.
 const OLDEST_GLIBC: &str = "2.17";
 /// Cargo with zig as the linker.
 const ZIGBUILD: &str = "cargo-zigbuild";
 
 impl Platform {
-    /// What is missing to build for it here, as what to do about it. `None` if nothing is.
+    /// The missing parts for a build on this machine, as instructions to the user. `None` if nothing is missing.
     #[must_use]
     pub fn missing(&self) -> Option<String> {
         if Self::here() == Some(self) {
@@ -30,7 +30,7 @@ impl Platform {
             todo.push(format!("rustup target add {}", self.target));
         }
         match self.linker {
-            // Apple's tools are on Apple's machines only.
+            // Apple's tools exist only on Apple's machines.
             None if self.os == "macos" && !cfg!(target_os = "macos") => todo.push("a Mac".to_owned()),
             Some((linker, package))
                 if !(self.is_linked_by_zig()
@@ -44,11 +44,11 @@ impl Platform {
         (!todo.is_empty()).then(|| todo.join(" and "))
     }
 
-    /// How cargo is asked to build a crate's library for it; the caller says which crate, and with which profile.
+    /// The cargo command that builds a crate's library for it; the caller adds the crate and the profile.
     ///
-    /// Only the shared library is built: beside a library for Rust (`rlib`), which the crate's tests and its packaging program
-    /// link, cargo would leave out the link-time optimisation that the profile asks for, and all code of all crates would be in
-    /// it where the linker does not drop functions, as on Windows.
+    /// Only the shared library is built. If a library for Rust (`rlib`), which the crate's tests and its packaging program
+    /// link, were built beside it, cargo would omit the link-time optimisation of the profile, and on systems where the
+    /// linker does not drop unused functions, such as Windows, the library would contain the code of all crates.
     #[must_use]
     pub fn build_library(&self, cargo: &OsStr) -> Command {
         let by_zig = self.is_linked_by_zig();
@@ -65,13 +65,13 @@ impl Platform {
         command
     }
 
-    /// By zig, which has the interfaces of all versions of glibc.
+    /// Whether zig links it; zig contains the interfaces of all versions of glibc.
     fn is_linked_by_zig(&self) -> bool {
         static HAS_ZIG: OnceLock<bool> = OnceLock::new();
         self.os == "linux"
             && *HAS_ZIG.get_or_init(|| {
                 let is_named = std::env::var_os("CARGO_ZIGBUILD_ZIG_PATH").is_some();
-                // `python-zig` is what the package ziglang of PyPI installs.
+                // The package ziglang of PyPI installs `python-zig`.
                 on_path(ZIGBUILD) && (is_named || on_path("zig") || on_path("python-zig"))
             })
     }
@@ -81,7 +81,7 @@ impl Platform {
     }
 }
 
-/// Whether the compiler that cargo will start has its standard library for a target.
+/// Whether cargo's compiler has the standard library of a target.
 fn has_standard_library(target: &str) -> bool {
     static SYSROOT: OnceLock<Option<PathBuf>> = OnceLock::new();
     let sysroot = SYSROOT.get_or_init(|| {
@@ -102,14 +102,14 @@ fn on_path(program: &str) -> bool {
     std::env::var_os("PATH").is_some_and(|path| std::env::split_paths(&path).any(|folder| folder.join(&name).is_file()))
 }
 
-/// Platforms to build for, and others with what they lack.
+/// Platforms to build for, and omitted ones with their missing parts.
 pub type Selection = (Vec<&'static Platform>, Vec<(&'static Platform, String)>);
 
-/// The platforms to build for, and those left out with what they lack. `wanted` are the ones to build and no others; where there
-/// are none, that is the machine's own, and the usual ones whose toolchains are there.
+/// The platforms to build for, and the omitted ones with their missing parts. `wanted` are exactly the platforms to build;
+/// if it is empty, these are the machine's own and the usual ones whose toolchains are installed.
 ///
 /// # Errors
-/// If one that is wanted or required cannot be built, with what to do.
+/// If a wanted or required platform cannot be built; the message says what to do.
 pub fn select(wanted: &[&'static Platform], required: &[&'static Platform]) -> Result<Selection, String> {
     let lacking =
         |platform: &Platform, what: &str| format!("{} cannot be built here: it needs {what}", platform.folder);
@@ -142,7 +142,7 @@ pub fn select(wanted: &[&'static Platform], required: &[&'static Platform]) -> R
     Ok((built, left_out))
 }
 
-/// One line on what was left out; `None` if nothing was.
+/// One line about the omitted platforms; `None` if there are none.
 #[must_use]
 pub fn left_out(platforms: &[(&'static Platform, String)]) -> Option<String> {
     let list: Vec<_> = platforms.iter().map(|(platform, what)| format!("{} (needs {what})", platform.folder)).collect();

@@ -1,4 +1,4 @@
-//! Further pages of the documentation, and where links lead: never to a file that the archive does not have.
+//! Further pages of the documentation, and a check of links: none may lead to a file that the archive does not have.
 
 use quick_xml::escape::escape;
 
@@ -9,10 +9,10 @@ use crate::Article;
 
 type Files = [(String, Vec<u8>)];
 
-/// Adds a page for each article. They know each other and all other files.
+/// Adds a page for each article. Articles may link to each other and to all other files.
 ///
 /// # Errors
-/// What is wrong with one.
+/// A fault of one of them.
 pub fn add(files: &mut Vec<(String, Vec<u8>)>, model: &str, articles: &[Article<'_>]) -> Result<(), String> {
     for Article { path, .. } in articles {
         let is_page = path.starts_with("documentation/")
@@ -32,7 +32,7 @@ pub fn add(files: &mut Vec<(String, Vec<u8>)>, model: &str, articles: &[Article<
     Ok(())
 }
 
-/// Whether a link from the documentation's pages leads to a place in the page, to an address, or to a file of the archive.
+/// Whether a link in the documentation's pages leads to an anchor in the page, to an address, or to a file of the archive.
 pub fn leads_somewhere(files: &Files, target: &str) -> bool {
     let is_address = ["https:", "http:", "mailto:"].iter().any(|scheme| target.starts_with(scheme));
     let file = target.split('#').next().unwrap_or_default();

@@ -1,6 +1,6 @@
-//! Line charts as SVG elements of the page. Colours and fonts come from the page's style sheet, so that a chart follows
-//! the reader's choice of light or dark; that, and building fast in every model crate, is why no plotting library draws
-//! them.
+//! Line charts as SVG elements of the page. Colours and fonts come from the page's style sheet, so that a chart follows the
+//! reader's choice of light or dark. For this reason, and for short build times in every model crate, no plotting library
+//! is used.
 
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
@@ -8,12 +8,12 @@ use std::ops::RangeInclusive;
 /// Size of the drawing, in px at a scale of one.
 const WIDTH: f64 = 400.0;
 const HEIGHT: f64 = 232.0;
-/// What surrounds the axes: left for the labels of values, below for those of times.
+/// Margins around the axes: on the left for the labels of values, below for those of times.
 const LEFT: f64 = 46.0;
 const RIGHT: f64 = 8.0;
 const TOP: f64 = 8.0;
 const BOTTOM: f64 = 34.0;
-/// About how many lines of the grid there are along each axis.
+/// The approximate number of grid lines along each axis.
 const LINES: f64 = 5.0;
 
 /// Curves over time, all in one unit.
@@ -22,7 +22,7 @@ pub struct Chart<'a> {
     pub times: &'a [f64],
     /// Values of each curve.
     pub curves: &'a [Vec<f64>],
-    /// What the chart shows, for readers who do not see it.
+    /// A description of the chart for readers who cannot see it.
     pub label: &'a str,
 }
 
@@ -74,7 +74,7 @@ impl Chart<'_> {
     }
 }
 
-/// How values become places on the drawing: from one line of the grid to another.
+/// The mapping of values to coordinates, from one grid line to another.
 struct Axis {
     least: f64,
     greatest: f64,

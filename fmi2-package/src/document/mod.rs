@@ -1,6 +1,6 @@
-//! `documentation/index.html` and the files around it (FMI 2.0.4, section 2.3), generated from the same declarations as
-//! the XML and from what the model's author wrote. The page is one file without scripts that loads nothing from
-//! anywhere; the style sheet stands in it, formulas are `MathML`, charts SVG.
+//! `documentation/index.html` and the files around it (FMI 2.0.4, section 2.3), generated from the same declarations as the
+//! XML and from the author's texts. The page is one file without scripts and without references to other servers: it
+//! contains its style sheet, formulas are `MathML`, charts are SVG.
 
 mod articles;
 mod chart;
@@ -27,10 +27,10 @@ const INPUTS: &str = "documentation/response_in.csv";
 const BESIDE: &str = "documentation/response_beside.csv";
 /// The licences of the crates that the library is linked from.
 pub const LINKED_LICENSES: &str = "documentation/licenses/linked-crates.txt";
-/// Where else the archive has files, which are not the author's.
+/// Other paths of the archive that the author must not use.
 const OURS: [&str; 5] = ["modelDescription.xml", "binaries/", "sources/", LINKED_LICENSES, requirements::PATH];
 
-/// Where an archive comes from and what it is for.
+/// The origin of an archive and its platforms.
 pub struct Origin {
     package: &'static str,
     platforms: Vec<&'static Platform>,
@@ -48,7 +48,8 @@ impl Origin {
         self.platforms.iter().map(|platform| platform.folder).collect::<Vec<_>>().join(", ")
     }
 
-    /// An attribute of the page by which a later packaging knows whose archive it would replace.
+    /// An attribute of the page with the name of the crate, so that a later packaging does not replace another crate's
+    /// archive.
     fn mark(&self) -> String {
         if self.package.is_empty() { String::new() } else { format!(" {MARK}\"{}\"", escape(self.package)) }
     }
@@ -56,7 +57,7 @@ impl Origin {
 
 const MARK: &str = "data-crate=";
 
-/// The crate that a page is from, if it says so.
+/// The crate of a page, if the page names it.
 pub fn crate_of(page: &str) -> Option<&str> {
     page.split_once(MARK)?.1.split('"').nth(1)
 }
@@ -64,7 +65,7 @@ pub fn crate_of(page: &str) -> Option<&str> {
 /// The files of an archive besides description and library.
 ///
 /// # Errors
-/// If the document is at odds with the model or the standard.
+/// If the document contradicts the model or the standard.
 pub fn files(
     model: &'static dyn ExportedModel,
     description: &Description,
@@ -74,7 +75,7 @@ pub fn files(
     let interface = interface(model)?;
     let wrong = |problem| PackageError::Document { model: description.name, problem };
     let text = text::read(document.text).map_err(|error| wrong(articles::not_understood(&error)))?;
-    // Before any of them is written anywhere.
+    // All paths are checked before any file is written.
     let no_path =
         |path: &str| wrong(format!("{path:?} cannot be the path of a further file: it is taken, or no relative path"));
     if let Some(file) = document.files.iter().find(|file| !is_relative(file.path)) {
@@ -82,7 +83,7 @@ pub fn files(
     }
     let run = match &document.response {
         Some(wanted) => {
-            // The model may read files that its archive will carry.
+            // The model may read files from its archive.
             let folder =
                 unpacked(document.files).map_err(|error| wrong(format!("cannot unpack its resources: {error}")))?;
             let run = response::run(model, &interface, wanted, &Resources::at(folder.path()))

@@ -11,7 +11,7 @@ use super::{BESIDE, ICON, INPUTS, LICENSE, Origin, RESULTS, tables, text};
 use crate::response::Run;
 use crate::{Document, Response};
 
-/// How every page begins; `attributes` are those of its first element.
+/// The beginning of every page; `attributes` are those of its first element.
 pub fn head(title: &str, attributes: &str) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"{attributes}>\n<head>\n<meta charset=\"utf-8\"/>\n\
@@ -23,7 +23,7 @@ pub fn head(title: &str, attributes: &str) -> String {
     )
 }
 
-/// What the page is made from.
+/// The sources of the page.
 pub struct Page<'a> {
     pub interface: &'a Interface,
     pub description: &'a Description,
@@ -34,7 +34,7 @@ pub struct Page<'a> {
 }
 
 impl Page<'_> {
-    /// The page. An error says what of the document is wrong.
+    /// The page. An error names the fault of the document.
     pub fn to_html(&self) -> Result<String, String> {
         let mut html = head(self.description.name, &self.origin.mark()) + "<body>\n";
         self.header(&mut html);
@@ -140,7 +140,7 @@ impl Page<'_> {
         Ok(())
     }
 
-    /// The command that makes the same results from the FMU.
+    /// The command that computes the same results from the FMU.
     fn command(&self, response: &Response<'_>, run: &Run<'_>) -> String {
         let mut command = format!(
             "fmpy simulate {}.fmu --stop-time {} --output-interval {}",

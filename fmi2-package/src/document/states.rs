@@ -1,5 +1,5 @@
-//! The page's table of continuous states and their time derivatives, folded away: only who integrates the model wants it, and it can
-//! be long.
+//! The page's table of continuous states and their time derivatives. It is collapsed, because it can be long and only
+//! readers who integrate the model need it.
 
 use std::fmt::Write as _;
 

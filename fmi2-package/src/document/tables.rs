@@ -58,7 +58,7 @@ pub fn variables(html: &mut String, interface: &Interface) {
     enumerations(html, interface);
 }
 
-/// Columns that not every group has.
+/// Columns that only some groups have.
 #[derive(Clone, Copy)]
 pub struct Columns {
     pub range: bool,
@@ -89,7 +89,7 @@ pub fn row(html: &mut String, variable: &VariableFacts, columns: Columns) {
     html.push_str("</tr>\n");
 }
 
-/// The unit, or what a variable without one is.
+/// The unit, or for a variable without one its type.
 fn unit(variable: &VariableFacts) -> String {
     match (&variable.unit, variable.kind) {
         (Some(unit), _) => unit.name().to_owned(),
@@ -139,12 +139,12 @@ fn start(variable: &VariableFacts) -> String {
     html
 }
 
-/// The shortest text that reads back as the same number, as people write it: `0`, `0.3`, `1e9`.
+/// The shortest text that reads back as the same number, in the usual notation: `0`, `0.3`, `1e9`.
 fn exact(value: f64) -> String {
     if value == 0.0 || (1e-4..1e5).contains(&value.abs()) { format!("{value}") } else { format!("{value:e}") }
 }
 
-/// A number for people, to six digits.
+/// A number rounded to six digits for readers.
 fn significant(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
@@ -218,7 +218,7 @@ fn base_units(unit: &Unit) -> String {
     text
 }
 
-/// What the FMU can do, as `<CoSimulation>` and `<ModelExchange>` say.
+/// The capabilities in `<CoSimulation>` and `<ModelExchange>`.
 pub fn capabilities(interface: &Interface) -> Vec<(&'static str, String)> {
     let yes = |can: bool| if can { "yes" } else { "no" }.to_owned();
     let categories = log_categories().collect::<Vec<_>>().join(", ");

@@ -1,5 +1,5 @@
-//! What the model's author has written, from Markdown with LaTeX formulas to HTML with `MathML`, which browsers show
-//! without scripts, fonts or a network.
+//! Converts the author's text from Markdown with LaTeX formulas to HTML with `MathML`, which browsers show without scripts,
+//! fonts or a network.
 
 use pulldown_cmark::{CowStr, Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 use pulldown_latex::config::DisplayMode;
@@ -13,35 +13,35 @@ pub struct Text {
     pub headings: Vec<(String, String)>,
     /// Addresses of the images.
     pub images: Vec<String>,
-    /// Where its links lead.
+    /// Targets of its links.
     pub links: Vec<String>,
 }
 
-/// A formula that is no LaTeX.
+/// A formula that is not valid LaTeX.
 #[derive(Debug)]
 pub struct FormulaError {
     /// The formula.
     pub formula: String,
-    /// What is wrong with it.
+    /// The fault.
     pub reason: String,
 }
 
-/// Reads Markdown. HTML in it is shown as it stands: the page is the program's to make.
+/// Reads Markdown. HTML in it is shown as text: only the program writes the page's markup.
 ///
 /// # Errors
-/// The first formula that is no LaTeX.
+/// The first formula that is not valid LaTeX.
 pub fn read(markdown: &str) -> Result<Text, FormulaError> {
     read_where(markdown, &|_| true)
 }
 
-/// The same of a text whose home is elsewhere: links to what is not here are only their texts.
+/// The same for a text from another place: a link to a file that does not exist here becomes plain text.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_where(markdown: &str, is_here: &dyn Fn(&str) -> bool) -> Result<Text, FormulaError> {
     let options = Options::ENABLE_TABLES | Options::ENABLE_MATH | Options::ENABLE_FOOTNOTES;
     let mut text = Text { html: String::new(), headings: Vec::new(), images: Vec::new(), links: Vec::new() };
-    // Whether the link being read leads anywhere; they do not stand in each other.
+    // Whether the present link has an existing target. Links are never nested.
     let mut is_link = true;
     let mut events = Vec::new();
     // Where the heading being read began, and its title so far.
@@ -76,7 +76,7 @@ pub fn read_where(markdown: &str, is_here: &dyn Fn(&str) -> bool) -> Result<Text
         events.push(match event {
             Event::InlineMath(formula) => Event::InlineHtml(mathml(&formula, DisplayMode::Inline)?.into()),
             Event::DisplayMath(formula) => {
-                // What is wider than a phone can be scrolled.
+                // Formulas that are wider than a phone can be scrolled.
                 let math = mathml(&formula, DisplayMode::Block)?;
                 Event::InlineHtml(format!("<span class=\"formula\">{math}</span>").into())
             }
@@ -99,8 +99,8 @@ fn mathml(formula: &str, display_mode: DisplayMode) -> Result<String, FormulaErr
     let events = events.into_iter().map(Ok::<_, pulldown_latex::ParserError>);
     let config = RenderConfig { display_mode, ..RenderConfig::default() };
     push_mathml(&mut html, events, config).map_err(|reason| error(reason.to_string()))?;
-    // pulldown-latex 0.8 writes HTML that is no XML: it escapes its own entity, but not the symbols < and &, and forgets
-    // the blank before an attribute.
+    // pulldown-latex 0.8 writes HTML that is not valid XML: it escapes its own entity, but not the symbols < and &, and
+    // omits the space before an attribute.
     let repairs = [
         ("&amp;nbsp;", "\u{a0}"),
         ("&nbsp;", "\u{a0}"),
