@@ -221,7 +221,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 
     let fmu = lab.fmu(&task.contender.fmu).map_err(CellError::from)?;
     let results = FileSet::new();
-    results.write(&out, preset::toml(&task, &best, &command(arguments, &task).join(" ")))?;
+    results.write(&out, preset::toml(&task, &best, &command(arguments, &task).join(" "), fmu.description()))?;
     results.write(out.with_extension("ssv"), preset::ssv(&task, &best, fmu.description()))?;
     results.appear()?;
     let found = task.cells(&lab, &best.values, workers)?;

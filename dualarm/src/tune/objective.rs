@@ -124,11 +124,19 @@ impl Objective {
         WORST * self.goal(case).map_or(1.0, |_| REACH.powi(URGE))
     }
 
-    /// The factor of a case by which it misses its goal, 1 or less where it holds it; 0 without a goal.
+    /// The factor of a case by which it misses its goal in time, error or overshoot, whichever it misses most, 1 or less where it
+    /// holds it; 0 without a goal.
     #[must_use]
     pub fn missed(&self, case: usize, cell: &Cell) -> f64 {
-        let missed = self.goal(case).map_or(0.0, |goal| value(cell) / goal.value * self.overshoot(case, cell));
-        if missed.is_nan() { f64::INFINITY } else { missed }
+        let Some(goal) = self.goal(case) else { return 0.0 };
+        let reached = value(cell) / goal.value;
+        if reached.is_nan() {
+            return f64::INFINITY;
+        }
+        match self.overshoot(case, cell) {
+            held if held <= 1.0 => reached,
+            missed => reached.max(missed),
+        }
     }
 
     fn overshoot(&self, case: usize, cell: &Cell) -> f64 {
@@ -204,14 +212,15 @@ mod tests {
         close(ratio(&goal(0.5, None), settled(0.6, 1.0)), 1.2_f64.powi(10));
         close(ratio(&goal(0.1, None), settled(0.4, 1.0)), 1024.0);
         close(ratio(&goal(0.1, None), cell(None, 0.0, 1e6)), 1024.0);
-        // An overshoot of its own: 9 % are too much by half of 6, and nothing to 10.
+        // An overshoot of its own: 9 % are too much by half of 6, however early it settles, and nothing to 10.
         close(goal(0.5, Some(6.0)).missed(1, &settled(0.5, 9.0)), 1.5);
+        close(goal(0.5, Some(6.0)).missed(1, &settled(0.1, 9.0)), 1.5);
         close(goal(0.5, Some(10.0)).missed(1, &settled(0.5, 9.0)), 1.0);
         close(goal(0.5, Some(10.0)).ratio(1, &settled(0.4, 9.0)), 2.0);
         // Where errors judge, overshoot counts if the goal says so.
         let noisy = Cell { judged: Judged::Error, ..cell(None, 9.0, 0.012) };
         close(goal(0.01, None).missed(1, &noisy), 1.2);
-        close(goal(0.01, Some(6.0)).missed(1, &noisy), 1.8);
+        close(goal(0.01, Some(6.0)).missed(1, &noisy), 1.5);
         assert_eq!(goal(0.01, None).missed(0, &noisy), 0.0);
     }
 }
