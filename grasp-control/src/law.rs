@@ -1,5 +1,8 @@
 //! What the three controllers have in common.
 
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
 use crate::signals::{Commands, Errors, INPUTS, Inputs, References};
 use crate::target::{Arms, Targets};
 use thiserror::Error;
@@ -101,6 +104,20 @@ impl StepError {
             all_usable &= (value + rate * h).abs() <= Inputs::LARGEST;
         }
         if all_usable { Ok(()) } else { Err(Self::unusable(&values, &rates, h)) }
+    }
+
+    /// [`check`](Self::check) of inputs that are held.
+    #[inline(always)]
+    pub(crate) fn check_held(h: f64, inputs: &Inputs) -> Result<(), Self> {
+        if !(h.is_finite() && h > 0.0) {
+            return Err(Self::StepSize(h));
+        }
+        let values = inputs.to_array();
+        let mut all_usable = true;
+        for value in values {
+            all_usable &= value.abs() <= Inputs::LARGEST;
+        }
+        if all_usable { Ok(()) } else { Err(Self::unusable(&values, &[0.0; INPUTS], h)) }
     }
 
     /// The first input that [`check`](Self::check) does not like.

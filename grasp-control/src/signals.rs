@@ -99,6 +99,13 @@ impl Inputs {
     /// Far beyond anything physical; below it no product in the control laws can overflow.
     pub const LARGEST: f64 = 1e50;
 
+    /// Whether these rates are those of constant inputs.
+    #[must_use]
+    #[inline]
+    pub fn are_held(&self) -> bool {
+        all_equal(&self.to_array(), &[0.0; INPUTS])
+    }
+
     /// The inputs as one array, ordered like [`INPUT_NAMES`].
     #[must_use]
     pub const fn to_array(&self) -> [f64; INPUTS] {
@@ -177,6 +184,16 @@ impl Inputs {
         }
         Self::from_array(values)
     }
+}
+
+/// Whether all numbers are equal; without a branch for each, so that several are compared at once.
+#[inline]
+pub(crate) fn all_equal<const N: usize>(some: &[f64; N], others: &[f64; N]) -> bool {
+    let mut any_differs = false;
+    for (one, other) in some.iter().zip(others) {
+        any_differs |= one != other;
+    }
+    !any_differs
 }
 
 /// What a controller commands.

@@ -45,12 +45,23 @@ impl Arms {
     /// The static target (16) of the references, with the L/2 that (16) leaves out and constraint (12) needs.
     #[must_use]
     pub fn targets(&self, reference: &References) -> Targets {
+        self.targets_with(&self.slopes(), reference)
+    }
+
+    /// What [`targets_with`](Self::targets_with) needs: it does not change while a law runs.
+    pub(crate) fn slopes(&self) -> TargetSlopes {
+        TargetSlopes { theta2: self.theta2_per_lambda1(), y: self.y_per_lambda1() }
+    }
+
+    /// As [`targets`](Self::targets), for a caller that keeps the slopes of these arms.
+    #[inline]
+    pub(crate) fn targets_with(&self, slopes: &TargetSlopes, reference: &References) -> Targets {
         let References { lambda1_ref, theta1_ref } = *reference;
         let l = self.length;
         Targets {
             lambda: [lambda1_ref, -lambda1_ref],
-            theta: [theta1_ref, theta1_ref + self.theta2_per_lambda1() * lambda1_ref],
-            y_object: l * theta1_ref + self.y_per_lambda1() * lambda1_ref + 0.5 * self.hub_distance,
+            theta: [theta1_ref, theta1_ref + slopes.theta2 * lambda1_ref],
+            y_object: l * theta1_ref + slopes.y * lambda1_ref + 0.5 * self.hub_distance,
         }
     }
 
@@ -101,6 +112,15 @@ impl Arms {
     }
 }
 
+/// How the targets move with λ₁ᵈ, eq. (16).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TargetSlopes {
+    /// ∂θ₂ᵈ/∂λ₁ᵈ \[rad/N\].
+    theta2: f64,
+    /// ∂`y_M`ᵈ/∂λ₁ᵈ \[m/N\].
+    y: f64,
+}
+
 /// The static target (16).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Targets {
@@ -115,6 +135,7 @@ pub struct Targets {
 impl Targets {
     /// Errors of the measurements with respect to these targets.
     #[must_use]
+    #[inline]
     pub fn errors(&self, inputs: &Inputs) -> Errors {
         let measured = &inputs.measured;
         Errors {

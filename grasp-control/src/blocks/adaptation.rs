@@ -113,19 +113,15 @@ impl SampledStep {
 /// Steps of the three laws of one loop, computed once per step size.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Steps {
-    h: f64,
+    pub h: f64,
     pub held: [HeldStep; 3],
     pub sampled: [SampledStep; 3],
 }
 
 impl Steps {
-    /// The steps over `h`: those kept from before if they are of this size.
-    #[inline]
-    pub fn of_size(kept: &mut Option<Self>, h: f64, laws: [LeakyLaw; 3]) -> Self {
-        match kept {
-            Some(steps) if steps.h == h => *steps,
-            _ => *kept.insert(Self { h, held: laws.map(|law| law.held(h)), sampled: laws.map(|law| law.sampled(h)) }),
-        }
+    /// The steps over `h`.
+    pub fn new(h: f64, laws: [LeakyLaw; 3]) -> Self {
+        Self { h, held: laws.map(|law| law.held(h)), sampled: laws.map(|law| law.sampled(h)) }
     }
 }
 

@@ -4,73 +4,125 @@
 //! last bit, and evaluates one number at a time. Here are plain multiplications and additions without branches, so that
 //! the compiler evaluates several numbers at once.
 
-// Inlined into functions for wide registers, and indexed in step, or the compiler does not use these registers.
-#![allow(clippy::inline_always, clippy::needless_range_loop)]
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
 
-/// ln 2 in two parts; products of the first with an exponent are exact.
-const LN_2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
-
-/// Adding and subtracting it rounds to an integer, whose bits are then the lowest ones of the sum.
-const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
+use super::four::{LANES, Lanes, Number};
 
 /// Beyond ±this, results are those of the limits. e^708 is within the range of normal numbers.
 const LIMIT: f64 = 708.0;
 
+/// The numbers that an exponential takes, each in four lanes, so that an instruction takes them from memory as they are. As
+/// constants each would be an instruction of its own, once for every exponential: there are more of them than registers.
+#[repr(align(32))]
+struct Constants {
+    log2_e: Lanes,
+    /// Adding and subtracting it rounds to an integer, whose bits are then the lowest ones of the sum.
+    round: Lanes,
+    /// ln 2 in two parts; products of the first with an exponent are exact.
+    ln_2: [Lanes; 2],
+    /// 1/(j+2)!, j = 0 … 11.
+    series: [Lanes; 12],
+}
+
+const fn four(value: f64) -> Lanes {
+    [value; LANES]
+}
+
+static CONSTANTS: Constants = Constants {
+    log2_e: four(std::f64::consts::LOG2_E),
+    round: four(1.5 * (1_u64 << 52) as f64),
+    ln_2: [four(6.931_471_803_691_238e-1), four(1.908_214_929_270_587_7e-10)],
+    series: [
+        four(1.0 / 2.0),
+        four(1.0 / 6.0),
+        four(1.0 / 24.0),
+        four(1.0 / 120.0),
+        four(1.0 / 720.0),
+        four(1.0 / 5_040.0),
+        four(1.0 / 40_320.0),
+        four(1.0 / 362_880.0),
+        four(1.0 / 3_628_800.0),
+        four(1.0 / 39_916_800.0),
+        four(1.0 / 479_001_600.0),
+        four(1.0 / 6_227_020_800.0),
+    ],
+};
+
+impl Constants {
+    /// The numbers, from a place that the compiler does not see, each time another one for all it knows: or it would take them
+    /// from memory once for all exponentials, and then has to put them somewhere.
+    #[inline(always)]
+    fn get() -> &'static Self {
+        std::hint::black_box(&CONSTANTS)
+    }
+}
+
 /// (2^k, e^r − 1) with x = k ln 2 + r and |r| ≤ ½ ln 2.
 #[inline(always)]
-fn parts(x: f64) -> (f64, f64) {
-    let x = x.clamp(-LIMIT, LIMIT);
-    let shifted = x * std::f64::consts::LOG2_E + ROUND;
-    let k = shifted - ROUND;
-    let r = (x - k * LN_2[0]) - k * LN_2[1];
-    let power = f64::from_bits((shifted.to_bits() << 52).wrapping_add(1.0_f64.to_bits()));
+fn parts<V: Number>(x: V) -> (V, V) {
+    let Constants { log2_e, round, ln_2, series } = Constants::get();
+    let c = |j: usize| V::first(&series[j]);
+    let x = x.within(LIMIT);
+    let shifted = x * V::first(log2_e) + V::first(round);
+    let k = shifted - V::first(round);
+    let r = (x - k * V::first(&ln_2[0])) - k * V::first(&ln_2[1]);
     // Σ r^j/(j+2)!, j = 0 … 11: the remainder r¹⁴/14! is below 5·10⁻¹⁸. By Estrin's scheme, whose chains are short.
     let r2 = r * r;
     let r4 = r2 * r2;
-    let even = (1.0 / 2.0 + r2 * (1.0 / 24.0))
-        + r4 * ((1.0 / 720.0 + r2 * (1.0 / 40_320.0)) + r4 * (1.0 / 3_628_800.0 + r2 * (1.0 / 479_001_600.0)));
-    let odd = (1.0 / 6.0 + r2 * (1.0 / 120.0))
-        + r4 * ((1.0 / 5_040.0 + r2 * (1.0 / 362_880.0)) + r4 * (1.0 / 39_916_800.0 + r2 * (1.0 / 6_227_020_800.0)));
-    (power, r + r2 * (even + r * odd))
+    let even = (c(0) + r2 * c(2)) + r4 * ((c(4) + r2 * c(6)) + r4 * (c(8) + r2 * c(10)));
+    let odd = (c(1) + r2 * c(3)) + r4 * ((c(5) + r2 * c(7)) + r4 * (c(9) + r2 * c(11)));
+    (shifted.power_of_two(), r + r2 * (even + r * odd))
+}
+
+/// e^x of one number or of several, for |x| ≤ 708; its value there for larger ones.
+#[inline(always)]
+pub(crate) fn exp_of<V: Number>(x: V) -> V {
+    let (power, rest) = parts(x);
+    power + power * rest
+}
+
+#[inline(always)]
+fn exp_m1_of<V: Number>(x: V) -> V {
+    let (power, rest) = parts(x);
+    (power - V::splat(1.0)) + power * rest
+}
+
+/// tanh x of one number or of several, with an error of up to three units in the last place.
+#[inline(always)]
+pub(crate) fn tanh_of<V: Number>(x: V) -> V {
+    // (1 − e^{−2|x|})/(1 + e^{−2|x|}): nothing cancels, and nothing overflows. The result's sign is set, whatever the fraction's.
+    let rest = exp_m1_of(V::splat(-2.0) * x.abs());
+    (rest / (V::splat(2.0) + rest)).with_sign_of(x)
 }
 
 /// e^x for |x| ≤ 708; its value there for larger ones.
 #[must_use]
-#[inline(always)]
+#[inline]
 pub fn exp(x: f64) -> f64 {
-    let (power, rest) = parts(x);
-    power + power * rest
+    exp_of(x)
 }
 
 /// e^x − 1.
 #[must_use]
 #[inline]
 pub fn exp_m1(x: f64) -> f64 {
-    let (power, rest) = parts(x);
-    (power - 1.0) + power * rest
+    exp_m1_of(x)
 }
 
 /// tanh x, with an error of up to three units in the last place.
 #[must_use]
 #[inline]
 pub fn tanh(x: f64) -> f64 {
-    // (1 − e^{−2|x|})/(1 + e^{−2|x|}): nothing cancels, and nothing overflows.
-    let rest = exp_m1(-2.0 * x.abs());
-    (-rest / (2.0 + rest)).copysign(x)
-}
-
-/// Replaces every x by e^x.
-#[inline(always)]
-pub fn exp_all(x: &mut [f64]) {
-    // No closure: it would not be compiled for the wide registers of a caller.
-    for x in x {
-        *x = exp(*x);
-    }
+    tanh_of(x)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::blocks::four::{Four, Narrow};
+    #[cfg(target_arch = "x86_64")]
+    use crate::blocks::four::{Wide, has_wide_registers};
     use proptest::prelude::*;
 
     /// Distance in units in the last place of the expected value.
@@ -101,16 +153,22 @@ mod tests {
         assert_eq!(tanh(-0.0).to_bits(), (-0.0_f64).to_bits());
     }
 
-    /// All at once and one by one give the same bits, for every remainder of a vectorised loop.
+    /// In lanes of any kind and one by one give the same bits.
     #[test]
     fn several_at_once_are_the_same_bits() {
-        for length in 0..40 {
-            let numbers: Vec<f64> = (0..length).map(|i| (f64::from(i) * 7.3).sin() * 300.0).collect();
-            let mut all = numbers.clone();
-            exp_all(&mut all);
-            for (x, found) in numbers.into_iter().zip(all) {
-                assert_eq!(found.to_bits(), exp(x).to_bits());
+        fn check<V: Four>() {
+            for i in 0..1000 {
+                let x: Lanes =
+                    std::array::from_fn(|lane| (f64::from(4 * i) + lane as f64).sin() * 1.3_f64.powi(i % 40 - 15));
+                let found = [exp_of(V::load(&x)), exp_m1_of(V::load(&x)), tanh_of(V::load(&x))].map(V::lanes);
+                let expected = [x.map(exp), x.map(exp_m1), x.map(tanh)];
+                assert_eq!(found.map(|lanes| lanes.map(f64::to_bits)), expected.map(|lanes| lanes.map(f64::to_bits)));
             }
+        }
+        check::<Narrow>();
+        #[cfg(target_arch = "x86_64")]
+        if has_wide_registers() {
+            check::<Wide>();
         }
     }
 }

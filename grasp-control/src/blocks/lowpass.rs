@@ -82,6 +82,7 @@ impl LowPass {
 
     /// What the filters give at the [`NODES`] of a step of `h` \[s\], for an input that starts at `input` and changes at
     /// `rate`.
+    #[inline]
     pub fn sampled(&mut self, h: f64, input: [f64; 2], rate: [f64; 2]) -> [[f64; 2]; 2] {
         if !self.is_on() {
             return NODES.map(|node| std::array::from_fn(|i| input[i] + rate[i] * node * h));
@@ -90,6 +91,7 @@ impl LowPass {
     }
 
     /// Advances the filters by `h` \[s\].
+    #[inline]
     pub fn step(&mut self, h: f64, input: [f64; 2], rate: [f64; 2]) {
         self.state = if self.is_on() {
             let end = self.responses(h).end;
@@ -106,15 +108,21 @@ impl LowPass {
         })
     }
 
+    #[inline]
     fn responses(&mut self, h: f64) -> Responses {
+        match self.responses {
+            Some(responses) if responses.h == h => responses,
+            _ => *self.responses.insert(self.responses_to(h)),
+        }
+    }
+
+    #[cold]
+    fn responses_to(&self, h: f64) -> Responses {
         let at = |t: f64| {
             let z = self.bandwidth * t;
             Response { follow: z * phi1(z), ramp: t * z * phi2(z) }
         };
-        match self.responses {
-            Some(responses) if responses.h == h => responses,
-            _ => *self.responses.insert(Responses { h, nodes: NODES.map(|node| at(node * h)), end: at(h) }),
-        }
+        Responses { h, nodes: NODES.map(|node| at(node * h)), end: at(h) }
     }
 }
 

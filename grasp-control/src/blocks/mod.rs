@@ -2,6 +2,7 @@
 
 pub mod adaptation;
 pub mod exponential;
+pub(crate) mod four;
 pub mod lowpass;
 pub mod observer;
 pub mod rbf;

@@ -103,8 +103,18 @@ impl Observer {
 
     /// Advances by `h` \[s\] with everything held.
     pub fn step(&mut self, h: f64, known: &Known, measured: Motion, force: f64) {
+        self.step_decaying(h, Self::decay(known.bandwidth, h), known, measured, force);
+    }
+
+    /// e^{−ωh} of poles at −ω \[rad/s\].
+    pub(crate) fn decay(bandwidth: f64, h: f64) -> f64 {
+        exp(-bandwidth * h)
+    }
+
+    /// As [`step`](Self::step), for a caller that keeps the [`decay`](Self::decay).
+    #[inline]
+    pub(crate) fn step_decaying(&mut self, h: f64, decay: f64, known: &Known, measured: Motion, force: f64) {
         let Known { source, bandwidth: w, inertia, limit } = *known;
-        let decay = exp(-w * h);
         let acceleration = force / inertia;
         let driven = self.disturbance / inertia + acceleration;
         let (rate, driven) = match source {

@@ -1,8 +1,8 @@
 //! One-dimensional Gaussians, evaluated for four axes at a time.
 
-use super::lanes::{LANES, Lanes, MAX_GROUPS, groups};
 use super::layout::MAX_PER_AXIS;
 use crate::blocks::exponential::exp;
+use crate::blocks::four::Four;
 
 /// Activations that are smaller count as zero.
 pub(super) const NEGLIGIBLE: f64 = 1e-30;
@@ -42,48 +42,46 @@ impl Axis {
         (node as f64 - 0.5 * (self.nodes - 1) as f64) * self.spacing
     }
 
-    /// The inputs in fours, clamped to the reach, and zeros.
+    /// Inputs, clamped to the reach.
     ///
     /// With b ≥ 0.1 no exponent of one axis, x²/b² or xΔ/b², exceeds 370, so no power of their exponentials overflows.
     #[inline(always)]
-    pub fn clamped<const D: usize>(&self, x: [f64; D]) -> [Lanes; MAX_GROUPS] {
-        const { assert!(groups(D) <= MAX_GROUPS) };
-        let mut clamped = [[0.0; LANES]; MAX_GROUPS];
-        for axis in 0..D {
-            clamped[axis / LANES][axis % LANES] = x[axis].clamp(-self.reach, self.reach);
-        }
-        clamped
+    pub fn clamped<V: Four>(&self, x: V) -> V {
+        x.within(self.reach)
     }
 
-    /// `scale` exp(−(x − cⱼ)²/b²)/exp(−x²/b²) of the `N` = `self.nodes` nodes of four axes, from exp(xΔ/b²) of each.
+    /// The exponent −x²/b² of clamped inputs.
     #[inline(always)]
-    pub fn values<const N: usize>(&self, scale: Lanes, half_step: Lanes) -> [Lanes; N] {
+    pub fn squares<V: Four>(&self, x: V) -> V {
+        x * x * V::splat(-self.sharpness)
+    }
+
+    /// The exponent xΔ/b² of clamped inputs.
+    #[inline(always)]
+    pub fn half_steps<V: Four>(&self, x: V) -> V {
+        x * V::splat(self.spacing * self.sharpness)
+    }
+
+    /// exp(−(x − cⱼ)²/b²)/exp(−x²/b²) of the `N` = `self.nodes` nodes of four axes, from exp(xΔ/b²) of each.
+    #[inline(always)]
+    pub fn ratios<V: Four, const N: usize>(&self, half_step: V) -> [V; N] {
         // exp(2xc/b²): the centres are even multiples of Δ/2 when N is odd, odd ones when it is even.
-        let (mut up, mut down) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            up[lane] = half_step[lane] * half_step[lane];
-            down[lane] = 1.0 / up[lane];
-        }
-        let mut powers = [[1.0; LANES]; N];
+        let one = V::splat(1.0);
+        let up = half_step * half_step;
+        let down = one / up;
+        let mut ratios = [one; N];
         let middle = N / 2;
         if N.is_multiple_of(2) {
-            for lane in 0..LANES {
-                powers[middle][lane] = half_step[lane];
-                powers[middle - 1][lane] = 1.0 / half_step[lane];
-            }
+            ratios[middle] = half_step;
+            ratios[middle - 1] = one / half_step;
         }
         for node in middle + 1..N {
-            for lane in 0..LANES {
-                powers[node][lane] = powers[node - 1][lane] * up[lane];
-                powers[N - 1 - node][lane] = powers[N - node][lane] * down[lane];
-            }
+            ratios[node] = ratios[node - 1] * up;
+            ratios[N - 1 - node] = ratios[N - node] * down;
         }
         for node in 0..N {
-            for lane in 0..LANES {
-                let value = scale[lane] * self.heights[node] * powers[node][lane];
-                powers[node][lane] = if value > NEGLIGIBLE { value } else { 0.0 };
-            }
+            ratios[node] = ratios[node] * V::splat(self.heights[node]);
         }
-        powers
+        ratios
     }
 }

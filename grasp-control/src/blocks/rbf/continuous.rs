@@ -1,9 +1,9 @@
 //! Learning as differential equations: Ŵ˙ = a (φ Y − σ Ŵ), on its ball where that holds, and how it changes along a direction.
 
 use super::Network;
-use super::lanes::{LANES, groups};
-use super::layout::Layout;
+use super::layout::{Layout, axis, groups};
 use crate::blocks::adaptation::LeakyLaw;
+use crate::blocks::four::LANES;
 use crate::continuous::{Decision, Limit};
 
 /// What changes around a network: its weights, its normalised input, and the forcing φ.
@@ -91,7 +91,7 @@ impl<const D: usize> Network<D> {
             }
             Layout::Star(rings) => lane.checked_sub(LANES).map_or(0.0, |index| {
                 let position = index / (LANES * groups(D));
-                let axis = index % (LANES * groups(D));
+                let axis = axis(D, index % (LANES * groups(D)));
                 x[axis] * self.axis.centre(position + usize::from(position >= rings))
             }),
         }

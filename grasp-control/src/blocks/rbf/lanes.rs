@@ -1,56 +1,45 @@
-//! Four numbers at a time, in a fixed order of operations.
+//! Sums over the lanes of weights and activations, in a fixed order of operations.
 
-/// Numbers that are computed with at once: a register where the processor has one of that width.
-pub(super) const LANES: usize = 4;
+use crate::blocks::four::{Four, Lanes, Narrow};
+#[cfg(target_arch = "x86_64")]
+use crate::blocks::four::{Wide, has_wide_registers};
 
-/// Four numbers side by side.
-pub(super) type Lanes = [f64; LANES];
+/// The inner product of two lists, in four sums.
+pub(super) fn products(a: &[Lanes], b: &[Lanes]) -> Lanes {
+    #[cfg(target_arch = "x86_64")]
+    if has_wide_registers() {
+        // SAFETY: the processor has it.
+        return unsafe { products_wide(a, b) };
+    }
+    products_here::<Narrow>(a, b).lanes()
+}
 
-/// Room for the axes of a network, in fours, with one lane to spare.
-pub(super) const MAX_GROUPS: usize = 2;
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn products_wide(a: &[Lanes], b: &[Lanes]) -> Lanes {
+    products_here::<Wide>(a, b).lanes()
+}
 
-/// Fours of the axes of a network, with one lane to spare: there is the common factor of a star.
-pub(super) const fn groups(dimensions: usize) -> usize {
-    (dimensions + 1).div_ceil(LANES)
+#[inline(always)]
+pub(super) fn products_here<V: Four>(a: &[Lanes], b: &[Lanes]) -> V {
+    let mut sums = V::splat(0.0);
+    for (a, b) in a.iter().zip(b) {
+        sums = sums + V::load(a) * V::load(b);
+    }
+    sums
 }
 
 /// w ← decay·w + weight·y; returns [`products`] of the new w with y.
 #[inline(always)]
-pub(super) fn adapt_row(w: &mut [Lanes], y: &[Lanes], decay: f64, weight: f64) -> Lanes {
-    let mut sums = [0.0; LANES];
+pub(super) fn adapt_row<V: Four>(w: &mut [Lanes], y: &[Lanes], decay: V, weight: V) -> V {
+    let mut sums = V::splat(0.0);
     for (w, y) in w.iter_mut().zip(y) {
-        // All lanes before the store, or the compiler leaves them one by one; and no closure, which would not be compiled
-        // for the wide registers of a caller.
-        let mut new = [0.0; LANES];
-        for lane in 0..LANES {
-            new[lane] = decay * w[lane] + weight * y[lane];
-        }
-        *w = new;
-        for lane in 0..LANES {
-            sums[lane] += new[lane] * y[lane];
-        }
+        let y = V::load(y);
+        let new = decay * V::load(w) + weight * y;
+        *w = new.lanes();
+        sums = sums + new * y;
     }
     sums
-}
-
-/// The inner product of two lists, in four sums.
-#[inline(always)]
-pub(super) fn products(a: &[Lanes], b: &[Lanes]) -> Lanes {
-    let mut sums = [0.0; LANES];
-    for (a, b) in a.iter().zip(b) {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    sums
-}
-
-/// sums ← sums + `factor` row.
-#[inline(always)]
-pub(super) fn add_scaled(sums: &mut Lanes, factor: f64, row: Lanes) {
-    for lane in 0..LANES {
-        sums[lane] += factor * row[lane];
-    }
 }
 
 /// What the four sums add up to.

@@ -42,7 +42,6 @@ mod network;
 mod stored;
 #[cfg(test)]
 mod tests;
-mod wide;
 
 pub(crate) use continuous::NetworkChange;
 pub use layout::{Layout, MAX_PER_AXIS};

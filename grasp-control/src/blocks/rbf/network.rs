@@ -1,11 +1,17 @@
 //! A network: weights, output, learning.
 
 use super::axis::Axis;
-use super::lanes::{LANES, Lanes, MAX_GROUPS, adapt_row, add_scaled, products, total};
-use super::layout::{Layout, MAX_PER_AXIS};
+use super::lanes::{adapt_row, products, products_here, total};
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS};
 use super::stored::Stored;
 use crate::blocks::adaptation::LeakyLaw;
+use crate::blocks::four::{Four, LANES, Lanes, Narrow};
+#[cfg(target_arch = "x86_64")]
+use crate::blocks::four::{Wide, has_wide_registers};
 use serde::{Deserialize, Serialize};
+
+/// Fours in a row of a grid of 5³ nodes.
+const USUAL_ROW: usize = 7;
 
 /// A network of `D` inputs with its weights.
 ///
@@ -18,7 +24,7 @@ pub struct Network<const D: usize> {
     pub(super) width: f64,
     pub(super) axis: Axis,
     /// 1 in the lanes that stand for an axis, 0 in the others.
-    pub(super) presence: [Lanes; MAX_GROUPS],
+    pub(super) presence: [Lanes; GROUPS],
     /// Row by row, see [`Layout::place`].
     pub(super) weights: Vec<Lanes>,
     pub(super) point: [f64; D],
@@ -26,16 +32,24 @@ pub struct Network<const D: usize> {
     pub(super) outer: [f64; MAX_PER_AXIS],
     /// What all rows share: a grid's products of all axes but the first; all activations of a star.
     pub(super) inner: Vec<Lanes>,
+    /// A star's activations at the point before, of which this point differs in the axes of the second four only.
+    pub(super) before: Vec<Lanes>,
+    /// exp(xΔ/b²) of the axes of the first four at the point.
+    pub(super) still: Lanes,
     /// Ŵᵀ Y at the point, if it is known: four sums that make it up.
     pub(super) output: Option<Lanes>,
 }
 
 impl<const D: usize> Network<D> {
     /// A network with zero weights and Gaussians of `width` b > 0 in normalised units.
+    ///
+    /// # Panics
+    /// If the layout is beyond what [`Layout`] says.
     #[must_use]
     pub fn new(layout: Layout, width: f64) -> Self {
+        assert!(layout.is_possible(D), "{layout:?} with {D} axes");
         let row_length = layout.row_length(D);
-        let mut presence = [[0.0; LANES]; MAX_GROUPS];
+        let mut presence = [[0.0; LANES]; GROUPS];
         presence.as_flattened_mut()[..D].fill(1.0);
         Self {
             layout,
@@ -47,6 +61,11 @@ impl<const D: usize> Network<D> {
             point: [f64::NAN; D],
             outer: [1.0; MAX_PER_AXIS],
             inner: vec![[0.0; LANES]; row_length],
+            before: match layout {
+                Layout::Grid(_) => Vec::new(),
+                Layout::Star(_) => vec![[0.0; LANES]; row_length],
+            },
+            still: [0.0; LANES],
             output: None,
         }
     }
@@ -107,13 +126,37 @@ impl<const D: usize> Network<D> {
     /// Ŵᵀ Y at the last activation.
     #[must_use]
     pub fn output(&self) -> f64 {
-        total(self.output.unwrap_or_else(|| {
-            let mut sums = [0.0; LANES];
-            for (row, factor) in self.rows() {
-                add_scaled(&mut sums, factor, products(row, &self.inner));
-            }
-            sums
-        }))
+        #[cfg(target_arch = "x86_64")]
+        if has_wide_registers() {
+            // SAFETY: the processor has it.
+            return unsafe { self.output_wide() };
+        }
+        self.output_here::<Narrow>()
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn output_wide(&self) -> f64 {
+        self.output_here::<Wide>()
+    }
+
+    /// As [`output`](Self::output), for a caller that knows the registers.
+    #[inline(always)]
+    pub(crate) fn output_here<V: Four>(&self) -> f64 {
+        total(self.output.unwrap_or_else(|| self.sums::<V>()))
+    }
+
+    #[inline(always)]
+    fn sums<V: Four>(&self) -> Lanes {
+        // A star has one row, with the factor 1; asked first, for the number of rows is a division.
+        if matches!(self.layout, Layout::Star(_)) {
+            return products_here::<V>(&self.weights, &self.inner).lanes();
+        }
+        let mut sums = V::splat(0.0);
+        for (row, factor) in self.rows() {
+            sums = sums + V::splat(factor) * products_here::<V>(row, &self.inner);
+        }
+        sums.lanes()
     }
 
     /// ‖Y‖² at the last activation: the gain with which the network learns there.
@@ -184,31 +227,58 @@ impl<const D: usize> Network<D> {
     /// Ŵ ← decay·Ŵ + weight·Y, with the Y of the last activation.
     pub fn adapt(&mut self, decay: f64, weight: f64) {
         #[cfg(target_arch = "x86_64")]
-        if super::wide::has_wide_registers() {
+        if has_wide_registers() {
             // SAFETY: the processor has it.
             return unsafe { self.adapt_wide(decay, weight) };
         }
-        self.adapt_here(decay, weight);
+        self.adapt_here::<Narrow>(decay, weight);
     }
 
-    /// As [`activate_wide`](Self::activate_wide).
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn adapt_wide(&mut self, decay: f64, weight: f64) {
-        self.adapt_here(decay, weight);
+        self.adapt_here::<Wide>(decay, weight);
     }
 
+    /// As [`adapt`](Self::adapt), for a caller that knows the registers.
     #[inline(always)]
-    pub(super) fn adapt_here(&mut self, decay: f64, weight: f64) {
-        let mut sums = [0.0; LANES];
-        let mut rest = self.weights.as_mut_slice();
-        for factor in &self.outer[..self.layout.rows()] {
-            let (row, others) = rest.split_at_mut(self.inner.len());
-            add_scaled(&mut sums, *factor, adapt_row(row, &self.inner, decay, weight * factor));
-            rest = others;
+    pub(crate) fn adapt_here<V: Four>(&mut self, decay: f64, weight: f64) {
+        let (inner, outer) = (self.inner.as_slice(), &self.outer);
+        // What `output` would find, to the bit: the same operations in the same order.
+        let mut sums = V::splat(0.0);
+        let decay = V::splat(decay);
+        if let Ok(inner) = <&[Lanes; USUAL_ROW]>::try_from(inner) {
+            // The row length by default: the activations stay in registers.
+            let mut activations = [V::splat(0.0); USUAL_ROW];
+            for i in 0..USUAL_ROW {
+                activations[i] = V::load(&inner[i]);
+            }
+            for (row, factor) in self.weights.as_chunks_mut::<USUAL_ROW>().0.iter_mut().zip(outer) {
+                let by = V::splat(weight * factor);
+                let mut of_row = V::splat(0.0);
+                for i in 0..USUAL_ROW {
+                    let new = decay * V::load(&row[i]) + by * activations[i];
+                    row[i] = new.lanes();
+                    of_row = of_row + new * activations[i];
+                }
+                sums = sums + V::splat(*factor) * of_row;
+            }
+        } else {
+            for (row, factor) in self.weights.chunks_exact_mut(inner.len()).zip(outer) {
+                sums = sums + V::splat(*factor) * adapt_row(row, inner, decay, V::splat(weight * factor));
+            }
         }
-        // What `output` would find, to the bit: the same operations in the same order. It adds the four up, because here
-        // the compiler would take the registers apart for that from the beginning.
-        self.output = Some(sums);
+        self.output = Some(sums.lanes());
+    }
+
+    /// Ŵ ← decay·Ŵ + first·Y' + second·Y of a star, with the Y of the last activation and the Y' of the one before, which
+    /// [`fill_moving`](Self::fill_moving) kept.
+    #[inline(always)]
+    pub(crate) fn adapt_twice<V: Four>(&mut self, decay: f64, [first, second]: [f64; 2]) {
+        let (decay, first, second) = (V::splat(decay), V::splat(first), V::splat(second));
+        for ((w, before), y) in self.weights.iter_mut().zip(&self.before).zip(&self.inner) {
+            *w = ((decay * V::load(w) + first * V::load(before)) + second * V::load(y)).lanes();
+        }
+        self.output = None;
     }
 }

@@ -27,7 +27,7 @@ impl<const D: usize> TryFrom<Stored> for Network<D> {
     type Error = StoredNetworkError;
 
     fn try_from(Stored { layout, width, weights }: Stored) -> Result<Self, StoredNetworkError> {
-        if !layout.is_possible() || !WIDTHS.contains(&width) || weights.len() != layout.nodes(D) {
+        if !layout.is_possible(D) || !WIDTHS.contains(&width) || weights.len() != layout.nodes(D) {
             return Err(StoredNetworkError);
         }
         let mut network = Self::new(layout, width);

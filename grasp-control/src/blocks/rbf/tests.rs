@@ -1,6 +1,7 @@
 //! The networks against their definition.
 
 use super::{Layout, Network};
+use crate::blocks::four::Narrow;
 use proptest::prelude::*;
 
 /// The definition, node by node.
@@ -87,9 +88,9 @@ fn every_way_to_the_output_gives_the_same_bits() {
         for step in 0..20 {
             let x = std::array::from_fn(|axis| (0.3 * f64::from(step) + axis as f64).sin());
             network.activate(x);
-            plain.activate_here(x);
+            plain.activate_here::<Narrow>(x);
             network.adapt(0.99, 0.1);
-            plain.adapt_here(0.99, 0.1);
+            plain.adapt_here::<Narrow>(0.99, 0.1);
             assert_eq!(network.weights, plain.weights);
             plain.output = None;
             assert_eq!(network.output().to_bits(), plain.output().to_bits(), "{layout:?}");

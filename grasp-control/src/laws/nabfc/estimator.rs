@@ -3,11 +3,15 @@
 //! The object's loop and those of the posture learn alike: the inertia that they move, a bound on the error of their
 //! network, and the network's weights. Each of the three follows a leaky law with a forcing of its own.
 
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
 mod continuous;
 
 pub(crate) use continuous::{EstimatorChange, Scalars};
 
 use crate::blocks::adaptation::{HeldStep, LeakyLaw, Steps};
+use crate::blocks::four::{Four, Lanes};
 use crate::blocks::rbf::Network;
 use serde::{Deserialize, Serialize};
 
@@ -108,13 +112,35 @@ impl<const D: usize> Estimator<D> {
         }
     }
 
-    /// The network's output.
-    #[inline]
-    pub fn output(&self) -> f64 {
-        if self.has_network { self.network.output() } else { 0.0 }
+    /// What the exponentials for the basis at `x` are of; see [`Network::exponents`].
+    #[inline(always)]
+    pub fn exponents<V: Four>(&self, x: [f64; D]) -> [V; 2] {
+        self.network.exponents(x)
     }
 
-    /// Gradient of [`output`](Self::output) with respect to the normalised input.
+    /// Fills in the network's basis at `x` from the exponentials.
+    #[inline(always)]
+    pub fn fill<V: Four>(&mut self, x: [f64; D], exponentials: &[Lanes; 2]) {
+        if self.has_network {
+            self.network.fill::<V>(x, exponentials);
+        }
+    }
+
+    /// The same where only axes of a star's second four have moved.
+    #[inline(always)]
+    pub fn fill_moving<V: Four>(&mut self, x: [f64; D], moving: Lanes) {
+        if self.has_network {
+            self.network.fill_moving::<V>(x, moving);
+        }
+    }
+
+    /// The network's output, for a caller that knows the registers.
+    #[inline(always)]
+    pub fn output_here<V: Four>(&self) -> f64 {
+        if self.has_network { self.network.output_here::<V>() } else { 0.0 }
+    }
+
+    /// Gradient of [`output_here`](Self::output_here) with respect to the normalised input.
     pub fn gradient(&self) -> [f64; D] {
         if self.has_network { self.network.gradient() } else { [0.0; D] }
     }
@@ -141,37 +167,69 @@ impl<const D: usize> Estimator<D> {
         }
     }
 
-    /// The laws' steps over `h`.
-    #[inline]
-    fn steps(&mut self, h: f64) -> Steps {
-        let Laws { weights, bound, inertia, .. } = self.laws;
-        Steps::of_size(&mut self.steps, h, [weights, bound, inertia])
-    }
-
-    /// Advances the estimates over a step of `h` \[s\] with a drive that stays the same, exactly.
-    #[inline]
-    pub fn step(&mut self, h: f64, drive: &Drive) {
-        let steps = self.steps(h).held;
-        self.apply(steps, drive);
+    /// Keeps the laws' steps over `h`.
+    #[inline(always)]
+    fn prepare(&mut self, h: f64) {
+        if self.steps.as_ref().is_none_or(|steps| steps.h != h) {
+            let Laws { weights, bound, inertia, .. } = self.laws;
+            self.steps = Some(Steps::new(h, [weights, bound, inertia]));
+        }
     }
 
     /// The part that `node` of [`NODES`](crate::blocks::adaptation::NODES) has in a step of `h` \[s\], from the drive there. To be
     /// called for the first node, then for the second.
-    #[inline]
     pub fn step_sampled(&mut self, h: f64, node: usize, drive: &Drive) {
-        let [weights, bound, inertia] = self.steps(h).sampled;
-        self.apply([weights.part(node), bound.part(node), inertia.part(node)], drive);
+        self.prepare(h);
+        if let Some(Steps { sampled, .. }) = self.steps {
+            self.apply(sampled.map(|step| step.part(node)), drive);
+        }
     }
 
-    #[inline]
     fn apply(&mut self, [weights, bound, inertia]: [HeldStep; 3], drive: &Drive) {
         self.bound = bound.apply(self.bound, drive.bound);
         self.inertia = inertia.apply(self.inertia, drive.inertia);
         if self.has_network {
             self.network.adapt(weights.decay, weights.weight * drive.s);
-            if self.laws.radius > 0.0 {
-                self.network.project(self.laws.radius);
-            }
+            self.project();
         }
+    }
+
+    /// Puts the weights back on their ball, if they are out of it.
+    fn project(&mut self) {
+        if self.laws.radius > 0.0 {
+            self.network.project(self.laws.radius);
+        }
+    }
+
+    /// Advances the estimates over a step of `h` \[s\] with a drive that stays the same, exactly.
+    #[inline(always)]
+    pub fn step_here<V: Four>(&mut self, h: f64, drive: &Drive) {
+        self.prepare(h);
+        let Some(Steps { held: [weights, bound, inertia], .. }) = &self.steps else { return };
+        self.bound = bound.apply(self.bound, drive.bound);
+        self.inertia = inertia.apply(self.inertia, drive.inertia);
+        if self.has_network {
+            self.network.adapt_here::<V>(weights.decay, weights.weight * drive.s);
+            self.project();
+        }
+    }
+
+    /// As [`step_sampled`](Self::step_sampled) for both nodes at once, with one sliding variable, where the weights have no ball and
+    /// the network is a star that went from the first node to the second.
+    #[inline(always)]
+    pub fn step_both_here<V: Four>(&mut self, h: f64, drives: &[Drive; 2]) {
+        self.prepare(h);
+        let Some(Steps { sampled: [weights, bound, inertia], .. }) = &self.steps else { return };
+        self.bound = bound.apply(self.bound, [drives[0].bound, drives[1].bound]);
+        self.inertia = inertia.apply(self.inertia, [drives[0].inertia, drives[1].inertia]);
+        if self.has_network {
+            let by = [weights.weights[0] * drives[0].s, weights.weights[1] * drives[1].s];
+            self.network.adapt_twice::<V>(weights.decay, by);
+        }
+    }
+
+    /// Whether a ball holds the weights.
+    pub fn has_ball(&self) -> bool {
+        self.laws.radius > 0.0
     }
 }

@@ -3,16 +3,20 @@
 mod continuous;
 mod estimator;
 mod gains;
+mod kernel;
 mod object_loop;
 mod posture_loop;
 
 pub use gains::{Gains, ObjectGains, PostureGains, RbfLayout};
 
 use crate::blocks::adaptation::NODES;
+use crate::blocks::four::Narrow;
+#[cfg(target_arch = "x86_64")]
+use crate::blocks::four::{Wide, has_wide_registers};
 use crate::blocks::lowpass::LowPass;
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::signals::{Commands, INPUTS, Inputs, column};
-use crate::target::{Arms, ErrorJacobian};
+use crate::target::{Arms, ErrorJacobian, TargetSlopes};
 use object_loop::{ObjectInputs, ObjectLoop, ObjectPartials};
 use parameter_table::InvalidParameter;
 use posture_loop::PostureLoop;
@@ -27,9 +31,13 @@ use serde::{Deserialize, Serialize};
 ///
 /// The targets are static in the law, as in the paper: a moving reference acts through the errors, its rate does not
 /// enter ż₁ and ėᵢ.
+// What is unsafe asks for a feature of the processor, and nothing of the data.
+#[allow(clippy::unsafe_derive_deserialize)]
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Nabfc {
     arms: Arms,
+    #[serde(skip)]
+    slopes: Option<TargetSlopes>,
     gains: Gains,
     object: ObjectLoop,
     posture: [PostureLoop; 2],
@@ -89,6 +97,7 @@ impl Nabfc {
         gains.validate()?;
         Ok(Self {
             arms,
+            slopes: Some(arms.slopes()),
             gains,
             object: ObjectLoop::new(&gains, arms.ei),
             posture: [PostureLoop::new(&gains, 0), PostureLoop::new(&gains, 1)],
@@ -202,9 +211,11 @@ impl Nabfc {
     }
 
     /// What the loops see, given the shear rates to use.
+    #[inline]
     fn loop_inputs(&self, inputs: &Inputs, shear_dot: [f64; 2]) -> LoopInputs {
         let measured = &inputs.measured;
-        let errors = self.arms.errors(inputs);
+        let slopes = self.slopes.unwrap_or_else(|| self.arms.slopes());
+        let errors = self.arms.targets_with(&slopes, &inputs.reference).errors(inputs);
         LoopInputs {
             object: ObjectInputs {
                 z1: errors.p,
@@ -215,6 +226,31 @@ impl Nabfc {
             },
             posture: std::array::from_fn(|i| (errors.e[i], measured.theta_dot[i])),
         }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn commands_wide(&mut self, inputs: &Inputs) -> Commands {
+        self.commands_here::<Wide>(inputs)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn step_wide(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        self.step_here::<Wide>(h, inputs, rates)
+    }
+
+    /// A step with inputs that change. Not inlined, because few hosts ask for it: everything is sampled at two points.
+    #[inline(never)]
+    fn ramped_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) {
+        let (shear_dot, shear_dot_rate) = (inputs.measured.tip_shear_dot, rates.measured.tip_shear_dot);
+        let used = self.shear_rate.sampled(h, shear_dot, shear_dot_rate);
+        let [first, second] = [0, 1].map(|node| self.loop_inputs(&inputs.after(NODES[node] * h, rates), used[node]));
+        self.object.step_sampled(h, &[first.object, second.object]);
+        for (i, posture) in self.posture.iter_mut().enumerate() {
+            posture.step_sampled(h, [first.posture[i], second.posture[i]]);
+        }
+        self.shear_rate.step(h, shear_dot, shear_dot_rate);
     }
 
     /// Assembles partial derivatives of the object loop into a row. The columns of the shear rates are those of the
@@ -255,43 +291,22 @@ impl Law for Nabfc {
 
     /// Eqs. (36) and (54).
     fn commands(&mut self, inputs: &Inputs) -> Commands {
-        let at = self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot));
-        let tau = std::array::from_fn(|i| {
-            let (e, e_dot) = at.posture[i];
-            self.posture[i].command(e, e_dot, inputs.measured.root_moment[i])
-        });
-        Commands { tau, u: self.object.command(&at.object) }
+        #[cfg(target_arch = "x86_64")]
+        if has_wide_registers() {
+            // SAFETY: the processor has it.
+            return unsafe { self.commands_wide(inputs) };
+        }
+        self.commands_here::<Narrow>(inputs)
     }
 
     /// Update laws (37)–(39) and (55)–(57), and the low-pass.
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        StepError::check(h, inputs, rates)?;
-        let shear_dot = inputs.measured.tip_shear_dot;
-        let shear_dot_rate = rates.measured.tip_shear_dot;
-        let held = *rates == Inputs::HELD;
-        let used = self.shear_rate.sampled(h, shear_dot, shear_dot_rate);
-        let [first, second] = if held {
-            let first = self.loop_inputs(inputs, used[0]);
-            [first, LoopInputs { object: ObjectInputs { shear_dot: used[1], ..first.object }, ..first }]
-        } else {
-            [0, 1].map(|node| self.loop_inputs(&inputs.after(NODES[node] * h, rates), used[node]))
-        };
-        if held && self.shear_rate.is_settled(shear_dot) {
-            self.object.step(h, &first.object);
-        } else {
-            self.object.step_sampled(h, &[first.object, second.object]);
+        #[cfg(target_arch = "x86_64")]
+        if has_wide_registers() {
+            // SAFETY: the processor has it.
+            return unsafe { self.step_wide(h, inputs, rates) };
         }
-        // The shear rates are no business of the posture loops.
-        for (i, posture) in self.posture.iter_mut().enumerate() {
-            let samples = [first.posture[i], second.posture[i]];
-            if held {
-                posture.step(h, samples[0].0, samples[0].1);
-            } else {
-                posture.step_sampled(h, samples);
-            }
-        }
-        self.shear_rate.step(h, shear_dot, shear_dot_rate);
-        Ok(())
+        self.step_here::<Narrow>(h, inputs, rates)
     }
 
     fn jacobian(&mut self, inputs: &Inputs) -> CommandJacobian {

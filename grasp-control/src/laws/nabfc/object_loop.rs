@@ -1,13 +1,18 @@
 //! Object-position loop, eqs. (31)–(39).
 
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
 mod continuous;
 
 use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, ObjectGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;
-use crate::blocks::exponential::tanh;
+use crate::blocks::exponential::{exp_of, tanh};
+use crate::blocks::four::{Four, Lanes};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
+use crate::signals::all_equal;
 use serde::{Deserialize, Serialize};
 
 /// What the loop sees at one instant.
@@ -23,6 +28,15 @@ pub(crate) struct ObjectInputs {
     pub shear_dot: [f64; 2],
     /// λ₁ᵈ \[N\]; λ₂ᵈ = −λ₁ᵈ.
     pub lambda1: f64,
+}
+
+impl ObjectInputs {
+    /// Whether these are the inputs of another instant but for the shear rates.
+    #[inline(always)]
+    pub fn agrees_but_for_rates(&self, other: &Self) -> bool {
+        let rest = |inputs: &Self| [inputs.z1, inputs.z1_dot, inputs.shear[0], inputs.shear[1], inputs.lambda1];
+        all_equal(&rest(self), &rest(other))
+    }
 }
 
 /// What the user can set.
@@ -77,24 +91,25 @@ pub(crate) struct ObjectLoop {
     /// m̂, ε̂, Ŵ.
     pub estimator: Estimator<7>,
     #[serde(skip)]
-    point: Option<Point>,
+    pub point: Option<Point>,
 }
 
 /// Signals of the loop at one instant.
 #[derive(Debug, Clone, Copy)]
-struct Point {
-    inputs: ObjectInputs,
+pub(crate) struct Point {
+    pub inputs: ObjectInputs,
     /// s = (μ̄ + c₁) z₁ + ż₁ + Σ qᵢ'''(l).
     s: f64,
     /// tanh(s/ϵ₁).
-    tanh: f64,
+    pub tanh: f64,
     /// (μ̄ + c₁) ż₁ + Σ q̇ᵢ'''(l), which m̂ multiplies.
     regressor: f64,
 }
 
 impl Point {
     /// Forcings of (37)–(39): s Y(X), s tanh(s/ϵ₁) and s ((μ̄ + c₁) ż₁ + Σ q̇''').
-    fn drive(&self) -> Drive {
+    #[inline(always)]
+    pub fn drive(&self) -> Drive {
         Drive { s: self.s, bound: self.s * self.tanh, inertia: self.s * self.regressor }
     }
 }
@@ -169,38 +184,86 @@ impl ObjectLoop {
         {
             return point;
         }
-        let ObjectSettings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
-        let w_dot = [inputs.shear_dot[0] * c1, inputs.shear_dot[1] * c2];
-        let shear_rate = w_dot[0] + w_dot[1];
-        let s = self.surface(inputs);
         // Where only the shear rates differ, the surface is the same.
-        let tanh = match self.point {
-            Some(point) if point.s == s => point.tanh,
-            _ => tanh(s / gains.epsilon1),
+        let (mut point, x) = self.signals(inputs);
+        point.tanh = match self.point {
+            Some(known) if known.s == point.s => known.tanh,
+            _ => tanh(self.tanh_argument(&point)),
         };
-        let alpha_dot = -gains.c1 * inputs.z1_dot - shear_rate;
-        let x = [inputs.z1, s, alpha_dot, inputs.shear[0] * c1, inputs.shear[1] * c2, w_dot[0], w_dot[1]];
-        // Before the network is evaluated: the copy of the inputs waits for them, and the network need not wait with it.
-        let point = Point { inputs: *inputs, s, tanh, regressor: self.slope() * inputs.z1_dot + shear_rate };
-        self.estimator.activate(std::array::from_fn(|axis| x[axis] * inverse_scales[axis]));
+        self.estimator.activate(x);
         self.point = Some(point);
         point
     }
 
-    /// Force v on the object, eq. (36). Σ `EIᵢ` qᵢ''' is Q₁ + Q₂, because λ₁ᵈ + λ₂ᵈ = 0.
-    pub fn command(&mut self, inputs: &ObjectInputs) -> f64 {
-        let Point { s, tanh, regressor, .. } = self.at(inputs);
-        let ObjectSettings { gains: g, sat_limit, .. } = &self.settings;
-        -g.eta * sat(s, *sat_limit) - g.k * s - inputs.z1 + inputs.shear[0] + inputs.shear[1]
-            - self.estimator.output()
-            - self.estimator.bound * tanh
-            - self.estimator.inertia * regressor
+    /// What tanh in [`Point`] is of.
+    #[inline(always)]
+    pub fn tanh_argument(&self, point: &Point) -> f64 {
+        point.s / self.settings.gains.epsilon1
     }
 
-    /// Advances the estimates over a step with held signals, exactly.
-    pub fn step(&mut self, h: f64, inputs: &ObjectInputs) {
-        let drive = self.at(inputs).drive();
-        self.estimator.step(h, &drive);
+    /// The signals at a point, without its tanh, and the normalised input of the network.
+    #[inline(always)]
+    pub fn signals(&self, inputs: &ObjectInputs) -> (Point, [f64; 7]) {
+        let ObjectSettings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
+        let w_dot = [inputs.shear_dot[0] * c1, inputs.shear_dot[1] * c2];
+        let shear_rate = w_dot[0] + w_dot[1];
+        let s = self.surface(inputs);
+        let alpha_dot = -gains.c1 * inputs.z1_dot - shear_rate;
+        let x = [inputs.z1, s, alpha_dot, inputs.shear[0] * c1, inputs.shear[1] * c2, w_dot[0], w_dot[1]];
+        let point = Point { inputs: *inputs, s, tanh: 0.0, regressor: self.slope() * inputs.z1_dot + shear_rate };
+        (point, std::array::from_fn(|axis| x[axis] * inverse_scales[axis]))
+    }
+
+    /// The second half of the exponentials that the network needs where only the shear rates are others.
+    #[inline(always)]
+    pub fn moved_exponentials<V: Four>(&self, inputs: &ObjectInputs, shear_dot: [f64; 2]) -> Lanes {
+        let (_, x) = self.signals(&ObjectInputs { shear_dot, ..*inputs });
+        exp_of(self.estimator.network.moving_exponents::<V>(x)).lanes()
+    }
+
+    /// Goes on to a point where only the shear rates are others.
+    #[inline(always)]
+    pub fn move_to<V: Four>(&mut self, inputs: &ObjectInputs, moving: Lanes) {
+        let (mut point, x) = self.signals(inputs);
+        point.tanh = self.point.map_or(0.0, |known| known.tanh);
+        self.estimator.fill_moving::<V>(x, moving);
+        self.point = Some(point);
+    }
+
+    /// Advances the estimates over a step with held signals, where the loop is evaluated, exactly.
+    #[inline(always)]
+    pub fn step_here<V: Four>(&mut self, h: f64) {
+        if let Some(point) = &self.point {
+            self.estimator.step_here::<V>(h, &point.drive());
+        }
+    }
+
+    /// Advances the estimates over a step whose shear rates are sampled at [`NODES`](crate::blocks::adaptation::NODES): the loop is
+    /// evaluated at the first node, `moved` are the [`moved_exponentials`](Self::moved_exponentials) of the second.
+    #[inline(always)]
+    pub fn step_both_here<V: Four>(&mut self, h: f64, inputs: &ObjectInputs, shear_dot: [f64; 2], moved: Lanes) {
+        let Some(first) = self.point.as_ref().map(Point::drive) else { return };
+        if self.estimator.has_ball() {
+            self.estimator.step_sampled(h, 0, &first);
+        }
+        self.move_to::<V>(&ObjectInputs { shear_dot, ..*inputs }, moved);
+        let Some(second) = self.point.as_ref().map(Point::drive) else { return };
+        if self.estimator.has_ball() {
+            self.estimator.step_sampled(h, 1, &second);
+        } else {
+            self.estimator.step_both_here::<V>(h, &[first, second]);
+        }
+    }
+
+    /// Force v on the object, eq. (36). Σ `EIᵢ` qᵢ''' is Q₁ + Q₂, because λ₁ᵈ + λ₂ᵈ = 0.
+    #[inline(always)]
+    pub fn command_here<V: Four>(&self, point: &Point) -> f64 {
+        let Point { inputs, s, tanh, regressor } = point;
+        let ObjectSettings { gains: g, sat_limit, .. } = &self.settings;
+        -g.eta * sat(*s, *sat_limit) - g.k * s - inputs.z1 + inputs.shear[0] + inputs.shear[1]
+            - self.estimator.output_here::<V>()
+            - self.estimator.bound * tanh
+            - self.estimator.inertia * regressor
     }
 
     /// Advances the estimates over a step with the inputs sampled at [`NODES`](crate::blocks::adaptation::NODES).

@@ -1,11 +1,15 @@
 //! Posture loop of one arm, eqs. (49)–(57).
 
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
 mod continuous;
 
 use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, PostureGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::exponential::tanh;
+use crate::blocks::four::Four;
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
 use serde::{Deserialize, Serialize};
@@ -48,25 +52,26 @@ pub(crate) struct PostureLoop {
     /// Ĵ, π̂, Û.
     pub estimator: Estimator<3>,
     #[serde(skip)]
-    point: Option<Point>,
+    pub point: Option<Point>,
 }
 
 /// Signals of the loop at one instant. The moment M(0) is not among them: it enters the command only.
 #[derive(Debug, Clone, Copy)]
-struct Point {
-    e: f64,
-    e_dot: f64,
+pub(crate) struct Point {
+    pub e: f64,
+    pub e_dot: f64,
     /// s = (μ + c₃) e + ė.
     s: f64,
     /// tanh(s/ϵ₂).
-    tanh: f64,
+    pub tanh: f64,
     /// ė (μ + c₃), which Ĵ multiplies.
     regressor: f64,
 }
 
 impl Point {
     /// Forcings of (55)–(57): s Y(Z), s tanh(s/ϵ₂) and s ė (μ + c₃).
-    fn drive(&self) -> Drive {
+    #[inline(always)]
+    pub fn drive(&self) -> Drive {
         Drive { s: self.s, bound: self.s * self.tanh, inertia: self.s * self.regressor }
     }
 }
@@ -126,29 +131,46 @@ impl PostureLoop {
         {
             return point;
         }
-        let PostureSettings { gains, inverse_scales: [angle, surface, alpha], .. } = &self.settings;
-        let s = self.surface(e, e_dot);
-        let point = Point { e, e_dot, s, tanh: tanh(s / gains.epsilon2), regressor: e_dot * self.slope() };
-        self.estimator.activate([e * angle, s * surface, -gains.c3 * e_dot * alpha]);
+        let (mut point, z) = self.signals(e, e_dot);
+        point.tanh = tanh(self.tanh_argument(&point));
+        self.estimator.activate(z);
         self.point = Some(point);
         point
+    }
+
+    /// What tanh in [`Point`] is of.
+    #[inline(always)]
+    pub fn tanh_argument(&self, point: &Point) -> f64 {
+        point.s / self.settings.gains.epsilon2
+    }
+
+    /// The signals at a point, without its tanh, and the normalised input of the network.
+    #[inline(always)]
+    pub fn signals(&self, e: f64, e_dot: f64) -> (Point, [f64; 3]) {
+        let PostureSettings { gains, inverse_scales: [angle, surface, alpha], .. } = &self.settings;
+        let s = self.surface(e, e_dot);
+        let point = Point { e, e_dot, s, tanh: 0.0, regressor: e_dot * self.slope() };
+        (point, [e * angle, s * surface, -gains.c3 * e_dot * alpha])
     }
 
     /// Hub torque τ̄, eq. (54).
     ///
     /// EI q''(0) − λᵈ l is the measured moment M(0): the target's own moment cancels.
-    pub fn command(&mut self, e: f64, e_dot: f64, root_moment: f64) -> f64 {
-        let Point { s, tanh, regressor, .. } = self.at(e, e_dot);
+    #[inline(always)]
+    pub fn command_here<V: Four>(&self, point: &Point, root_moment: f64) -> f64 {
+        let Point { e, s, tanh, regressor, .. } = *point;
         let PostureSettings { gains: g, sat_limit, .. } = &self.settings;
         -g.xi * sat(s, *sat_limit) - g.k * s - e - self.estimator.inertia * regressor + root_moment
-            - self.estimator.output()
+            - self.estimator.output_here::<V>()
             - self.estimator.bound * tanh
     }
 
-    /// Advances the estimates over a step with held signals, exactly.
-    pub fn step(&mut self, h: f64, e: f64, e_dot: f64) {
-        let drive = self.at(e, e_dot).drive();
-        self.estimator.step(h, &drive);
+    /// Advances the estimates over a step with held signals, where the loop is evaluated, exactly.
+    #[inline(always)]
+    pub fn step_here<V: Four>(&mut self, h: f64) {
+        if let Some(point) = &self.point {
+            self.estimator.step_here::<V>(h, &point.drive());
+        }
     }
 
     /// Advances the estimates over a step with the signals (e, ė) sampled at [`NODES`](crate::blocks::adaptation::NODES).

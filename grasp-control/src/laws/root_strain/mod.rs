@@ -59,7 +59,7 @@ use crate::laws::encoders::Actuation;
 use crate::laws::nabfc::{Estimates, RbfLayout, Surfaces};
 use crate::signals::{Commands, INPUTS, Inputs};
 use crate::target::Arms;
-use inertia::{Estimator, Moving, Prior};
+use inertia::{Estimator, Moving, Prior, Shares};
 use loops::{Loops, Outcome, Point};
 use natural::Compliance;
 use networks::{Networks, Seen};
@@ -79,11 +79,26 @@ pub struct RootStrain {
     /// What there is to know of each inertia beforehand, and what has been learnt of it.
     priors: [Prior; 3],
     inertia: [Estimator; 3],
+    /// Ĵ₁, Ĵ₂ and m̂ of the estimators, if they are known: a point, an observer and the next commands ask for the same ones.
+    #[serde(skip)]
+    found: Option<[f64; 3]>,
+    #[serde(skip)]
+    of_size: Option<OfSize>,
     root_moment: LowPass,
     root_moment_rate: LowPass,
     tip_shear_rate: LowPass,
     /// None where the observers learn.
     networks: Option<Box<Networks>>,
+}
+
+/// What follows from the size of a step alone, kept for the next one of the same size.
+#[derive(Debug, Clone, Copy)]
+struct OfSize {
+    h: f64,
+    /// Of the observers.
+    decays: [f64; 3],
+    /// Of the estimators' filters.
+    shares: Shares,
 }
 
 impl From<Outcome> for Surfaces {
@@ -123,6 +138,8 @@ impl RootStrain {
             observers: [Observer::default(); 3],
             priors: gains.priors(&arms, &actuation),
             inertia: [Estimator::default(); 3],
+            found: None,
+            of_size: None,
             root_moment: LowPass::new(gains.strain_bandwidth),
             root_moment_rate: LowPass::new(gains.strain_rate_bandwidth),
             tip_shear_rate: LowPass::new(gains.strain_rate_bandwidth),
@@ -152,6 +169,7 @@ impl RootStrain {
         self.scaled = Scaled::new(&gains, &self.arms, &actuation);
         self.priors = gains.priors(&self.arms, &actuation);
         (self.gains, self.actuation) = (gains, actuation);
+        (self.found, self.of_size) = (None, None);
         Ok(())
     }
 
@@ -336,7 +354,23 @@ impl RootStrain {
 
     /// Ĵ₁, Ĵ₂ \[kg·m²\] and m̂ \[kg\].
     fn inertias(&self) -> [f64; 3] {
+        self.found.unwrap_or_else(|| self.find_inertias())
+    }
+
+    fn find_inertias(&self) -> [f64; 3] {
         std::array::from_fn(|i| self.inertia[i].inertia(&self.priors[i]))
+    }
+
+    /// What follows from a step size of `h` \[s\].
+    fn of_size(&mut self, h: f64) -> OfSize {
+        match self.of_size {
+            Some(of_size) if of_size.h == h => of_size,
+            _ => {
+                let [hub1, hub2] = self.gains.hub.map(|hub| hub.observer);
+                let decays = [hub1, hub2, self.gains.object.observer].map(|pole| Observer::decay(pole, h));
+                *self.of_size.insert(OfSize { h, decays, shares: self.gains.filter.shares(h) })
+            }
+        }
     }
 
     /// What the estimators of the inertias see, under the known forces.
@@ -426,6 +460,7 @@ impl Law for RootStrain {
     fn initialize(&mut self, inputs: &Inputs) {
         self.observers = motions(inputs).map(|motion| Observer::settled(self.source, motion));
         self.inertia = self.moving(inputs, &[0.0; 3]).map(|moving| Estimator::settled(moving.rate, moving.load));
+        self.found = None;
         self.root_moment.settle(inputs.measured.root_moment);
         self.root_moment_rate.settle(inputs.measured.root_moment_dot);
         self.tip_shear_rate.settle(inputs.measured.tip_shear_dot);
@@ -443,18 +478,19 @@ impl Law for RootStrain {
         StepError::check(h, inputs, rates)?;
         let mean = inputs.after(0.5 * h, rates);
         let (forces, known) = (self.forces(&mean), self.known());
-        let (moving, shares) = (self.moving(&mean, &forces), self.gains.filter.shares(h));
+        let (moving, OfSize { decays, shares, .. }) = (self.moving(&mean, &forces), self.of_size(h));
         if self.networks.is_some() {
             self.step_networks(h, &mean, &known, &forces);
         } else {
             let motions = motions(&mean);
             for (i, observer) in self.observers.iter_mut().enumerate() {
-                observer.step(h, &known[i], motions[i], forces[i]);
+                observer.step_decaying(h, decays[i], &known[i], motions[i], forces[i]);
             }
         }
         for (i, estimator) in self.inertia.iter_mut().enumerate() {
             estimator.step(h, &self.gains.filter, &shares, &self.priors[i], moving[i]);
         }
+        self.found = Some(self.find_inertias());
         let (measured, rate) = (&inputs.measured, &rates.measured);
         self.root_moment.step(h, measured.root_moment, rate.root_moment);
         self.root_moment_rate.step(h, measured.root_moment_dot, rate.root_moment_dot);

@@ -57,6 +57,7 @@ impl Continuous for RootStrain {
             self.root_moment.settle(std::array::from_fn(|i| states[state::MOMENTS.start + i]));
         }
         self.inertia = estimators(states);
+        self.found = None;
         if let Some(networks) = &mut self.networks {
             networks.take(&network_direction(networks.nodes(), states));
         }
