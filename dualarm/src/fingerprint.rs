@@ -1,4 +1,4 @@
-//! What makes a search or a study this one: an object whose parts all have to be the same for it to go on.
+//! The fingerprint of a search or a study: an object whose parts must all be equal for it to be continued.
 
 use serde_json::Value;
 

@@ -1,4 +1,4 @@
-//! Asks cargo to build, and finds in its messages where it put what it built.
+//! Runs cargo builds, and finds the built files in cargo's messages.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,8 @@ pub fn program() -> OsString {
     std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
 }
 
-/// Runs `cargo build` or what does the same for another platform, in the folder `root`; its messages, one JSON object per line.
+/// Runs `cargo build`, or the equivalent command for another platform, in the folder `root`. Returns its messages, one JSON
+/// object per line.
 pub fn build(mut command: Command, root: &Path, quiet: bool) -> Result<String, PackageError> {
     command.current_dir(root).arg("--message-format=json-render-diagnostics");
     if quiet {
@@ -31,7 +32,7 @@ pub fn build(mut command: Command, root: &Path, quiet: bool) -> Result<String, P
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// What cargo says it has built for a crate, in its messages, one JSON object per line.
+/// The files that cargo has built for a crate, from its messages, one JSON object per line.
 fn artifacts(messages: &str, model: &str, kind: &str) -> Vec<Value> {
     messages
         .lines()
@@ -45,7 +46,7 @@ fn artifacts(messages: &str, model: &str, kind: &str) -> Vec<Value> {
         .collect()
 }
 
-/// The shared library of a crate, whose name ends in `.` and this.
+/// The shared library of a crate, with this extension.
 pub fn find_library(messages: &str, model: &str, extension: &str) -> Result<PathBuf, PackageError> {
     artifacts(messages, model, "cdylib")
         .iter()

@@ -53,10 +53,10 @@ pub fn read_guids(text: &str) -> BTreeMap<String, String> {
     entries.map(|(name, guid)| (name.to_owned(), guid.to_owned())).collect()
 }
 
-/// Each FMU to the crate whose model it is: the archives for each crate's packaging program.
+/// Assigns each FMU to the crate of its model: the archives for each crate's packaging program.
 ///
 /// # Errors
-/// If one belongs to none, with what differs.
+/// If one belongs to no crate, with the differences.
 pub fn assign(merged: &[Merged], guids: &[BTreeMap<String, String>]) -> Result<Vec<Vec<PathBuf>>, PackageError> {
     let mut archives = vec![Vec::new(); guids.len()];
     for Merged { path, name, guid, .. } in merged {

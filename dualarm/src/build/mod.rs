@@ -1,9 +1,9 @@
 //! Builds the model crates and turns them into `.fmu` files.
 //!
-//! Each model crate has a program of its own name that knows how to package its library
-//! (`plant-fmu --library <library> --out <folder>`). Cargo's build messages say where both were built. [`crosscheck`] lays the
-//! FMUs out with reference solutions. Which platforms there are, and what building for one takes, is `fmi2_package`'s to say,
-//! for these models as for any other.
+//! Each model crate has a program with the name of the crate that packages its library
+//! (`plant-fmu --library <library> --out <folder>`). Cargo's build messages contain the paths of both. [`crosscheck`]
+//! writes the release layout of the FMUs with reference solutions. `fmi2_package` defines the platforms and the
+//! requirements of their builds, as for any other model.
 
 mod cargo;
 pub mod crosscheck;
@@ -22,7 +22,7 @@ use fmi2_package::toolchain;
 
 use merge::Merged;
 
-/// The crates that become FMUs.
+/// The crates of the FMUs.
 pub const MODELS: &[&str] = &["plant-fmu", "controller-fmu", "instruments-fmu"];
 
 /// Why packaging failed.
@@ -44,7 +44,7 @@ pub enum PackageError {
         /// Why.
         source: io::Error,
     },
-    /// The build failed; cargo has said why.
+    /// The build failed; cargo has printed the reason.
     #[error("building the FMUs failed ({0}); see cargo's messages above")]
     Build(ExitStatus),
     /// Cargo did not mention a file.
@@ -52,7 +52,7 @@ pub enum PackageError {
     NotBuilt {
         /// The crate.
         model: String,
-        /// What is missing.
+        /// The missing file.
         what: &'static str,
     },
     /// A model's packaging program failed.
@@ -60,7 +60,7 @@ pub enum PackageError {
     Packager {
         /// The crate.
         model: String,
-        /// What the program says.
+        /// The message of the program.
         message: String,
     },
     /// A platform cannot be built for here.
@@ -90,7 +90,7 @@ pub enum PackageError {
 /// Which platforms the FMUs shall have libraries for.
 #[derive(Clone, Debug, Default)]
 pub struct Platforms {
-    /// To build for these and no others; if empty, for all whose toolchains are there.
+    /// Build exactly for these platforms; if empty, for all whose toolchains are installed.
     pub wanted: Vec<&'static Platform>,
     /// To have in the end.
     pub required: Vec<&'static Platform>,
@@ -98,17 +98,17 @@ pub struct Platforms {
     pub merged: Vec<PathBuf>,
 }
 
-/// What packaging has made.
+/// The results of packaging.
 #[derive(Clone, Debug)]
 pub struct Packaged {
     /// The FMUs, sorted.
     pub fmus: Vec<PathBuf>,
-    /// One line on platforms that people look for and that could not be built here, with what to do; `None` if there are none.
+    /// One line on expected platforms that could not be built here, with what to do; `None` if there are none.
     pub left_out: Option<String>,
 }
 
-/// The repository around the current folder, or that of the manifest which `cargo run` was given. Never that where the tool was once
-/// compiled: it may be gone, or another version.
+/// The repository around the current folder, or around the manifest that `cargo run` was given. The place where the tool
+/// was compiled is never used: it may be deleted, or another version.
 #[must_use]
 pub fn repository() -> Option<PathBuf> {
     let here = std::env::current_dir().ok();
@@ -117,9 +117,9 @@ pub fn repository() -> Option<PathBuf> {
     [here, manifest].into_iter().flatten().find_map(|start| start.ancestors().find(is_repository).map(Path::to_owned))
 }
 
-/// Builds the models in the repository at `root` and writes their `.fmu` files to `out`, one after the other: whoever has
-/// others there wants a new folder. The plant has the continuous states of `plant_order`, or of the default one. `quiet` keeps
-/// cargo silent unless something fails; `progress` hears what is being done.
+/// Builds the models in the repository at `root` and writes their `.fmu` files to `out`, one after the other. To replace
+/// several files together, use a new folder. The plant has the continuous states of `plant_order`, or of the default order.
+/// `quiet` suppresses cargo's output unless something fails; `progress` is called with the present activity.
 ///
 /// # Errors
 /// When a build or packaging step fails.
@@ -168,7 +168,7 @@ pub fn package(
     Ok(Packaged { fmus, left_out: toolchain::left_out(&left_out) })
 }
 
-/// How the plant's crate is told of an order when it is compiled.
+/// The environment variable that passes an order to the build of the plant's crate.
 fn as_variable(plant_order: u8) -> (&'static str, String) {
     ("DUALARM_PLANT_ORDER", plant_order.to_string())
 }
@@ -181,8 +181,8 @@ struct Packager {
     guids: String,
 }
 
-/// The packaging programs, with the profile of this tool, which has compiled most of what they need (selecting the whole
-/// workspace gives dependencies the features they have there), and what they say of their models.
+/// The packaging programs and the descriptions that they print. They are built with the profile of this tool, which has
+/// compiled most of their dependencies (selecting the whole workspace gives dependencies the same features as there).
 fn programs(root: &Path, plant_order: Option<u8>, quiet: bool) -> Result<Vec<Packager>, PackageError> {
     let mut command = Command::new(cargo::program());
     command.args(["build", "--release", "--workspace"]);
@@ -199,8 +199,8 @@ fn programs(root: &Path, plant_order: Option<u8>, quiet: bool) -> Result<Vec<Pac
     MODELS.iter().map(program).collect()
 }
 
-/// The libraries of all crates for a platform, with the profile `fmu`, without what packaging needs, and with the GUIDs in
-/// them.
+/// The libraries of all crates for a platform, with the profile `fmu`, without the dependencies of packaging, and with the
+/// GUIDs compiled in.
 fn libraries(
     root: &Path,
     plant_order: Option<u8>,
@@ -218,7 +218,7 @@ fn libraries(
     crates.iter().map(library).collect()
 }
 
-/// Runs a model's packaging program, with what `cargo run` would tell it of its crate; what it prints.
+/// Runs a model's packaging program, with the environment variables that `cargo run` would set. Returns its output.
 fn run(home: &Path, program: &Path, arguments: &[OsString]) -> Result<String, PackageError> {
     let output = Command::new(program)
         .args(arguments)

@@ -49,7 +49,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What `--json` prints; `docs/tool.md` describes the keys.
+/// The document of `--json`; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
 struct Document<'a> {
     command: &'static str,

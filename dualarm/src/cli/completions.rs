@@ -26,7 +26,7 @@ pub struct Arguments {
 
 /// Prints the script.
 pub fn run(arguments: &Arguments, command: &mut Command) {
-    // bash goes on to files where no name fits; the other generators would offer nothing but the names.
+    // bash also offers files if no name fits; the other generators would offer only the names.
     if arguments.shell == Shell::Bash {
         for (subcommand, argument) in WITH_NAMES {
             *command = command.clone().mut_subcommand(subcommand, |subcommand| {
@@ -47,7 +47,7 @@ fn names() -> impl Iterator<Item = &'static str> {
     BUILT_IN.iter().map(|built_in| built_in.name)
 }
 
-/// A generated script that knows the scenarios' names, too, and offers files beside them where the shell does so.
+/// A generated script with the scenarios' names, which also offers files if the shell supports both.
 fn with_names(shell: Shell, script: &str) -> String {
     // After the line by which a script begins with a subcommand.
     let insert = |begin: &dyn Fn(&str) -> String, lines: &str| {

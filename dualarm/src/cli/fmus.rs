@@ -22,7 +22,7 @@ fn shipped_folder() -> Option<PathBuf> {
     folder.is_dir().then_some(folder)
 }
 
-/// Where FMUs are looked for, unless the user says where.
+/// The default folder of FMUs.
 fn usual_folder() -> PathBuf {
     shipped_folder().unwrap_or_else(|| "dist".into())
 }
@@ -53,7 +53,7 @@ impl Default for Job {
 }
 
 impl Job {
-    /// Builds and packages the FMUs and systems, unless the user wants those that are there, or they came with this program.
+    /// Builds and packages the FMUs and systems, unless the user chooses the existing ones, or they came with this program.
     pub fn package(&self, quiet: bool) -> Result<(), Failure> {
         if !self.no_package && shipped_folder().is_none_or(|shipped| shipped != self.folder.fmus) {
             package_all(&self.folder.fmus, &Platforms::default(), None, quiet)?;

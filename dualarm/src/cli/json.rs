@@ -1,4 +1,4 @@
-//! `--json`: one document on standard output, the same keys in every version; `docs/tool.md` lists them.
+//! `--json`: one document on standard output, with the same keys in every version; `docs/tool.md` lists them.
 
 use serde::Serialize;
 

@@ -46,12 +46,12 @@ pub fn cases(names: &[String]) -> Result<Vec<Case>, Failure> {
     found.map_err(Failure::from)
 }
 
-/// The cases that a name stands for.
+/// The cases of a name.
 fn named(name: &str) -> Result<Vec<Case>, CaseError> {
     if name == "contact" { Case::contact() } else { Case::find(name).map(|case| vec![case]) }
 }
 
-/// Names of rows and columns tell them apart.
+/// Checks that names of rows and columns are unique.
 fn unique<'a>(what: &str, mut keys: impl Iterator<Item = &'a str>) -> Result<(), Failure> {
     let mut seen = HashSet::new();
     match keys.find(|key| !seen.insert(*key)) {
@@ -62,7 +62,7 @@ fn unique<'a>(what: &str, mut keys: impl Iterator<Item = &'a str>) -> Result<(),
     }
 }
 
-/// Runs the cells, unless the user wants none; without cases that are named, those of grasps that can open as a matrix of their
+/// Runs the cells, unless the user skips them. If no cases are named, those of grasps that can open form a matrix of their
 /// own.
 pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Matrices>, Failure> {
     if choice.no_matrix {

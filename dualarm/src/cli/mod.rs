@@ -123,7 +123,7 @@ impl Failure {
     }
 }
 
-/// What fails while the program does what it was asked to.
+/// Converts errors that occur during the work to failures.
 macro_rules! failures {
     ($($error:ty),* $(,)?) => {
         $(impl From<$error> for Failure {
@@ -152,8 +152,8 @@ failures![
 /// Why standard output did not take everything: the first reason.
 static LOST: OnceLock<io::Error> = OnceLock::new();
 
-/// Prints to standard output. A reader that has gone (`| head`) is no failure; anything else (a full disk) makes [`main`]
-/// fail in the end, when all else is done.
+/// Prints to standard output. If the reader has closed it (`| head`), this is no failure. Any other error (a full disk)
+/// makes [`main`] fail at the end, when everything else is done.
 fn print(text: &str) {
     match process::write_to_standard_output(printable(text).as_bytes()) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => drop(LOST.set(error)),
@@ -161,7 +161,7 @@ fn print(text: &str) {
     }
 }
 
-/// How wide tables may be: as wide as the terminal, but 80 columns where it is narrower or nobody looks.
+/// The width of tables: that of the terminal, but 80 columns if it is narrower or the output goes elsewhere.
 fn width() -> usize {
     const USUAL: usize = 80;
     terminal_size::terminal_size_of(process::standard_output()).map_or(USUAL, |(width, _)| USUAL.max(width.0.into()))
@@ -179,7 +179,7 @@ fn print_error(text: &str) {
     let _ = io::stderr().write_all(printable(text).as_bytes());
 }
 
-/// A message as one paragraph: no line of it looks like a message of its own, none is longer than a screen.
+/// A message as one paragraph: no line of it can be mistaken for another message, and none is longer than a screen.
 fn paragraph(message: &str) -> String {
     const LONGEST: usize = 8000;
     let mut text: String = message.chars().take(LONGEST).collect();
@@ -199,7 +199,7 @@ pub fn main() -> ExitCode {
     ExitCode::from(process::run(|| work(arguments)))
 }
 
-/// Help, the version, or what is wrong with the arguments.
+/// Prints help, the version, or a fault of the arguments.
 fn answer_without_work(answer: &clap::Error) -> u8 {
     let code = u8::try_from(answer.exit_code()).unwrap_or(2);
     if answer.use_stderr() {
@@ -220,7 +220,7 @@ fn no_standard_output(error: &io::Error) -> String {
     format!("cannot write to standard output: {error}")
 }
 
-/// Does what the arguments say; the exit code.
+/// Executes the command; returns the exit code.
 fn work(arguments: Arguments) -> u8 {
     let result = run(arguments);
     let result = result.and_then(|()| match LOST.get() {
@@ -264,8 +264,8 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
 mod tests {
     use super::*;
 
-    /// clap breaks what is longer than the terminal is wide: fine for a paragraph that is one line here, ugly for a line of
-    /// several that are broken already, and for columns.
+    /// clap breaks every line that is longer than the terminal is wide. This suits a paragraph that is one line here, but
+    /// not a paragraph that is already broken into lines, and not columns.
     #[test]
     fn what_stands_below_help_is_broken_once() {
         for command in Arguments::command().get_subcommands() {
@@ -280,7 +280,7 @@ mod tests {
         }
     }
 
-    /// Every option that takes a number says what it wants instead of naming a type's trouble.
+    /// Every numeric option names the allowed values in its error message instead of a parser's complaint.
     #[test]
     fn what_is_no_number_is_answered_with_what_is_wanted() {
         let mut tried = 0;

@@ -1,4 +1,4 @@
-//! Numbers on the command line: what is wanted where something else stands.
+//! Numbers on the command line, and messages for other texts.
 
 use std::str::FromStr;
 

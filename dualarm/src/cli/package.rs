@@ -61,7 +61,7 @@ pub struct Arguments {
     #[arg(long, value_name = "ORDER", value_parser = numbers::order, conflicts_with = "describe")]
     plant_order: Option<u8>,
     /// Also write the release layout of the FMI cross-check rules to FOLDER/release
-    // It was once called --release, which says less and looks like an option of cargo.
+    // The option was once called `--release`, which is less clear and looks like an option of cargo.
     #[arg(long, alias = "release", conflicts_with = "describe")]
     cross_check: bool,
     /// Only renew the systems' descriptions (.ssd, .ssv) below this folder, from the FMUs' descriptions (.xml) in it
@@ -98,7 +98,8 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Builds the FMUs, composes the systems, and writes both to a folder. They belong together, so they appear there together.
+/// Builds the FMUs, composes the systems, and writes both to a folder. They belong together, so they appear there at the
+/// same time.
 pub fn package_all(
     out: &Path,
     platforms: &Platforms,
@@ -142,7 +143,7 @@ fn describe(folder: &Path, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// One line on stderr about what is being done. Cargo draws its own bar below it.
+/// Prints one line about the present activity to standard error. Cargo draws its own bar below it.
 pub fn say(quiet: bool, doing: &str) {
     if !quiet {
         print_error(&format!("{doing} …\n"));

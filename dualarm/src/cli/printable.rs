@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-/// Characters that make a terminal do something, show a text in another order than it has, or cannot be seen, so that two
-/// names look alike: control and format characters, separators of lines, fillers, selectors of variants, and what
-/// Unicode has not assigned. Letters of all scripts, their accents and spaces stay.
+/// Characters that control a terminal, change the direction of text, or are invisible, so that two names look alike:
+/// control and format characters, line separators, fillers, variation selectors, and unassigned characters of Unicode.
+/// Letters of all scripts, their accents and spaces are kept.
 fn is_unwanted(character: char) -> bool {
     if character.is_ascii() {
         return character.is_ascii_control();
@@ -24,7 +24,8 @@ fn is_unwanted(character: char) -> bool {
             | '\u{ffa0}'
             | '\u{e0100}'..='\u{e01ef}'
     );
-    // What the standard library would not print, as the second character of a text, so that accents stay.
+    // Characters that the standard library would escape. Each is tested as the second character of a text, so that accents
+    // are kept.
     let is_shown = || [' ', character].iter().collect::<String>().escape_debug().count() == 2;
     is_blank || !(is_space || is_shown())
 }
@@ -34,7 +35,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     escaped(text, |character| is_unwanted(character) && !matches!(character, '\n' | '\t'))
 }
 
-/// The same for what has to stay on one line.
+/// The same for a text that has to stay on one line.
 pub fn one_line(text: &str) -> Cow<'_, str> {
     escaped(text, is_unwanted)
 }

@@ -1,4 +1,4 @@
-//! Progress bars on stderr; none when nobody watches.
+//! Progress bars on standard error; none if it is not a terminal.
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 

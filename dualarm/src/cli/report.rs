@@ -20,7 +20,7 @@ Examples:
   dualarm report mine.csv pds.parquet -o page.html    your controller and ours
   dualarm report a.csv b.csv --names before,after";
 
-/// How many runs a page tells apart by colour.
+/// The number of runs that a page can distinguish by colour.
 pub const MOST_RUNS: usize = 8;
 
 /// Arguments of `dualarm report`.
@@ -82,7 +82,8 @@ fn saved(file: &Path, title: String) -> Result<Run, Failure> {
     Ok(Run { key: title.clone(), title, rows, metrics, notes, ..Run::default() })
 }
 
-/// Whether a page can be written there: it must say that it is one, and not lie onto what is read.
+/// Checks that a page can be written there: the extension must be that of a page, and the file must not be one of the
+/// inputs.
 pub fn check(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     if !has_extension(path, "html") {
         return Err(Failure::usage(format!("the page {} must end in .html", path.display())));

@@ -53,7 +53,7 @@ fn all() -> impl Iterator<Item = &'static BuiltIn> {
     BUILT_IN.iter().chain(case::CASES).chain(case::CONTACT).chain(contender::PRESETS)
 }
 
-/// What a user types: the name, after the folder below `scenarios` if there is one.
+/// The name as a user types it, with its folder below `scenarios` if there is one.
 fn full_name(file: &BuiltIn) -> String {
     let folder = file.folder.strip_prefix("scenarios/").map(|folder| format!("{folder}/")).unwrap_or_default();
     folder + file.name

@@ -123,7 +123,7 @@ pub struct Arguments {
     json: bool,
 }
 
-/// What `--json` prints; `docs/tool.md` describes the keys.
+/// The document of `--json`; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
 struct Document<'a> {
     command: &'static str,
@@ -253,7 +253,7 @@ fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
     let fmu = lab.fmu(&contender.fmu).map_err(CellError::from)?;
     let description = fmu.description();
     let mut dimensions = if arguments.parameters.is_empty() {
-        // The two laws of NABFC have gains of their own in one FMU; whatever has no choice of laws uses all it has.
+        // The two laws of NABFC have separate gains in one FMU; a controller without a choice of laws uses all its gains.
         let law = contender.settings.iter().rev().find(|setting| setting.target == "law");
         let has_root_strain = law.is_none_or(|law| ["root_strain", "2"].contains(&law.value.to_string().as_str()));
         let has_laws = description.variables.iter().any(|variable| variable.name == "law");
@@ -262,7 +262,7 @@ fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
         let parse = |text: &String| Dimension::parse(text, description);
         arguments.parameters.iter().map(parse).collect::<Result<_, _>>()?
     };
-    // What is set and varied begins where it is set.
+    // If a parameter is both set and varied, its search begins at the set value.
     for Setting { target, value } in &contender.settings {
         let value = value.to_string().parse().ok();
         for dimension in dimensions.iter_mut().filter(|dimension| dimension.names.contains(target)) {

@@ -1,4 +1,5 @@
-//! `dualarm tune --report`: the page of a search. The first case before and after, gains, every case, the way of the search.
+//! `dualarm tune --report`: the page of a search. It shows the first case before and after, gains, every case, and the
+//! progress of the search.
 
 use std::path::Path;
 
@@ -26,7 +27,7 @@ pub struct Tuned<'a> {
     pub found: &'a [Option<Cell>],
     /// The best objective after each evaluation.
     pub history: &'a [f64],
-    /// What repeats the search, an option a line.
+    /// The command that repeats the search, with one option per line.
     pub command: String,
 }
 

@@ -12,7 +12,7 @@ use crate::report;
 use crate::report::figures::{NamedFigure, pdf, raster};
 use fmi2_cosim::files::FileSet;
 
-/// What the paper's runs give as text.
+/// The results of the paper's runs as text.
 pub(super) fn write(
     out: &Path,
     Runs { runs, figures, .. }: &Runs,
@@ -30,7 +30,7 @@ pub(super) fn write(
 /// The matrices as tables, data and figures.
 ///
 /// # Errors
-/// When a figure cannot be drawn or a file not be written.
+/// When a figure cannot be drawn or a file cannot be written.
 pub fn write_matrices(matrices: &Matrices, out: &Path, results: &FileSet) -> Result<(), ComparisonError> {
     write_matrix("matrix", &matrices.closed, out, results)?;
     matrices.contact.as_ref().map_or(Ok(()), |matrix| write_matrix("contact", matrix, out, results))

@@ -1,4 +1,5 @@
-//! The main job: the paper's runs, one with each of its three controllers, and what is made of them and of the matrix.
+//! The main command: the paper's runs, one with each of its three controllers, and the files made from them and from the
+//! matrix.
 //!
 //! * [`Runs::simulate`] makes the runs;
 //! * [`files`] are the tables, figures and data of the results' folder;
@@ -40,13 +41,13 @@ pub struct Setup<'a> {
     pub grid: &'a TimeGrid,
     /// How signals are exchanged.
     pub coupling: Coupling,
-    /// What is between plant and controller; nothing if empty.
+    /// The instruments and actuators between plant and controller; may be empty.
     pub instruments: Vec<&'static Profile>,
 }
 
-/// Who hears how far something is.
+/// Receives the progress of the work.
 pub trait Progress: Sync {
-    /// Something of this length begins; the answer wants to know how much of it is done.
+    /// An activity of this length begins; the returned function is called with the completed part.
     fn begins(&self, title: &str, length: u64) -> Box<dyn Fn(u64) + Send + Sync>;
 }
 
@@ -69,7 +70,7 @@ pub enum ComparisonError {
     /// The co-simulation failed.
     #[error(transparent)]
     Master(#[from] MasterError),
-    /// An FMU does not say its parameters.
+    /// An FMU does not return its parameters.
     #[error(transparent)]
     Call(#[from] CallError),
     /// A run cannot be judged.
@@ -93,7 +94,7 @@ pub enum ComparisonError {
     Write(#[from] WriteError),
 }
 
-/// The paper's runs and what they show.
+/// The paper's runs and their results.
 pub struct Runs {
     /// In the order of [`grasp::PAPER`].
     pub runs: Vec<PaperRun>,
@@ -105,7 +106,8 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// Runs the paper's three scenarios, each in a thread of its own with its own instances. Their data go to `results` at once.
+    /// Runs the paper's three scenarios, each in a separate thread with separate instances. Their data go to `results` at
+    /// once.
     ///
     /// # Errors
     /// When an FMU is missing or refuses, or a file cannot be written.
@@ -131,7 +133,7 @@ impl Runs {
     /// Writes tables, figures and the page; they appear with the other `results`.
     ///
     /// # Errors
-    /// When a figure cannot be drawn or a file not be written.
+    /// When a figure cannot be drawn or a file cannot be written.
     pub fn write(
         &mut self,
         setup: &Setup,
@@ -164,10 +166,10 @@ impl Runs {
     }
 }
 
-/// What a user wants besides the usual files.
+/// The requested files besides the usual ones.
 #[derive(Debug, Clone, Default)]
 pub struct Wanted {
-    /// Where the page goes; `report.html` in the folder of the results without it.
+    /// The path of the page; by default `report.html` in the folder of the results.
     pub page: Option<PathBuf>,
     /// Also figures without titles.
     pub untitled: bool,

@@ -9,7 +9,7 @@ use crate::report::html::{Page, Run, rows};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::record::Table;
 
-/// What the page is about.
+/// The introduction of the page.
 const LEAD: &str = "Two elastic arms squeeze an object between their tips, and no sensor measures the force. Three controllers try \
                     to hold it at its target: watch them, scrub through time, zoom into the first milliseconds.";
 
@@ -59,7 +59,7 @@ pub(super) fn shown(run: &PaperRun, rows: Table) -> Run {
     }
 }
 
-/// What lies beside the page.
+/// The files beside the page.
 fn files(matrix: Option<&Matrices>) -> Vec<(String, String)> {
     let mut files = vec![("report.md", "the same as Markdown"), ("metrics.csv", "the metrics in all digits")];
     if matrix.is_some() {

@@ -12,7 +12,7 @@ use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Every, Pick, Table};
 use fmi2_import::Fmu;
 
-/// What came out of a run, the rows of the page, and what ran.
+/// The results of a run, the rows of the page, and the components.
 pub struct Made {
     pub run: PaperRun,
     pub rows: Table,
@@ -28,7 +28,7 @@ pub fn simulate(
     let grid = setup.grid;
     let mut system = BuiltIn::find(controller.key)?.scenario()?.system(setup.fmus)?;
     instruments::put_into(&mut system, &setup.instruments, setup.fmus)?;
-    // Instruments and actuators come behind the component whose signals they take, so the plant stays the first.
+    // Instruments and actuators come after the component whose signals they take, so the plant stays the first.
     let controls = |(_, fmu): &(String, Fmu)| fmu.path().file_name().is_some_and(|name| name == controller.fmu);
     let place = system.components.iter().position(controls).unwrap_or(1);
     let mut master = system.master(setup.coupling)?;
@@ -36,7 +36,7 @@ pub fn simulate(
     let limits = grasp::actuator_limits(master.instance(0));
     let models = [ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(place))?].into();
     let columns = master.record(|_| true);
-    // Every step of the signals that are drawn and judged; everything else only as often as the CSV file wants it.
+    // Signals that are drawn and judged are recorded at every step, all others only as often as the CSV file needs them.
     let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
     let mut shown = Rows::new(grid, &columns);
     let mut all = Every::new(CSV_INTERVAL, grid.stop(), Table::new(columns));

@@ -1,8 +1,8 @@
 //! Sensors and actuators between plant and controller.
 //!
-//! `GraspInstruments.fmu` takes the plant's signals by their names and gives `X_measured` for each `X`;
-//! `GraspActuators.fmu` takes the controller's commands and gives `X_sent`. An FMU cannot have an input and an output of one
-//! name, so equal names do not lead through them: [`connect`] does.
+//! `GraspInstruments.fmu` has an input `X` and an output `X_measured` for each signal `X` of the plant;
+//! `GraspActuators.fmu` has an input `X` and an output `X_sent` for each command `X` of the controller. An FMU cannot have
+//! an input and an output of the same name, so equal names alone do not connect it in between: [`connect`] does.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use fmi2_import::{Causality, Fmu, FmuError, ModelDescription};
 pub struct Passage {
     /// File name of the FMU.
     pub fmu: &'static str,
-    /// What the names of its outputs have behind those of its inputs.
+    /// The suffix that its outputs' names have after those of its inputs.
     pub suffix: &'static str,
 }
 
@@ -25,7 +25,7 @@ pub const INSTRUMENTS: Passage = Passage { fmu: "GraspInstruments.fmu", suffix: 
 /// The actuators.
 pub const ACTUATORS: Passage = Passage { fmu: "GraspActuators.fmu", suffix: "_sent" };
 
-/// What sensors and actuators are like, by a name that a user types.
+/// A set of properties of sensors and actuators, under a name that a user types.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Profile {
     /// The name.
@@ -36,7 +36,7 @@ pub struct Profile {
     no_rates: bool,
 }
 
-/// All profiles. *off* leaves the FMUs' start values, with which nothing happens until something is set.
+/// All profiles. *off* keeps the FMUs' start values, with which they have no effect until a value is set.
 pub const PROFILES: &[Profile] = &[
     Profile { key: "off", settings: &[], no_rates: false },
     Profile { key: "noise", settings: &[("sensor_profile", "noise")], no_rates: false },
@@ -44,7 +44,7 @@ pub const PROFILES: &[Profile] = &[
     Profile { key: "delay", settings: &[("actuator_profile", "delay")], no_rates: false },
 ];
 
-/// What makes a controller do without measured rates.
+/// The setting with which a controller works without measured rates.
 const ESTIMATED: (&str, &str) = ("rate_source", "estimated");
 
 /// Why sensors and actuators cannot be put into a loop.
@@ -82,7 +82,7 @@ impl Passage {
     }
 }
 
-/// The outputs of sensors or actuators, by place in the description, with the inputs that they show or pass on.
+/// The outputs of sensors or actuators, by place in the description, with the corresponding inputs.
 fn pairs(passage: Passage, description: &ModelDescription) -> impl Iterator<Item = (usize, usize)> {
     let inputs = description.variables.iter().enumerate().filter(|(_, v)| v.causality == Causality::Input);
     inputs.filter_map(move |(input, variable)| {
@@ -90,10 +90,8 @@ fn pairs(passage: Passage, description: &ModelDescription) -> impl Iterator<Item
     })
 }
 
-/// Puts sensors and actuators of these profiles into the system's loop, those that it does not have from the folder `fmus`.
-///
-/// Puts instruments and actuators with these profiles into the system's loop; without any, leads signals through those that
-/// it has of its own.
+/// Puts sensors and actuators of these profiles into the system's loop; those that the system lacks come from the folder
+/// `fmus`. Without profiles it only routes signals through the sensors and actuators that the system already has.
 ///
 /// # Errors
 /// When their FMUs are missing, or the system has no loop to put them into.
@@ -101,7 +99,7 @@ pub fn put_into(system: &mut System, profiles: &[&Profile], fmus: &Path) -> Resu
     if profiles.is_empty() { Ok(connect(system)?) } else { insert(system, profiles, fmus) }
 }
 
-/// What a report says of them.
+/// The sentence about them in a report.
 #[must_use]
 pub fn sentence(profiles: &[&Profile]) -> String {
     if profiles.is_empty() {
@@ -142,7 +140,7 @@ pub fn insert(system: &mut System, profiles: &[&Profile], fmus: &Path) -> Result
     Ok(())
 }
 
-/// Adds a component behind the one whose outputs it takes: then every component gets the newest signals, as it did before.
+/// Adds a component after the one whose outputs it takes, so that every component still receives the newest signals.
 fn add(system: &mut System, passage: Passage, fmu: Fmu) {
     let description = fmu.description();
     let feeds = |other: &Fmu| {
@@ -163,8 +161,9 @@ fn offers(description: &ModelDescription, name: &str) -> bool {
     description.variable(name).is_some_and(|variable| variable.causality == Causality::Output)
 }
 
-/// Leads signals through the sensors and actuators among the components: what a component that commands would get from
-/// elsewhere comes from the sensors, what it commands goes through the actuators. Without any of them nothing changes.
+/// Routes signals through the sensors and actuators among the components. A component that sends commands receives its
+/// other signals from the sensors, and its commands go through the actuators. Without sensors and actuators nothing
+/// changes.
 ///
 /// # Errors
 /// When two outputs could feed one input, or units do not fit.
@@ -197,7 +196,7 @@ pub fn connect(system: &mut System) -> Result<(), WiringError> {
     Ok(())
 }
 
-/// Leads those of the wires that are wanted, and that carry a signal which the component at `place` takes, through it.
+/// Routes the selected wires through the component at `place`, if it takes their signals.
 fn lead_through(
     components: &[(String, Fmu)],
     wires: &mut Vec<Wire>,

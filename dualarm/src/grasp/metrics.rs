@@ -1,10 +1,10 @@
-//! Figures of merit of a run: how fast and how exactly the contact forces settle, and what that costs.
+//! Figures of merit of a run: how fast and how accurately the contact forces settle, and the effort of the actuators.
 
 use serde::Serialize;
 
 use fmi2_cosim::record::Table;
 
-/// What tells a grasp from other systems.
+/// The output that distinguishes a grasp from other systems.
 pub const CONTACT_FORCE: &str = "contact_force1";
 
 /// The recorded signals the metrics need.
@@ -13,8 +13,8 @@ pub const SIGNALS: [&str; 6] = ["contact_force1", "contact_force2", "lambda2_d",
 /// The actuators' outputs among them.
 const EFFORTS: [&str; 3] = ["tau1", "tau2", "u"];
 
-/// Share of the run for which what has settled must have stayed so: who has just come back into the band may be on the way
-/// out of it again.
+/// Share of the run during which a settled signal must have stayed within its band: a signal that has just entered the band
+/// may be about to leave it again.
 pub const REST: f64 = 0.05;
 
 /// Why there are no metrics.
@@ -36,7 +36,7 @@ impl MetricsObstacle {
     }
 }
 
-/// A signal and, where its name alone does not tell, what it is.
+/// A signal and, if its name alone is not clear, its meaning.
 fn described(name: &str) -> String {
     match name {
         "lambda2_d" => "lambda2_d (the force in N that both contact forces shall reach)".into(),
@@ -44,7 +44,7 @@ fn described(name: &str) -> String {
     }
 }
 
-/// What becomes of one contact force.
+/// Metrics of one contact force.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ForceMetrics {
     /// Force it shall reach, in N.
@@ -60,7 +60,7 @@ pub struct ForceMetrics {
     pub steady_error: f64,
 }
 
-/// What one actuator does.
+/// Metrics of one actuator.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct EffortMetrics {
     /// Largest absolute output.
@@ -90,8 +90,8 @@ pub struct Limits {
 }
 
 impl Metrics {
-    /// Metrics of a recorded run; `limits` of the two motors and of the actuator at the object. Where the target changes
-    /// during the run, those of the forces count from its last change.
+    /// Metrics of a recorded run; `limits` are those of the two motors and of the actuator at the object. If the target
+    /// changes during the run, those of the forces count from its last change.
     ///
     /// # Errors
     /// When one of the [`SIGNALS`] was not recorded or there are no rows.
@@ -147,9 +147,9 @@ impl ForceMetrics {
     }
 }
 
-/// The time after which `values` stay within `fraction` of `target`, counted from the first sample: where the line
-/// between the last sample outside and the next one crosses the band. `None` if the last sample outside is within the last
-/// [`REST`] of the time.
+/// The time after which `values` stay within `fraction` of `target`, counted from the first sample: the time at which the
+/// line between the last sample outside and the next one crosses the band. `None` if the last sample outside is within the
+/// last [`REST`] of the time.
 #[must_use]
 pub fn settling_time(times: &[f64], values: &[f64], target: f64, fraction: f64) -> Option<f64> {
     let band = fraction * target.abs();

@@ -1,9 +1,10 @@
-//! The parts of the grasp: the plant, its controllers by name and what the paper states of them, its actuators' limits.
+//! The parts of the grasp: the plant, its controllers by name with the paper's statements about them, and its actuators'
+//! limits.
 //!
-//! * [`scenarios`] are compiled in: what is run with the parts;
+//! * [`scenarios`] are compiled in and define runs of the parts;
 //! * [`systems`] are SSP archives of the plant with each controller;
 //! * [`instruments`] are sensors and actuators between plant and controller;
-//! * [`GraspWatch`] follows a run, [`metrics`] judge it;
+//! * [`GraspWatch`] observes a run, [`metrics`] evaluate it;
 //! * [`matrix`] runs many controllers in many cases.
 
 pub mod instruments;
@@ -29,15 +30,15 @@ pub const PLANT: &str = "DualArmPlant.fmu";
 /// A controller of the plant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Controller {
-    /// What the user types; also the name of the built-in scenario of the paper's case with it.
+    /// The name that a user types; also the name of the built-in scenario of the paper's case with this controller.
     pub key: &'static str,
-    /// What figures and tables say.
+    /// The title in figures and tables.
     pub title: &'static str,
     /// File name of the controller.
     pub fmu: &'static str,
     /// Names and values that make this controller of the FMU.
     settings: &'static [(&'static str, &'static str)],
-    /// How long the paper says the contact force takes, or an empty text.
+    /// The paper's statement of the settling time of the contact force, or an empty text.
     pub paper: &'static str,
 }
 
@@ -57,7 +58,7 @@ pub const NABFC_FAST: Controller = Controller {
     paper: "",
     ..NABFC
 };
-/// NABFC with root strain in the posture surfaces: what `NabfcController.fmu` does by itself.
+/// NABFC with root strain in the posture surfaces: the default of `NabfcController.fmu`.
 pub const NABFC_R: Controller =
     Controller { key: "nabfc-r", title: "NABFC-R", settings: &[("law", "root_strain")], paper: "", ..NABFC };
 /// The same with the faster gains.
@@ -68,7 +69,7 @@ pub const NABFC_R_FAST: Controller = Controller {
     paper: "",
     ..NABFC
 };
-/// The same with gains whose decay is proved.
+/// The same with gains whose decay rate is proved.
 pub const NABFC_R_CERTIFIED: Controller = Controller {
     key: "nabfc-r-certified",
     title: "NABFC-R, certified",
@@ -111,9 +112,9 @@ impl Controller {
     }
 }
 
-/// What to say about gains that `preset = fast` of `NabfcController` leaves unused.
+/// A remark on gains that `preset = fast` of `NabfcController` does not use.
 pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<String> {
-    /// What holds under every preset: the arms and the references.
+    /// Parameters that are used with every preset: the arms and the references.
     const NO_GAINS: [&str; 15] = [
         "preset",
         "law",
@@ -147,8 +148,8 @@ pub fn unused_gains<'a>(settings: impl Iterator<Item = Applied<'a>>) -> Vec<Stri
     unused.map(remark).collect()
 }
 
-/// The component whose output drives the first motor, through actuators or not; `None` if nothing does, or there is no
-/// motor.
+/// The component whose output drives the first motor, directly or through actuators; `None` if there is no such component
+/// or no motor.
 #[must_use]
 pub fn controller<'a>(components: &'a [(String, Fmu)], wires: &[Wire]) -> Option<&'a str> {
     let is_motor =

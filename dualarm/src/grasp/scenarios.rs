@@ -11,7 +11,7 @@ use fmi2_cosim::system::Located;
 /// A scenario file that is compiled in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltIn {
-    /// The file's stem: what a user types.
+    /// The file's stem: the name that a user types.
     pub name: &'static str,
     /// The folder it comes from.
     pub folder: &'static str,
@@ -26,7 +26,7 @@ pub struct BuiltIn {
     suggestion_and(.similar, "`dualarm simulate --list` lists them, a file of your own ends in .toml")
 )]
 pub struct UnknownScenario {
-    /// What the user wrote.
+    /// The name as the user wrote it.
     pub name: String,
     /// Names that come close.
     pub similar: Vec<String>,
@@ -52,7 +52,7 @@ macro_rules! built_in {
 }
 pub(crate) use built_in;
 
-/// The files of the folder `scenarios`, so that the tool has them wherever it runs; the paper's three come first.
+/// The files of the folder `scenarios`, compiled into the tool; the paper's three come first.
 pub const BUILT_IN: &[BuiltIn] = built_in![
     "scenarios":
     "nabfc",
@@ -99,7 +99,7 @@ impl BuiltIn {
         })
     }
 
-    /// What it says.
+    /// The scenario in the file.
     ///
     /// # Errors
     /// None in a released tool: a test reads all of them.
@@ -108,20 +108,20 @@ impl BuiltIn {
     }
 }
 
-/// Whether a file is one of the project's controllers, for which another one can stand in.
+/// Whether a file is one of the project's controllers, which another one can replace.
 pub(crate) fn is_controller(file: &Path) -> bool {
     CONTROLLERS.iter().any(|known| file.file_name().is_some_and(|name| name == known.fmu))
 }
 
-/// Whether a setting says which law a controller has, or with which gains: it goes with the controller that gives way.
+/// Whether a setting selects a controller's law or gains: it is removed together with a controller that is replaced.
 pub(crate) fn says_which_law(setting: &Located<Setting>) -> bool {
     ["law", "preset"].contains(&setting.item.target.as_str())
 }
 
-/// The scenario with another controller in the place of the one it names.
+/// The scenario with its controller replaced by another one.
 ///
 /// # Errors
-/// When it names none.
+/// When the scenario has no controller.
 pub fn with_controller(mut scenario: Scenario, controller: &Controller) -> Result<Scenario, NoController> {
     let Some(replaced) = scenario.fmus.iter_mut().find(|file| is_controller(file)) else {
         let mut known: Vec<_> = CONTROLLERS.iter().map(|known| known.fmu).collect();

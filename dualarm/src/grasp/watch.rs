@@ -1,5 +1,5 @@
-//! Watches a run for what is about the grasp: metrics, gains that nothing uses. (Actuators at their limits the plant itself
-//! tells of.)
+//! Observes a run of a grasp: computes metrics, and reports gains that are not used. (The plant itself reports actuators at
+//! their limits.)
 
 use std::io;
 

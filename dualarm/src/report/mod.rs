@@ -1,5 +1,5 @@
-//! Tables and the report of a comparison: the [`matrix`] of controllers and cases, the paper's runs with their [`figures`], and the same as a page to play with ([`html`]) with the models'
-//! [`parameters`]; the page of a [`study`].
+//! Tables and the report of a comparison: the [`matrix`] of controllers and cases, the paper's runs with their [`figures`],
+//! and the same as an interactive page ([`html`]) with the models' [`parameters`]; the page of a [`study`].
 
 pub mod figures;
 pub mod html;
@@ -28,8 +28,8 @@ impl TextTable {
         Self { header: header.iter().map(|&heading| heading.to_owned()).collect(), rows: Vec::new() }
     }
 
-    /// For a terminal of `width` columns: aligned columns, names to the left, numbers to the right. Headings go over several lines
-    /// where that helps; columns that still do not fit follow below, with the first one repeated.
+    /// For a terminal of `width` columns: aligned columns, names to the left, numbers to the right. Headings take several
+    /// lines if that helps; columns that still do not fit follow below, with the first column repeated.
     #[must_use]
     pub fn to_terminal(&self, width: usize) -> String {
         const GAP: usize = 2;
@@ -118,7 +118,7 @@ fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// How the contact forces settle; `paper` adds what the paper states.
+/// Settling of the contact forces; `paper` adds the paper's statement.
 #[must_use]
 pub fn force_table<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics, &'a str)>) -> TextTable {
     let mut table = TextTable::new(&[
@@ -147,7 +147,7 @@ pub fn force_table<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics, 
     table
 }
 
-/// What the actuators do.
+/// Effort of the actuators.
 #[must_use]
 pub fn effort_table<'a>(results: impl IntoIterator<Item = (&'a str, &'a Metrics)>) -> TextTable {
     let mut table = TextTable::new(&["controller", "control", "peak", "rms", "in saturation"]);
@@ -240,8 +240,8 @@ pub fn tables(runs: &[PaperRun]) -> (TextTable, TextTable) {
     (force_table(forces), effort_table(efforts))
 }
 
-/// The report: the matrix if there is one, how the paper's runs were made, their metrics, every figure. `setup` says how
-/// the runs were made.
+/// The report: the matrix if there is one, the setup of the paper's runs, their metrics, every figure. `setup` describes
+/// how the runs were made.
 #[must_use]
 pub fn report(runs: &[PaperRun], figures: &[NamedFigure], setup: &str, matrix: Option<&Matrices>) -> String {
     let lead = matrix.map_or_else(String::new, |matrix| {

@@ -1,4 +1,4 @@
-//! The values an FMU's parameters have in a run: what the report states of plant and controllers.
+//! The values of an FMU's parameters in a run, which the report shows for plant and controllers.
 
 use fmi2_import::{CallError, Causality, Instance, Value, Variable};
 
@@ -7,7 +7,7 @@ use fmi2_import::{CallError, Causality, Instance, Value, Variable};
 pub struct ModelParameters {
     /// Name of the model.
     pub model: String,
-    /// What the model says it is.
+    /// The description of the model.
     pub description: String,
     /// Parameters in the order of the model description.
     pub parameters: Vec<ReportedParameter>,
@@ -20,19 +20,19 @@ pub struct ReportedParameter {
     pub name: String,
     /// Value the instance works with; an enumeration's is the name of its item.
     pub value: Value,
-    /// Value it has unless somebody sets another one.
+    /// Its default value.
     pub default: Option<Value>,
     /// Unit, if it has one.
     pub unit: Option<String>,
-    /// What the model says about it.
+    /// Its description.
     pub description: String,
 }
 
 impl ModelParameters {
-    /// Asks an instance for the values of all its parameters.
+    /// Reads the values of all parameters of an instance.
     ///
     /// # Errors
-    /// When the FMU refuses to tell one.
+    /// When the FMU refuses to return one.
     pub fn of(instance: &mut Instance) -> Result<Self, CallError> {
         let description = instance.description();
         let model = description.model_name.clone();

@@ -1,4 +1,4 @@
-//! The page of a study: all its runs as one file, to look for what they have in common.
+//! The page of a study: all its runs in one file, to look for common features.
 //!
 //! A scatter plot and parallel coordinates show the same runs; a click on one shows its row and the command that simulates
 //! it again. The page's own markup and scripts are in `assets/report/study/`, the style sheet is that of `html`.
@@ -56,20 +56,20 @@ impl Rows {
     }
 }
 
-/// Six digits: nobody sees more, and the file of the rows has all. What JSON has no number for is none.
+/// Six digits are enough for a figure; the file of the rows has all. A value that JSON cannot represent becomes null.
 fn digits(value: f64) -> Value {
     format!("{value:.5e}").parse::<f64>().map_or(Value::Null, Value::from)
 }
 
-/// What the page shows.
+/// The content of the page.
 pub struct Page<'a> {
     /// The study.
     pub plan: &'a Plan,
-    /// What the columns are.
+    /// The meaning of the columns.
     pub layout: &'a Layout<'a>,
     /// The rows.
     pub rows: &'a Rows,
-    /// What they say as a whole.
+    /// The summary of the rows.
     pub groups: &'a [Group],
     /// The command that makes a run of this study, without the run.
     pub command: &'a str,

@@ -1,6 +1,6 @@
-//! The rows of a study as they come, one line of JSON each, so that a study which was ended goes on.
+//! The rows of a study as they are computed, one line of JSON each, so that an interrupted study can be continued.
 //!
-//! Only where each row stands is kept in memory: 8 bytes for a run. Rows are read back in the order of runs.
+//! Only the position of each row is kept in memory: 8 bytes for a run. Rows are read back in the order of runs.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -16,12 +16,12 @@ pub struct Journal {
     path: PathBuf,
     file: File,
     end: u64,
-    /// Where the row of each run begins; 0, where the header is, for none.
+    /// The position of each run's row in the file; 0, the position of the header, means that there is none.
     places: Vec<u64>,
 }
 
 impl Journal {
-    /// Opens the journal of the study with this fingerprint and so many runs, or begins one.
+    /// Opens the journal of the study with this fingerprint and number of runs, or begins one.
     ///
     /// # Errors
     /// When the file cannot be read or written, or belongs to another study.

@@ -9,9 +9,9 @@
 //!                            table, summary ← journal: rows as they come
 //! ```
 //!
-//! A [`plan`] says what each run is, from the study alone. A [`bench`](mod@bench) has the FMUs and makes a [`Row`] of a run. A [`pool`]
-//! gives runs to threads or to worker processes; rows come in any order, go to the [`journal`], and from there in the order
-//! of runs to the [`table`], so nothing depends on the number of workers or on interruptions.
+//! A [`plan`] defines each run, from the study alone. A [`bench`](mod@bench) holds the FMUs and makes the [`Row`] of a run.
+//! A [`pool`] distributes runs to threads or worker processes. Rows arrive in any order, go to the [`journal`], and from
+//! there in the order of runs to the [`table`], so the result does not depend on the number of workers or on interruptions.
 
 pub mod bench;
 pub mod figures;
@@ -38,13 +38,13 @@ use fmi2_cosim::ssp::SspError;
 use fmi2_cosim::system::SystemError;
 use fmi2_import::FmuError;
 
-/// What became of a run.
+/// The status of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// It went to its end.
     Ok,
-    /// An FMU ended the simulation early; the figures are of what there is.
+    /// An FMU ended the simulation early; the figures are those of the completed part.
     Ended,
     /// An FMU refused something or failed.
     Failed,
@@ -68,16 +68,16 @@ impl Status {
     }
 }
 
-/// What came out of a run. What went in, the [`plan`] knows.
+/// The result of a run. The [`plan`] has its input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The run.
     pub run: u64,
-    /// What became of it.
+    /// Its status.
     pub status: Status,
     /// Why it is not `ok`.
     pub error: Option<String>,
-    /// One value for each figure, `None` for what does not exist: a settling time of what never settles.
+    /// One value for each figure, `None` if it does not exist, such as the settling time of a run that never settles.
     pub figures: Vec<Option<Figure>>,
 }
 
@@ -95,7 +95,7 @@ impl Row {
     }
 }
 
-/// A number that is written as its shortest digits that read back exactly: JSON has no NaN, and its readers round.
+/// A number that is written with the fewest digits that read back exactly: JSON has no NaN, and its readers round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figure(pub f64);
 
@@ -112,11 +112,11 @@ impl<'de> Deserialize<'de> for Figure {
     }
 }
 
-/// Why a study ends early. What fails in a single run is the content of its row.
+/// Why a study ends early. A failure of a single run is the content of its row.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// The study file is none.
+    /// The study file is not valid.
     #[error(transparent)]
     Study(#[from] study::StudyError),
     /// The points cannot be had.
@@ -151,7 +151,7 @@ pub enum SweepError {
         /// Why not.
         source: Box<SystemError>,
     },
-    /// The system has nothing of what the study looks at.
+    /// The system does not have the variables that the study names.
     #[error("{0}")]
     Usage(String),
     /// The journal belongs to another study.
@@ -162,7 +162,7 @@ pub enum SweepError {
     OtherStudy {
         /// The file.
         path: PathBuf,
-        /// What differs.
+        /// The difference.
         what: String,
     },
     /// The journal cannot be used.
@@ -182,7 +182,7 @@ pub enum SweepError {
 }
 
 impl SweepError {
-    /// Whether the user asked for something that cannot be, rather than something having failed.
+    /// Whether the request was wrong, as opposed to a failure during the work.
     #[must_use]
     pub fn is_usage(&self) -> bool {
         match self {

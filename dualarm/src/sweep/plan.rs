@@ -1,4 +1,4 @@
-//! What each run is: known from the study alone, without any FMU.
+//! The definition of each run, from the study alone, without any FMU.
 
 use std::ops::Range;
 use std::path::Path;
@@ -30,7 +30,7 @@ pub struct Plan {
 pub struct OtherPoints<'a> {
     /// The file.
     pub file: &'a Path,
-    /// What its numbers are.
+    /// The kind of its numbers.
     pub coordinates: Coordinates,
 }
 
@@ -80,13 +80,13 @@ impl Plan {
         usize::try_from(run % self.study.runs_per_draw()).unwrap_or_default()
     }
 
-    /// What tables call the controller of a run.
+    /// The name of a run's controller in tables.
     #[must_use]
     pub fn controller(&self, run: u64) -> Option<&str> {
         self.contenders.get(self.entrant(run)).map(|contender| contender.title.as_str())
     }
 
-    /// What is set for a draw, with the places in the study file.
+    /// The settings of a draw, with their places in the study file.
     pub fn settings(&self, draw: u64) -> impl Iterator<Item = Located<Setting>> {
         let values = self.sampler.values(draw);
         self.sampler.vary().iter().zip(values).flat_map(|(varied, value)| {

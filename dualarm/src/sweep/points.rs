@@ -28,10 +28,10 @@ pub struct PointsError {
 }
 
 impl Points {
-    /// Reads a file: Parquet if its name ends so, CSV with a header otherwise.
+    /// Reads a file: Parquet if its extension is `.parquet`, CSV with a header otherwise.
     ///
     /// # Errors
-    /// When it is no such table.
+    /// When it is not such a table.
     pub fn read(path: &Path) -> Result<Self, PointsError> {
         let failure = |reason: String| PointsError { path: path.to_owned(), reason };
         let name = path.display().to_string();
@@ -45,7 +45,7 @@ impl Points {
     /// Reads CSV with a header; `file` is its name in messages.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// A fault of the text.
     pub fn parse_csv(file: &str, text: &str) -> Result<Self, String> {
         let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let header = reader.headers().map_err(|error| error.to_string())?.clone();

@@ -1,4 +1,4 @@
-//! Who makes the runs: threads of this process, or worker processes that may crash and hang.
+//! Makes runs in threads of this process, or in worker processes that may crash and hang.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, SyncSender};
@@ -12,7 +12,7 @@ use super::{Row, SweepError};
 /// Rows that may wait to be kept: workers do not stop for it, and memory stays flat.
 const WAITING: usize = 64;
 
-/// Where the file with the trajectory of a run goes.
+/// The path of the file with the trajectory of a run.
 #[must_use]
 pub fn trajectory(folder: &Path, run: u64) -> PathBuf {
     folder.join(format!("run-{run:07}.parquet"))
@@ -27,10 +27,10 @@ impl Todo<'_> {
     }
 }
 
-/// Makes runs in threads of this process; `keep` gets the rows in the order in which they are done.
+/// Makes runs in threads of this process; `keep` receives the rows in the order in which they are finished.
 ///
 /// # Errors
-/// What `keep` says.
+/// The error of `keep`.
 pub fn in_threads(
     bench: &Bench,
     workers: usize,
@@ -51,7 +51,7 @@ pub fn in_threads(
 /// Makes runs in worker processes.
 ///
 /// # Errors
-/// What `keep` says, or when processes do not start.
+/// The error of `keep`, or when processes do not start.
 pub fn in_processes(
     program: &Program,
     workers: usize,

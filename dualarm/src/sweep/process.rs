@@ -1,8 +1,8 @@
-//! Worker processes: `dualarm sweep STUDY --worker`, spoken to in lines of JSON.
+//! Worker processes: `dualarm sweep STUDY --worker`, with a protocol of JSON lines.
 //!
-//! A worker first says `{"ready": …}`, or `{"failure": …}`; then each line with a run's number is answered by a line with
-//! its [`Row`]. Its standard input ending is its own end, in the middle of a run, too. Dask's workers
-//! (`examples/sweep_dask.py`) use the same.
+//! A worker first writes `{"ready": …}`, or `{"failure": …}`. Then it answers each line with a run's number by a line with
+//! the [`Row`] of the run. It ends when its standard input ends, during a run, too. Dask's workers
+//! (`examples/sweep_dask.py`) use the same protocol.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Row, Status, SweepError};
 
-/// What a worker says first.
+/// The first message of a worker.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Greeting {
@@ -26,15 +26,15 @@ pub enum Greeting {
     Failure {
         /// Why.
         message: String,
-        /// Whether the user asked for something that cannot be.
+        /// Whether the request was wrong.
         usage: bool,
     },
 }
 
-/// What a worker knows of the study.
+/// Facts about the study that a worker sends first.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Ready {
-    /// What makes the study this study: the first line of its journal, word for word.
+    /// The fingerprint of the study: the first line of its journal, word for word.
     pub fingerprint: String,
     /// How many runs it has.
     pub runs: u64,
@@ -61,15 +61,15 @@ pub struct Worker {
     /// Closed when it shall end.
     input: Option<ChildStdin>,
     lines: Receiver<String>,
-    /// The end of what it printed to standard error.
+    /// The end of its output to standard error.
     said: Arc<Mutex<String>>,
     /// Tells when that is all.
     silent: Receiver<()>,
-    /// What it knows.
+    /// Its first message.
     pub ready: Ready,
 }
 
-/// What becomes of a worker that does not answer.
+/// Why a worker does not answer.
 enum Silence {
     Ended(String),
     TooLong,
@@ -89,7 +89,7 @@ impl Program {
         let failure = |reason: String| SweepError::Worker(reason);
         let mut command = Command::new(&self.file);
         command.args(&self.arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        // What a process that crashes leaves unpacked vanishes with this one's folder.
+        // Unpacked files of a process that crashes are removed with the folder of this process.
         command.env(if cfg!(windows) { "TMP" } else { "TMPDIR" }, tempfile::env::temp_dir());
         let mut child = command.spawn().map_err(|error| failure(format!("cannot be started: {error}")))?;
         let (Some(input), Some(output), Some(errors)) = (child.stdin.take(), child.stdout.take(), child.stderr.take())
@@ -128,7 +128,7 @@ impl Program {
         Ok(worker)
     }
 
-    /// Has a run made by a worker, which is started if there is none; one that dies of it is not there afterwards.
+    /// Makes a run in a worker, which is started first if there is none. A worker that dies during the run is removed.
     ///
     /// # Errors
     /// When no worker can be started.
@@ -183,7 +183,7 @@ impl Worker {
         }
     }
 
-    /// What is to be said of a process whose output has ended.
+    /// The reason why the output of a process has ended.
     fn end(&mut self) -> Silence {
         let how = match self.child.wait() {
             Ok(status) => ended(status),
@@ -199,7 +199,7 @@ impl Worker {
 }
 
 impl Drop for Worker {
-    /// Asks it to end, which it does also in the middle of a run; who does not is killed.
+    /// Requests its end, which it obeys also during a run, and kills it otherwise.
     fn drop(&mut self) {
         const PATIENCE: u32 = 200;
         drop(self.input.take());

@@ -1,4 +1,4 @@
-//! What a study says as a whole: how often each controller succeeds, and how its figures are distributed.
+//! The summary of a study: how often each controller succeeds, and how its figures are distributed.
 
 use serde::Serialize;
 
@@ -8,7 +8,7 @@ use super::{Row, Status};
 /// Of all runs with one controller, or of all runs.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Group {
-    /// What tables call the controller.
+    /// The name of the controller in tables.
     pub controller: Option<String>,
     /// How many runs.
     pub runs: u64,
@@ -18,7 +18,7 @@ pub struct Group {
     pub ended: u64,
     /// How many failed, crashed or took too long.
     pub failed: u64,
-    /// How many were a success, where the study says what one is.
+    /// The number of successes, if the study defines success.
     pub successes: Option<u64>,
     /// Their share and its 95 % confidence interval.
     pub success_rate: Option<Rate>,
@@ -31,7 +31,7 @@ pub struct Group {
 /// A share with its confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rate {
-    /// What was counted.
+    /// The observed share.
     pub share: f64,
     /// Lower end.
     pub low: f64,
@@ -39,7 +39,7 @@ pub struct Rate {
     pub high: f64,
 }
 
-/// How a figure is distributed; what does not exist, such as the settling time of what never settles, counts as the
+/// The distribution of a figure. A missing value, such as the settling time of a run that never settles, counts as the
 /// largest.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Distribution {
@@ -49,7 +49,7 @@ pub struct Distribution {
     pub count: usize,
     /// Exceeded by 95 % of the runs.
     pub p05: Option<f64>,
-    /// By half of them; `None`: it does not exist there.
+    /// The median; `None` if it does not exist.
     pub median: Option<f64>,
     /// By 5 % of them.
     pub p95: Option<f64>,
@@ -124,7 +124,8 @@ fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
 }
 
 /// The 95 % interval of E. B. Wilson, *Probable inference, the law of succession, and statistical inference*, Journal of
-/// the American Statistical Association 22 (1927) 209–212: right also near 0 and 1, where nothing or everything succeeds.
+/// the American Statistical Association 22 (1927) 209–212. It is also valid near 0 and 1, where no run or every run
+/// succeeds.
 #[must_use]
 pub fn wilson(successes: u64, runs: u64) -> Rate {
     const Z: f64 = 1.959_963_984_540_054;

@@ -1,4 +1,4 @@
-//! What a search varies: parameters, alone or several that have one value, in a range.
+//! A dimension of a search: a parameter, or several with the same value, in a range.
 
 use std::fmt;
 
@@ -18,7 +18,8 @@ pub struct Dimension {
     pub logarithmic: bool,
     /// Where the search begins.
     pub start: f64,
-    /// Least and greatest value that it may have at all, if nobody gave the range: then this is a decade either way of the start.
+    /// Smallest and largest allowed value, if the user gave no range: the range is then a decade on both sides of the
+    /// start.
     pub bounds: Option<[f64; 2]>,
 }
 
@@ -33,7 +34,7 @@ pub enum DimensionError {
     Form {
         /// As written.
         text: String,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
     /// The controller has no such parameter.
@@ -54,7 +55,7 @@ pub enum DimensionError {
 /// By how much a gain may change from its start, either way, when no range is given.
 const DECADE: f64 = 10.0;
 
-/// Tunable parameters that are no gains: what the controller knows, and how it is connected.
+/// Tunable parameters that are not gains: the controller's model of the plant, and its connections.
 const NO_GAINS: [&str; 14] = [
     "EI1",
     "EI2",
@@ -73,11 +74,11 @@ const NO_GAINS: [&str; 14] = [
 ];
 
 impl Dimension {
-    /// `NAME=LOW..HIGH`, several names with `+`, `:linear` behind it; without a range from a tenth of the start value to
-    /// ten times that.
+    /// `NAME=LOW..HIGH`, several names with `+`, optionally `:linear` at the end. Without a range it is from a tenth of the
+    /// start value to ten times that.
     ///
     /// # Errors
-    /// When it is not written so, or the controller has no such parameter.
+    /// When the text has another form, or the controller has no such parameter.
     pub fn parse(text: &str, description: &ModelDescription) -> Result<Self, DimensionError> {
         let form = |problem: &str| DimensionError::Form { text: text.to_owned(), problem: problem.to_owned() };
         let (names, range) = text.split_once('=').map_or((text, None), |(names, range)| (names, Some(range)));
@@ -106,7 +107,7 @@ impl Dimension {
         Ok(Self { names, low, high, logarithmic, start, bounds: None })
     }
 
-    /// Begins the search at a value, if it is one in the range that was given; without one the range moves there.
+    /// Begins the search at a value, if it is in the user's range; a default range moves to the value.
     pub fn begin(&mut self, value: Option<f64>) {
         if let (Some([min, max]), Some(value)) = (self.bounds, value.filter(|value| *value > 0.0)) {
             (self.low, self.high) = (min.max(short(value / DECADE)), max.min(short(value * DECADE)));
@@ -120,11 +121,11 @@ impl Dimension {
         (start > 0.0).then_some(dimension)
     }
 
-    /// The gains of a controller: its tunable real parameters with positive start values; those of both arms
-    /// together. `wanted` tells those in use.
+    /// The gains of a controller: its tunable real parameters with positive start values; those of both arms together.
+    /// `wanted` selects those in use.
     ///
     /// # Errors
-    /// When there is none.
+    /// When there are none.
     pub fn gains(description: &ModelDescription, wanted: impl Fn(&str) -> bool) -> Result<Vec<Self>, DimensionError> {
         let is_gain = |variable: &&Variable| {
             variable.variability == Variability::Tunable
@@ -152,7 +153,8 @@ impl Dimension {
         }
     }
 
-    /// The value at a coordinate between 0 and 1. Four digits: nobody's gains have more, and presets are readable.
+    /// The value at a coordinate between 0 and 1, with four digits: more are not needed for gains, and presets stay
+    /// readable.
     #[must_use]
     pub fn value(&self, coordinate: f64) -> f64 {
         let at = coordinate.clamp(0.0, 1.0);
@@ -173,7 +175,7 @@ impl Dimension {
     }
 }
 
-/// The value with twelve digits, without what binary arithmetic adds behind them: the ends of ranges are read and typed again.
+/// The value with twelve digits, without the further digits of binary arithmetic: users read and type the ends of ranges.
 fn short(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
@@ -231,7 +233,7 @@ mod tests {
         let around = Dimension::around(vec!["k".into()], 8.508, [0.0, 90.0]).unwrap();
         assert_eq!(around.to_string(), "k=0.8508..85.08");
         dimension.begin(Some(500.0));
-        // No place for ratios, and beyond what it may be: as before.
+        // A value that allows no ratios, or is out of bounds, changes nothing.
         for value in [0.0, -1.0] {
             dimension.begin(Some(value));
             assert_eq!([dimension.low, dimension.high, dimension.start], [50.0, 3000.0, 500.0]);

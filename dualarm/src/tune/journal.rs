@@ -1,8 +1,8 @@
 //! The state of a search: a file of its evaluations, one line each.
 //!
-//! The method is deterministic. So a search that is run again asks for the same points, the journal answers for those that
-//! it has, and the search goes on behind them as if it had never stopped. Costs are kept as their shortest digits that
-//! read back exactly.
+//! The method is deterministic. A repeated search therefore requests the same points. The journal returns the costs of
+//! those that it has, and the search continues after them as if it had never stopped. Costs are stored with the fewest
+//! digits that read back exactly.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};

@@ -1,8 +1,8 @@
 //! `dualarm tune`: the best gains of a controller FMU over a set of cases.
 //!
-//! Every controller is searched for in the same way: the same [cases](crate::grasp::matrix::Case), the same
-//! [objective](Objective), the same method ([`search`]), budget and seed. The search does not depend on the number of
-//! workers, and a [`journal`] of its evaluations lets it go on where it was interrupted, with the same result.
+//! The search is the same for every controller: the same [cases](crate::grasp::matrix::Case), [objective](Objective),
+//! method ([`search`]), budget and seed. It does not depend on the number of workers. A [`journal`] of its evaluations lets
+//! it continue after an interruption, with the same result.
 
 pub mod dimension;
 pub mod journal;
@@ -21,16 +21,16 @@ use fmi2_cosim::settings::Setting;
 use journal::Journal;
 pub use objective::{Goal, Limits, Objective};
 
-/// What is searched for.
+/// The task of a search.
 #[derive(Debug, Clone)]
 pub struct Task {
-    /// The controller with what stays as it is.
+    /// The controller with its fixed settings.
     pub contender: Contender,
-    /// What is varied.
+    /// The varied parameters.
     pub dimensions: Vec<Dimension>,
-    /// What it is judged in.
+    /// The cases in which it is judged.
     pub cases: Vec<Case>,
-    /// By what.
+    /// The objective.
     pub objective: Objective,
     /// Evaluations of the objective, each of which runs every case.
     pub evaluations: usize,
@@ -75,7 +75,7 @@ pub enum TuneError {
     OtherSearch {
         /// The file.
         path: PathBuf,
-        /// What differs.
+        /// The difference.
         what: String,
     },
     /// The method gave up.
@@ -96,7 +96,7 @@ impl Task {
         contender
     }
 
-    /// What the objective sees at these values, case by case; cells whose runs failed are `None`.
+    /// The results at these values, case by case; cells whose runs failed are `None`.
     ///
     /// # Errors
     /// When an FMU cannot be used.
@@ -119,10 +119,10 @@ impl Task {
         Ok((0..self.cases.len()).map(cell).collect())
     }
 
-    /// Whether the controller can run at all with its start values, or why not.
+    /// Checks that the controller can run with its start values.
     ///
     /// # Errors
-    /// What keeps it from running in each of the cases.
+    /// The reason why it cannot run in each of the cases.
     pub fn check(&self, lab: &Lab) -> Result<(), TuneError> {
         let start: Vec<f64> = self.dimensions.iter().map(|dimension| dimension.start).collect();
         let contender = self.with(&start);
@@ -136,7 +136,7 @@ impl Task {
         failure.map_or(Ok(()), |error| Err(error.into()))
     }
 
-    /// Runs the search. `heard` gets each evaluation's number and the best so far.
+    /// Runs the search. `heard` is called with each evaluation's number and the best so far.
     ///
     /// # Errors
     /// When an FMU or the state file cannot be used.
@@ -173,7 +173,8 @@ impl Task {
         best.ok_or_else(|| TuneError::Search("no evaluation was made".into()))
     }
 
-    /// What makes this search this search: all but its budget, so that a larger one goes on.
+    /// The fingerprint of the search: all of its parts except the budget, so that a search can be continued with a larger
+    /// one.
     fn fingerprint(&self, lab: &Lab) -> Result<Value, TuneError> {
         let guid = lab.fmu(&self.contender.fmu).map_err(CellError::from)?.description().guid.clone();
         let plant = lab.fmu(Path::new(crate::grasp::PLANT)).map_err(CellError::from)?.description().guid.clone();

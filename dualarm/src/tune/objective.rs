@@ -1,33 +1,35 @@
-//! What a search makes small.
+//! The objective that a search minimises.
 //!
-//! Each case gives a ratio: the time until all of (17) has settled over the larger one of the case's
-//! [physical limit](crate::grasp::matrix::limit) and 0.1 s; or, where a case is judged by its error, the rms error over
-//! 2 % of the target force, but no less than 0.4: who is that quiet shall rather be faster. What never settles counts as the whole run times one plus its error in those 2 %. A broken
-//! limit multiplies the ratio by one plus its excess in units of the limit. The objective is
+//! Each case has a ratio. It is the time until all of (17) has settled over the larger one of the case's [physical
+//! limit](crate::grasp::matrix::limit) and 0.1 s. If a case is judged by its error, it is the rms error over 2 % of the
+//! target force, but at least 0.4, so that a search does not trade speed for less noise than necessary. A run that never
+//! settles counts as the whole run times one plus its error in units of those 2 %. A violated limit multiplies the ratio by
+//! one plus its excess in units of the limit. The objective is
 //!
 //! ```text
 //! exp((1 − w) · mean(ln ratio) + w · max(ln ratio)),
 //! ```
 //!
-//! the typical ratio, with the worst case counting w more: 1 would be perfect in every case.
+//! the typical ratio, with an additional weight w for the worst case: 1 would be perfect in every case.
 //!
-//! A weighted mean cannot say what must hold. A [`Goal`] can: where a case misses it by the factor x > 1, its ratio is multiplied by
-//! x^10, at most by that of x = 2. So a goal that is nearly held counts ten times what speed does, and one that is out of reach for
-//! a controller does not govern all of its gains.
+//! A weighted mean cannot express a requirement; a [`Goal`] can. If a case misses its goal by the factor x > 1, its ratio
+//! is multiplied by x^10, at most by that of x = 2. So a goal that is nearly reached counts ten times as much as speed, and
+//! a goal that is out of reach for a controller does not determine all of its gains.
 
 use crate::grasp::matrix::limit::BAND;
 use crate::grasp::matrix::{Cell, Judged};
 
 /// Faster than this, in s, no case has to be.
 const FAST: f64 = 0.1;
-/// Quieter than this share of the band, no case has to be: else a search buys a millinewton of noise with a third of its speed.
+/// Smallest useful error as a share of the band. Without it a search would give up a third of its speed for a millinewton
+/// of noise.
 const QUIET: f64 = 0.4;
 /// The ratio of a run that fails, and the largest one.
 const WORST: f64 = 1e6;
 /// The smallest ratio, so that an error of nothing is no −∞.
 const LEAST: f64 = 1e-3;
 
-/// What may not be exceeded.
+/// Limits of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Overshoot of the forces in %, where settling counts.
@@ -45,12 +47,12 @@ const URGE: i32 = 10;
 /// Beyond this factor a goal is out of reach, and does not count more.
 const REACH: f64 = 2.0;
 
-/// What must hold in one case.
+/// The requirements of one case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
     /// Latest settling in s, or largest rms error in N, whichever judges the case.
     pub value: f64,
-    /// Largest overshoot of the forces in %, in place of that of [`Limits`]; counts in every case that has one.
+    /// Largest overshoot of the forces in %, instead of that of [`Limits`]; counts in every case that has one.
     pub overshoot: Option<f64>,
 }
 
@@ -59,9 +61,9 @@ pub struct Goal {
 pub struct Objective {
     /// How much the worst case counts beside the mean of all, from 0 to 1.
     pub worst: f64,
-    /// What may not be exceeded.
+    /// The limits of every run.
     pub limits: Limits,
-    /// Goals of the cases, in their order; cases behind its end have none.
+    /// Goals of the cases, in their order; cases beyond its end have none.
     pub goals: Vec<Option<Goal>>,
 }
 
@@ -75,7 +77,7 @@ impl Default for Objective {
     }
 }
 
-/// By what a ratio grows where a value is above its limit.
+/// The factor of a ratio for a value above its limit.
 fn excess(value: f64, limit: f64) -> f64 {
     1.0 + ((value - limit) / limit.max(1e-9)).max(0.0)
 }
@@ -146,7 +148,7 @@ impl Objective {
     }
 }
 
-/// What judges a case: the time in s, or the error in N.
+/// The value by which a case is judged: the time in s, or the error in N.
 fn value(cell: &Cell) -> f64 {
     match cell.judged {
         Judged::Settling => cell.merit.time_or_worse(cell.stop, cell.target),
@@ -212,12 +214,12 @@ mod tests {
         close(ratio(&goal(0.5, None), settled(0.6, 1.0)), 1.2_f64.powi(10));
         close(ratio(&goal(0.1, None), settled(0.4, 1.0)), 1024.0);
         close(ratio(&goal(0.1, None), cell(None, 0.0, 1e6)), 1024.0);
-        // An overshoot of its own: 9 % are too much by half of 6, however early it settles, and nothing to 10.
+        // A case's own overshoot: 9 % exceed 6 by half, however early it settles, and do not exceed 10.
         close(goal(0.5, Some(6.0)).missed(1, &settled(0.5, 9.0)), 1.5);
         close(goal(0.5, Some(6.0)).missed(1, &settled(0.1, 9.0)), 1.5);
         close(goal(0.5, Some(10.0)).missed(1, &settled(0.5, 9.0)), 1.0);
         close(goal(0.5, Some(10.0)).ratio(1, &settled(0.4, 9.0)), 2.0);
-        // Where errors judge, overshoot counts if the goal says so.
+        // If a case is judged by its error, overshoot counts only if the goal has one.
         let noisy = Cell { judged: Judged::Error, ..cell(None, 9.0, 0.012) };
         close(goal(0.01, None).missed(1, &noisy), 1.2);
         close(goal(0.01, Some(6.0)).missed(1, &noisy), 1.5);

@@ -1,4 +1,4 @@
-//! What a search leaves: a scenario that runs with the gains (TOML), and the same as a parameter set (SSV).
+//! The result of a search: a scenario that runs with the gains (TOML), and the same as a parameter set (SSV).
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use fmi2_cosim::ssp::structure::Line;
 use fmi2_cosim::ssp::write;
 use fmi2_import::{ModelDescription, Value};
 
-/// A scenario of the paper's case with these gains, which `compare --controllers` takes as a controller, too.
+/// A scenario of the paper's case with these gains, which `compare --controllers` accepts as a controller, too.
 #[must_use]
 pub fn toml(task: &Task, best: &Best, command: &str, description: &ModelDescription) -> String {
     let fmu = task.contender.fmu.display();

@@ -1,11 +1,11 @@
-//! The method: CMA-ES in the unit cube, restarted with twice the population whenever it has converged, until the budget is
-//! spent.
+//! The method: CMA-ES in the unit cube, restarted with twice the population after each convergence, until the budget is
+//! used up.
 //!
 //! Reference: N. Hansen, *The CMA evolution strategy: a tutorial*, arXiv:1604.00772; restarts: A. Auger and N. Hansen, *A
 //! restart CMA evolution strategy with increasing population size*, CEC 2005, doi:10.1109/CEC.2005.1554902.
 //!
-//! It compares costs and never uses their differences' size (but for points outside the cube), so jumps, such as from
-//! settled to never, do no harm.
+//! It compares costs and does not use the size of their differences (except for points outside the cube). So jumps, such as
+//! from settled to never, do no harm.
 
 use std::cell::RefCell;
 
@@ -64,7 +64,7 @@ impl Constraints for Problem<'_, '_> {
 /// the costs only, and the first n points do not depend on how many follow.
 ///
 /// # Errors
-/// What `cost` says, or when the method cannot go on.
+/// The error of `cost`, or when the method cannot continue.
 pub fn minimise(start: &[f64], seed: u64, evaluations: usize, cost: Cost<'_>) -> Result<(), TuneError> {
     let dimensions = start.len();
     let left = RefCell::new(evaluations);
@@ -108,7 +108,8 @@ mod tests {
         points
     }
 
-    /// An ellipsoid whose axes differ by 100, its lowest point at (0.2, 0.7, 1): the last one on the edge of the cube.
+    /// An ellipsoid whose axes differ by a factor of 100, with its minimum at (0.2, 0.7, 1): the last coordinate is on the
+    /// edge of the cube.
     fn ellipsoid(x: &[f64]) -> f64 {
         (x[0] - 0.2).powi(2) + 100.0 * (x[1] - 0.7).powi(2) + (x[2] - 1.3).powi(2)
     }

@@ -10,7 +10,7 @@ use fmi2_cosim::settings::Setting;
 use nalgebra::ComplexField;
 
 /// Limit of a quantity as the step goes to zero, from its values at steps that are halved: the diagonal of Richardson's
-/// scheme, for an error of whole powers of the step. The second number is how far the last two diagonals are apart.
+/// scheme, for an error in whole powers of the step. The second number is the distance of the last two diagonals.
 fn extrapolate<T>(mut values: Vec<T>, distance: impl Fn(T, T) -> f64) -> (T, f64)
 where
     T: Copy + std::ops::Sub<Output = T> + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
@@ -25,8 +25,9 @@ where
     (values[0], distance(values[0], before))
 }
 
-/// Poles of the linear closed loops: identified from responses of the co-simulated FMUs to pulses of the disturbances, at
-/// four step sizes, and extrapolated to a step of zero, against the roots of the characteristic equations.
+/// Poles of the linear closed loops, compared with the roots of the characteristic equations. They are identified from
+/// responses of the co-simulated FMUs to pulses of the disturbances, at four step sizes, and extrapolated to a step of
+/// zero.
 ///
 /// # Errors
 /// When an FMU fails.
@@ -78,9 +79,10 @@ const OUTPUTS: [(&str, &str); 7] = [
     ("contact_force2", "N"),
 ];
 
-/// Co-simulations at four step sizes against the monolithic solutions: error at 0.1 ms, order, limit for a step of zero.
+/// Compares co-simulations at four step sizes with the monolithic solutions: error at 0.1 ms, order, limit for a step of
+/// zero.
 ///
-/// The limit's bound is how far the last two extrapolations are apart and how exact the solution is, both at their worst.
+/// The limit's bound is the distance of the last two extrapolations plus the accuracy of the solution, both at their worst.
 ///
 /// # Errors
 /// When an FMU fails.

@@ -61,7 +61,7 @@ fn drive(time: f64) -> [f64; 6] {
 
 const INPUTS: [&str; 6] = ["tau1_cmd", "tau2_cmd", "u_cmd", "delta_f1", "delta_f2", "delta_F"];
 
-/// Without uncertainties and damping: energy is what was supplied, saturated actuators and all.
+/// Without uncertainties and damping the energy equals the supplied energy, also with saturated actuators.
 fn conservative_energy(fmus: &Fmus) -> Result<Check, VerifyError> {
     const STEP: f64 = 1e-4;
     let start = settings([("root_uncertainty", 0.0), ("tip_uncertainty", 0.0), ("theta1_dot_0", 0.2)]);
@@ -80,17 +80,19 @@ fn conservative_energy(fmus: &Fmus) -> Result<Check, VerifyError> {
     Ok(check("energy − supplied energy, 2 s, jumping and saturated inputs", "0", found, worst, 1e-14, "J"))
 }
 
-/// With the built-in uncertainties: their work ∫(Δf₁ θ̇₁ + Δf₂ θ̇₂ + ΔF ẏ) is accounted for from outside.
+/// With the built-in uncertainties: their work ∫(Δf₁ θ̇₁ + Δf₂ θ̇₂ + ΔF ẏ) is computed from the FMU's outputs.
 ///
-/// The integral is the corrected trapezoidal rule, `h/2 (f₀ + f₁) + h²/12 (f₀' − f₁')`, from the FMU's outputs and
-/// their derivatives; how far it is from that of twice the step bounds its error (of fourth order: it is a fifteenth).
+/// The integral is the corrected trapezoidal rule, `h/2 (f₀ + f₁) + h²/12 (f₀' − f₁')`, of the outputs and their
+/// derivatives. Its difference to the integral with twice the step bounds its error (of fourth order: the error is a
+/// fifteenth).
 fn energy_with_uncertainties(fmus: &Fmus, plant: &str, name: &str) -> Result<Check, VerifyError> {
     const STEP: f64 = 1e-5;
     const STEPS: u32 = 40_000;
     const FORCES: [&str; 3] = ["hub_uncertainty1", "hub_uncertainty2", "object_uncertainty"];
     const SPEEDS: [&str; 3] = ["theta1_dot", "theta2_dot", "y_object_dot"];
     let mut values: Settings = oracle::plant(plant, true, 8);
-    // Held for the whole run: the power is smooth. A small order has no modes that the quadrature would miss.
+    // The inputs are held for the whole run, so the power is smooth. A small order has no modes that the quadrature would
+    // miss.
     values.extend(settings([
         ("tau1_cmd", 0.08),
         ("tau2_cmd", -0.03),
@@ -131,7 +133,8 @@ fn energy_with_uncertainties(fmus: &Fmus, plant: &str, name: &str) -> Result<Che
     ))
 }
 
-/// Σ(J θ + ∫ρ x (xθ − w) dx) + m l (y − L/2) moves with the constant acceleration τ₁ + τ₂ + l u, whatever the arms do.
+/// Σ(J θ + ∫ρ x (xθ − w) dx) + m l (y − L/2) moves with the constant acceleration τ₁ + τ₂ + l u, whatever the motion of the
+/// arms.
 ///
 /// w is a polynomial of degree 10 at order 8, so the eleven deflections determine the integral exactly.
 fn momentum(fmus: &Fmus) -> Result<Check, VerifyError> {

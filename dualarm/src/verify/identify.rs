@@ -2,7 +2,7 @@
 //! *J. Guidance* 8(5), 1985, doi:10.2514/3.20031).
 //!
 //! A slave that steps a linear system is x ← A x, y = C x at equally spaced times. Hankel matrices of its responses give
-//! the eigenvalues of A to round-off if the outputs see every state. Nothing of the FMU's inside is used.
+//! the eigenvalues of A to rounding if all states are observable. The inside of the FMU is not used.
 
 use nalgebra::{Complex, ComplexField, DMatrix};
 
@@ -10,7 +10,7 @@ use super::VerifyError;
 use super::rig::{Rig, Settings};
 use fmi2_import::Fmu;
 
-/// The measured outputs and their sizes, so that none drowns in the round-off of another.
+/// The measured outputs and their scales, so that no output is lost in the rounding errors of another.
 pub const MEASURED: [(&str, f64); 12] = [
     ("theta1", 0.05),
     ("theta2", 0.05),

@@ -1,11 +1,11 @@
-//! `dualarm verify`: the packaged FMUs against exact and independent solutions, through their C interface.
+//! `dualarm verify`: compares the packaged FMUs with exact and independent solutions, through their C interface.
 //!
-//! * [`plant`]: eigenvalues, step responses and static deflection against the exact solution of the beam equations;
+//! * [`plant`]: eigenvalues, step responses and static deflection, compared with the exact solution of the beam equations;
 //! * [`conservation`]: the constraint (12), the energy balance with every source of work, the momentum;
 //! * [`closed_loop`]: closed-loop poles, and co-simulations against plant and controller solved as one stiff ODE.
 //!
-//! The exact values are data of the tool, made by `tests/oracle` (Python; its own discretisation or none), see [`oracle`].
-//! [`identify`] finds eigenvalues from responses, [`rig`] runs FMUs.
+//! The exact values are data of the tool, made by `tests/oracle` (in Python, with another discretisation or none), see
+//! [`oracle`]. [`identify`] finds eigenvalues from responses, [`rig`] runs FMUs.
 
 pub mod closed_loop;
 pub mod conservation;
@@ -46,12 +46,12 @@ pub enum VerifyError {
     Variable(String),
 }
 
-/// What is compared with what.
+/// The subject of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Subject {
     /// The plant against the exact solution.
     Plant,
-    /// What must not change, or only by what is supplied.
+    /// Quantities that are constant, or change only by the supplied amount.
     Conservation,
     /// Plant and controller together.
     ClosedLoop,
@@ -77,11 +77,11 @@ impl Subject {
 pub struct Check {
     /// Group it belongs to.
     pub subject: Subject,
-    /// What was checked.
+    /// A description of the check.
     pub what: String,
     /// The exact or independent value, written out.
     pub exact: String,
-    /// What the FMU gave, written out.
+    /// The value of the FMU, written out.
     pub found: String,
     /// Error, in the unit of the bound.
     pub error: f64,
@@ -128,7 +128,7 @@ impl Fmus {
         Ok(Self { plant: open(grasp::PLANT)?, controllers: [open(nabfc)?, open(pds)?, open(pd)?] })
     }
 
-    /// The controller of a model name.
+    /// The FMU of a controller by its model name.
     ///
     /// # Errors
     /// When there is none.
@@ -138,7 +138,7 @@ impl Fmus {
     }
 }
 
-/// Makes all checks; `progress` hears what is being done.
+/// Makes all checks; `progress` is called with the present activity.
 ///
 /// # Errors
 /// When an FMU fails. A broken bound is no error here: see [`Check::passes`].

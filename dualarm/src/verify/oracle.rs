@@ -1,5 +1,5 @@
-//! The exact values that the checks compare with: data of the tool (`dualarm/data/verify`), compiled in, so that `dualarm verify` needs no
-//! source tree. `tests/oracle` makes them.
+//! The exact values of the checks: data of the tool (`dualarm/data/verify`), compiled in, so that `dualarm verify` needs no
+//! source tree. `tests/oracle` computes them.
 
 use std::sync::LazyLock;
 
@@ -17,10 +17,10 @@ fn parse(text: &str) -> Value {
     serde_json::from_str(text).expect("the compiled-in values are valid JSON: a test reads them")
 }
 
-/// A number of a document that has it.
+/// A number in a document.
 ///
 /// # Panics
-/// When it is none.
+/// When the value is not a number.
 #[must_use]
 pub fn number(value: &Value) -> f64 {
     value.as_f64().expect("the compiled-in values have numbers here")

@@ -1,4 +1,5 @@
-//! The plant against the exact solution of the beam equations, and convergence over the order of the discretisation.
+//! Checks of the plant against the exact solution of the beam equations, and its convergence over the order of the
+//! discretisation.
 
 use super::identify::{self, nearest};
 use super::oracle::{self, EXACT, Pole, elements, entries, number};
@@ -18,7 +19,7 @@ fn written(pole: Pole) -> String {
     }
 }
 
-/// What identification gave for poles: the worst one, or each.
+/// Checks of identified poles: only the worst one, or each.
 pub(super) fn pole_checks(
     subject: Subject,
     title: &str,
@@ -28,7 +29,7 @@ pub(super) fn pole_checks(
 ) -> Vec<Check> {
     let check = |index: usize, count: Option<usize>| {
         let (exact, got) = found[index];
-        // Conservative systems: only the frequency is a relative error, what decays counts against it too.
+        // For conservative systems the relative error is that of the frequency; any decay counts as error too.
         let name = count.map_or(String::new(), |count| format!(", worst of {count}"));
         Check {
             subject,
@@ -57,7 +58,7 @@ fn identified(fmus: &Fmus, settings: &Settings, exact: &[Pole], step: f64) -> Re
     Ok(exact.iter().map(|&pole| (pole, nearest(&found, pole, step))).collect())
 }
 
-/// A sample that is below half a period of the fastest wanted mode.
+/// A sampling time below half a period of the fastest wanted mode.
 fn sample(exact: &[Pole]) -> f64 {
     exact.iter().fold(1e-3, |step, pole| step.min(0.5 / pole.im))
 }
@@ -93,7 +94,7 @@ pub fn eigenvalues(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
         ("kelvin_voigt", "Kelvin–Voigt damping 1 ms"),
         ("unequal_kelvin_voigt", "unequal arms, Kelvin–Voigt damping 1 ms"),
     ] {
-        // What is left of faster poles after a sample of 1 ms is too little to be identified.
+        // After a sample of 1 ms too little remains of faster poles to identify them.
         let listed = oracle::poles(&format!("{name}_no_control"));
         let exact: Vec<Pole> = listed.into_iter().filter(|pole| pole.re > -400.0 && pole.im < 1000.0).collect();
         let found = identified(fmus, &oracle::plant(name, true, 12), &exact, 1e-3)?;
@@ -115,11 +116,11 @@ const STEP_OUTPUTS: [(&str, &str); 9] = [
     ("lambda2", "N"),
 ];
 
-/// Step responses: the output that comes nearest to its bound, of all outputs and times.
+/// Step responses: the output that is closest to its bound, of all outputs and times.
 ///
-/// A polynomial of order k has about k/4 pairs of beam modes right. What the oracle says that all later pairs contribute
-/// is the bound, with a tenth of the last right pair's part (its phase is off by up to 0.1 rad after 1 s) and the
-/// round-off of a thousand steps.
+/// A polynomial of order k represents about k/4 pairs of beam modes accurately. The bound is the contribution of all later
+/// pairs, from the oracle, plus a tenth of the last accurate pair's contribution (its phase is off by up to 0.1 rad after 1
+/// s) and the rounding of a thousand steps.
 ///
 /// # Errors
 /// When the FMU fails.
@@ -224,14 +225,15 @@ pub fn static_deflections(fmus: &Fmus) -> Result<Vec<Check>, VerifyError> {
     Ok(checks)
 }
 
-/// Errors of five natural frequencies of the paper's plant over the order: a figure, and what it must show.
+/// Errors of five natural frequencies of the paper's plant over the order: a figure, and the check of spectral convergence.
 ///
 /// # Errors
 /// When the FMU fails.
 pub fn convergence(fmus: &Fmus) -> Result<(NamedFigure, Vec<Check>), VerifyError> {
     // Round-off of the identification.
     const FLOOR: f64 = 1e-13;
-    // One of each pair; each with a sample that suits it, or the slow ones drown among the fast ones' aliases.
+    // One of each pair, each with a suitable sampling time; otherwise the aliases of the fast ones would hide the slow
+    // ones.
     let listed = oracle::poles("paper_free");
     let exact: Vec<Pole> = [0, 2, 4, 6].map(|mode| listed[mode]).to_vec();
     let mut errors: Vec<(u32, Vec<f64>)> = Vec::new();

@@ -1,11 +1,11 @@
-//! What each FMU is put through alone.
+//! The experiment of each FMU alone.
 
 /// An experiment with one FMU.
 #[derive(Debug, Clone, Copy)]
 pub struct SoloExperiment {
     /// The FMU.
     pub model: &'static str,
-    /// What happens, and what to look at.
+    /// A description of the experiment and of its interesting results.
     pub story: &'static str,
     /// Stop time in s.
     pub stop: f64,
@@ -23,7 +23,7 @@ type Points = &'static [(f64, f64)];
 pub enum Source {
     /// Straight lines through these points.
     Ramps(&'static [(&'static str, Points)]),
-    /// What a controller measures while it controls the plant, and one of its references changes.
+    /// The measurements of a controller while it controls the plant and one of its references changes.
     ClosedLoop {
         /// The plant.
         plant: &'static str,
@@ -32,7 +32,7 @@ pub enum Source {
     },
 }
 
-/// λ₁ᵈ goes from −0.5 N to −0.6 N: the wanted contact force rises by a fifth.
+/// λ₁ᵈ changes from −0.5 N to −0.6 N: the desired contact force rises by a fifth.
 const FIRMER_GRASP: (&str, Points) = ("lambda1_ref", &[(0.0, -0.5), (0.6, -0.5), (0.7, -0.6), (1.0, -0.6)]);
 
 const COMMANDS: [&str; 6] = ["tau1_cmd", "tau2_cmd", "u_cmd", "e1", "e2", "p"];

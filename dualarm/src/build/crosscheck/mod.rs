@@ -1,5 +1,5 @@
-//! The release layout of the field: each FMU alone with inputs, a reference solution, the options it was made with, and
-//! a README, as the FMI cross-check rules 4.1 want it (section 9.1).
+//! The usual release layout: each FMU alone with inputs, a reference solution, the options of that solution, and a README,
+//! as the FMI cross-check rules 4.1 demand (section 9.1).
 //!
 //! ```text
 //! fmus/2.0/cs/linux64/fmi2-export/1.0.0/DualArmPlant/
@@ -25,11 +25,11 @@ use fmi2_cosim::signal::{Shape, Signal, SignalError};
 use fmi2_cosim::system::{Located, System, SystemError};
 use fmi2_import::{Causality, Fmu, FmuError, ModelDescription, VariableType};
 
-/// Communication step in s. All FMUs bear it alone.
+/// Communication step in s. All FMUs are stable with it when they run alone.
 const STEP: f64 = 1e-4;
 /// Time in s between two rows of the files.
 const INTERVAL: f64 = 1e-3;
-/// The rules require a relative tolerance; that of their example. Co-simulation with a fixed step has no use for it.
+/// The rules demand a relative tolerance; this is that of their example. Co-simulation with a fixed step does not use it.
 const TOLERANCE: f64 = 1e-4;
 
 /// Why there is no release.
@@ -56,7 +56,7 @@ pub enum ReleaseError {
     Missing {
         /// The FMU.
         model: String,
-        /// What it lacks.
+        /// The missing variable.
         what: String,
     },
     /// A file cannot be written.
@@ -64,11 +64,11 @@ pub enum ReleaseError {
     Write(#[from] WriteError),
 }
 
-/// Simulates every FMU of a folder alone and writes the layout below `out`; `progress` hears what is being done. Returns
-/// the folders of the FMUs.
+/// Simulates every FMU of a folder alone and writes the layout below `out`; `progress` is called with the present activity.
+/// Returns the folders of the FMUs.
 ///
 /// # Errors
-/// When an FMU is not there, its experiment does not fit it, or a file cannot be written.
+/// When an FMU is missing, its experiment does not fit it, or a file cannot be written.
 pub fn release(fmus: &Path, out: &Path, progress: &mut dyn FnMut(&str)) -> Result<Vec<PathBuf>, ReleaseError> {
     let mut folders = Vec::new();
     for experiment in &EXPERIMENTS {
@@ -111,8 +111,8 @@ fn inputs(experiment: &SoloExperiment, fmus: &Path) -> Result<Table, ReleaseErro
     }
 }
 
-/// All real inputs of an FMU in the order of its description: the rules want the file to match it. Those that the
-/// experiment leaves alone keep their start values.
+/// All real inputs of an FMU in the order of its description: the rules demand that the file matches it. Inputs that the
+/// experiment does not use keep their start values.
 fn complete(inputs: &Table, description: &ModelDescription) -> Table {
     let all = description.with_causality(Causality::Input).filter_map(|variable| match &variable.kind {
         VariableType::Real(real) => Some((variable.name.as_str(), real.start.unwrap_or_default())),
@@ -128,7 +128,7 @@ fn complete(inputs: &Table, description: &ModelDescription) -> Table {
     table
 }
 
-/// What a controller gets while it controls the plant and one of its references changes.
+/// The inputs of a controller while it controls the plant and one of its references changes.
 fn recorded(
     experiment: &SoloExperiment,
     plant: &Fmu,
@@ -212,7 +212,7 @@ fn write(
     Ok(folder)
 }
 
-/// A table as appendix B of the rules wants it: names quoted, numbers not, the time first.
+/// A table in the format of appendix B of the rules: quoted names, unquoted numbers, the time first.
 fn csv(table: &Table) -> String {
     let names: Vec<_> = table.columns().iter().map(|column| format!(",\"{}\"", column.name)).collect();
     let mut text = format!("\"time\"{}\n", names.concat());
@@ -226,7 +226,7 @@ fn csv(table: &Table) -> String {
     text
 }
 
-/// The options file. The validator of fmpy reads numbers only, so the optional `SolverType` is left out.
+/// The options file. The validator of fmpy reads only numbers, so the optional `SolverType` is omitted.
 fn options(experiment: &SoloExperiment) -> String {
     let mut text = String::new();
     for (name, value) in [

@@ -1,4 +1,4 @@
-//! What `certify` found of the paper's conditions, as text and as JSON.
+//! Results of `certify` about the paper's conditions, as text and as JSON.
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
 

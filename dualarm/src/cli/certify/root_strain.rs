@@ -1,4 +1,4 @@
-//! What `certify` found of the root-strain law, as text and as JSON.
+//! Results of `certify` about the root-strain law, as text and as JSON.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use grasp_certify::spectrum::{Characteristic, Region, eigenvalues};
 use grasp_certify::{Grasp, LinearLoop};
 use serde::Serialize;
 
-/// What the force control promises: settled means within this share of the force.
+/// The band of settling for the guaranteed force: this share of the force.
 const SETTLED: f64 = 0.02;
 
 /// `--mode root-strain`.
@@ -22,7 +22,7 @@ pub struct RootStrain {
     ends: [Port; 3],
     /// Why no certificate of this kind exists.
     obstacle: Option<Obstacle>,
-    /// What these gains have that is not covered.
+    /// Features of these gains that the proof does not cover.
     uncovered: Vec<&'static str>,
     /// Bounds of disturbances.
     disturbance: Disturbance,
@@ -31,7 +31,7 @@ pub struct RootStrain {
     core: Proof,
     /// The law with its observers.
     observed: Proof,
-    /// What the paper's way to learn would leave of `certificate`.
+    /// The part of `certificate` that would remain with the paper's adaptation.
     leakage: Option<Leakage>,
     /// Largest real part among the exact eigenvalues examined, without observers \[1/s\].
     abscissa: Option<f64>,
@@ -41,7 +41,7 @@ pub struct RootStrain {
     eigenvalues: usize,
 }
 
-/// A certificate and what follows from it.
+/// A certificate and its consequences.
 #[derive(Default, Serialize)]
 struct Proof {
     certificate: Option<Certificate>,
@@ -101,7 +101,7 @@ impl fmt::Display for Line<'_> {
     }
 }
 
-/// Where the eigenvalues are looked for. The corners avoid round numbers, on which an eigenvalue could lie.
+/// The region in which eigenvalues are searched. The corners avoid round numbers, on which an eigenvalue could lie.
 const REGION: Region = Region { left: -60.37, right: 40.61, bottom: -1.073, top: 4000.9 };
 
 /// Largest real part among the exact eigenvalues in the region, without observers, and their number.
@@ -122,7 +122,7 @@ impl RootStrain {
         )?;
         let bare = ports.map(Port::without_observer);
         let obstacle = obstacle(&grasp, &ports);
-        // What cannot exist is not searched for.
+        // There is no search for a certificate that cannot exist.
         let prove = |ports| if obstacle.is_some() { Proof::default() } else { Proof::new(settings, &grasp, ports) };
         let (core, observed) = (prove(&bare), prove(&ports));
         let verdict = match (&observed.certificate, &obstacle) {

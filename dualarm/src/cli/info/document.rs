@@ -1,4 +1,4 @@
-//! What there is to say about an FMU. Serialised, it is what `--json` prints; `docs/tool.md` describes the keys.
+//! The description of an FMU for users. Serialised, it is the document of `--json`; `docs/tool.md` describes the keys.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -161,8 +161,8 @@ impl Document {
     }
 }
 
-/// Why `dualarm simulate` could not run it here: as far as the files tell, or after loading the library, which runs code
-/// of the FMU.
+/// Why `dualarm simulate` could not run it here, judged by the files, or by loading the library, which runs code of the
+/// FMU.
 fn obstacle(file: &Path, contents: &Contents, load: bool) -> Option<String> {
     if contents.description.co_simulation.is_none() {
         return Some("it has only the model exchange interface; this tool runs co-simulation FMUs".into());

@@ -1,4 +1,4 @@
-//! What an SSP is: its components, how they are connected, which values they get, how it is to be run.
+//! The description of an SSP: its components, connections, values and experiment.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use fmi2_cosim::wiring::Terminal;
 
 use super::text::table;
 
-/// What `--json` prints; `docs/tool.md` describes the keys.
+/// The document of `--json`; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
 pub struct Document {
     command: &'static str,
@@ -35,7 +35,7 @@ pub struct Document {
 struct Component {
     name: String,
     model: String,
-    /// `None` if the FMU does not say.
+    /// `None` if the FMU has none.
     description: Option<String>,
 }
 

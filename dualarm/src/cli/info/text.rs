@@ -10,12 +10,12 @@ use crate::cli::process;
 
 use super::document::{Capabilities, Document, Variable};
 
-/// How wide lines may be: as wide as the terminal, or without limit where nobody looks (`| grep`).
+/// The largest width of lines: that of the terminal, or none if the output goes elsewhere (`| grep`).
 pub fn width() -> Option<usize> {
     terminal_size::terminal_size_of(process::standard_output()).map(|(width, _)| usize::from(width.0))
 }
 
-/// Everything a user may want to know first; with all variables if asked for.
+/// The most important facts; with all variables on request.
 pub fn summary(document: &Document, all: bool, width: Option<usize>) -> String {
     let version = document.model_version.as_ref().map(|version| format!(" {version}")).unwrap_or_default();
     let mut text = one_line(&format!("{}{version}", document.model_name)).into_owned() + "\n";
@@ -182,7 +182,7 @@ fn description(variable: &Variable) -> String {
     format!("{}{items}", variable.description.as_deref().unwrap_or_default()).trim_start().to_owned()
 }
 
-/// A value without the quotation marks that JSON gives to texts; large and small numbers with an exponent.
+/// A value without JSON's quotation marks; large and small numbers with an exponent.
 fn shown(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
@@ -204,7 +204,7 @@ fn range(variable: &Variable) -> String {
     }
 }
 
-/// Rows in aligned columns; what does not fit into `width` goes on in the last column on further lines.
+/// Rows in aligned columns. A text that does not fit into `width` continues in the last column on further lines.
 pub fn table(header: &[&str], mut rows: Vec<Vec<String>>, width: Option<usize>) -> String {
     const GAP: usize = 2;
     /// Narrower than this a column is no help any more.

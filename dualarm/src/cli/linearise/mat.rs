@@ -1,5 +1,5 @@
-//! MATLAB's format 5, uncompressed, as its maker describes it ("MAT-File Format", R2019b): a header of 128 bytes, then one element
-//! per variable. Numbers are little-endian, matrices column by column, every element padded to 8 bytes.
+//! MATLAB's format 5, uncompressed, as documented by its vendor ("MAT-File Format", R2019b): a header of 128 bytes, then
+//! one element per variable. Numbers are little-endian, matrices column by column, every element padded to 8 bytes.
 
 use grasp_plant::nalgebra::DMatrix;
 

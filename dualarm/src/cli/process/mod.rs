@@ -1,8 +1,8 @@
-//! What the tool keeps out of reach of the code that FMUs bring into its process: its standard output, its exit code,
-//! the meaning of relative paths; and what it cleans up when the process has to end early.
+//! Protects parts of the process against the code of FMUs: its standard output, its exit code and the meaning of relative
+//! paths. Also cleans up when the process has to end early.
 //!
-//! On Unix all work is done by a second process, which the first one watches ([`supervisor`]): whatever code of an FMU does
-//! to the process it is in, somebody is left to say so, to remove what was under construction and to tell by the exit code.
+//! On Unix a second process does all the work and the first one watches it ([`supervisor`]). Whatever the code of an FMU
+//! does to its process, the first process can report it, remove unfinished files and return an exit code.
 
 #[cfg(unix)]
 mod supervisor;
@@ -27,18 +27,19 @@ pub const TIME_TO_END: Duration = Duration::from_secs(10);
 
 /// The standard output the process was started with.
 static STANDARD_OUTPUT: OnceLock<File> = OnceLock::new();
-/// There was none. By the time that `main` runs, the runtime of Rust has put the null device in its place.
+/// Whether standard output was closed at the start. When `main` runs, Rust's runtime has already replaced it by the null
+/// device.
 static HAD_NO_STANDARD_OUTPUT: AtomicBool = AtomicBool::new(false);
 /// Everything that is unpacked is unpacked in here.
 static TEMPORARY_FOLDER: OnceLock<PathBuf> = OnceLock::new();
 
-/// Does the tool's work, and gives its exit code, or that of what prevented it.
+/// Does the tool's work. Returns its exit code, or that of the failure that prevented it.
 pub fn run(work: impl FnOnce() -> u8) -> u8 {
-    // An interrupt waits until there is somebody to clean up.
+    // An interrupt is held back until a process can clean up.
     #[cfg(unix)]
     supervisor::block();
     files::remember_surroundings();
-    // Without a folder of its own the tool uses the common one: some commands need none at all.
+    // If the tool cannot create its own folder, it uses the common one: some commands need none at all.
     if let Ok(folder) = tempfile::Builder::new().prefix("dualarm-").tempdir() {
         let folder = TEMPORARY_FOLDER.get_or_init(|| folder.keep());
         let _ = tempfile::env::override_temp_dir(folder);
@@ -51,13 +52,13 @@ pub fn run(work: impl FnOnce() -> u8) -> u8 {
     code
 }
 
-/// The folder in which the process that works names what it has under construction.
+/// The folder in which the working process names its unfinished files.
 #[cfg(unix)]
 fn journal() -> Option<PathBuf> {
     TEMPORARY_FOLDER.get().map(|folder| folder.join("journal"))
 }
 
-/// The standard output of the process. What an FMU prints goes to standard error.
+/// The standard output of the process. The output of FMUs goes to standard error.
 pub fn standard_output() -> &'static File {
     STANDARD_OUTPUT.get_or_init(standard_output_now)
 }
@@ -118,7 +119,7 @@ static LOOK_AT_STANDARD_OUTPUT: extern "C" fn() = {
     look
 };
 
-/// Does something that FMUs may never come back from. After `limit` the process ends with exit code 1 and a complaint.
+/// Does work in which FMUs may hang for ever. After `limit` the process ends with exit code 1 and a message.
 pub fn within<T>(limit: Duration, complaint: &str, work: impl FnOnce() -> T) -> T {
     let (is_done, wait) = mpsc::channel::<()>();
     thread::scope(|scope| {
@@ -151,7 +152,7 @@ pub fn leave(code: u8) -> ! {
     }
 }
 
-/// Removes what only a running process needs.
+/// Removes files that only a running process needs.
 fn clean() {
     if let Some(folder) = TEMPORARY_FOLDER.get() {
         let _ = fs::remove_dir_all(folder);

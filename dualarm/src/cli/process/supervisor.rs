@@ -1,10 +1,10 @@
-//! The process that watches the one that works.
+//! The process that watches the working one.
 //!
-//! Code of an FMU can do to its process whatever it likes: call `_exit`, die of a signal, close every file, ignore every
-//! interrupt, hang when the process ends. So the tool splits in two before it loads anything: the copy works, and the
-//! original, in which no foreign code ever runs, waits. A page of memory that both see has the exit code once there is one;
-//! without it the end of the working process was not the tool's own. A copy (`fork`) and not another start of the program:
-//! at this point there is one thread and nothing is buffered, so a copy is safe, and it takes less than a millisecond.
+//! Code of an FMU can do anything to its process: call `_exit`, die of a signal, close every file, ignore every interrupt,
+//! hang when the process ends. So the tool splits into two processes before it loads anything. The copy works. The original
+//! never runs foreign code and waits. Both share a page of memory, in which the copy stores its exit code at its end;
+//! without this code, foreign code has ended the copy. The tool is copied (`fork`) and not started again, because at this
+//! point there is one thread and nothing is buffered: a copy is safe, and it takes less than a millisecond.
 
 use std::io::{self, Read};
 use std::os::fd::AsRawFd;
@@ -29,11 +29,11 @@ const TICK: Duration = Duration::from_millis(500);
 /// The exit code of a failure.
 const FAILURE: u8 = 1;
 
-/// What everybody's results are worth when the process that makes them ends early.
+/// A remark on the existing result files when the working process ends early.
 const SO_FAR: &str = "files that were complete by then are in their places";
 
-/// Runs `work` in a process of its own. Returns in both: in the working one when it has worked, in the watching one when that
-/// has ended.
+/// Runs `work` in a process of its own. Returns in both processes: in the working one when the work is done, in the
+/// watching one when the other has ended.
 pub fn run(work: impl FnOnce() -> u8) -> u8 {
     let Some(outcome) = ExitSlot::new() else { return cannot_begin() };
     // SAFETY: there is one thread, so the copy has no lock that nobody would ever release.
@@ -100,12 +100,12 @@ fn is_ignored(signal: c_int) -> bool {
     }
 }
 
-/// Holds signals back until both processes know what to do about them.
+/// Holds signals back until both processes can handle them.
 pub fn block() {
     mask(libc::SIG_BLOCK);
 }
 
-/// Lets through what [`block`] held back.
+/// Delivers the signals that [`block`] held back.
 pub fn unblock() {
     mask(libc::SIG_UNBLOCK);
 }
@@ -128,7 +128,7 @@ enum End {
     Signal(c_int),
 }
 
-/// Waits for the working process, hands interrupts on, and says what became of it.
+/// Waits for the working process, passes interrupts on, and reports its end.
 fn watch(worker: pid_t, outcome: &ExitSlot) -> u8 {
     let interrupts = Interrupts::new();
     unblock();
@@ -140,7 +140,7 @@ fn watch(worker: pid_t, outcome: &ExitSlot) -> u8 {
             break end;
         }
         if let Some(signal) = interrupts.take() {
-            // Who interrupts twice does not want to wait.
+            // A second interrupt ends the process without waiting.
             let signal_to_send = if interrupted.is_some() { SIGKILL } else { signal };
             send(worker, signal_to_send);
             interrupted = Some(signal);
@@ -223,7 +223,7 @@ fn send(process: pid_t, signal: c_int) {
     unsafe { libc::kill(process, signal) };
 }
 
-/// What arrives at the watching process.
+/// The interrupts that reach the watching process.
 struct Interrupts {
     flags: Vec<(c_int, Arc<AtomicBool>)>,
     /// Has something to read after a signal.
@@ -247,7 +247,7 @@ impl Interrupts {
         Self { flags, bell }
     }
 
-    /// An interrupt that was not asked for yet.
+    /// The next interrupt that has not been handled yet.
     fn take(&self) -> Option<c_int> {
         self.flags.iter().find(|(_, flag)| flag.swap(false, Ordering::SeqCst)).map(|(signal, _)| *signal)
     }

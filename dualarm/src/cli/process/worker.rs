@@ -21,7 +21,7 @@ const OUT_OF_THE_WAY: RawFd = 200;
 /// Exit code of a program in Rust that found a mistake in itself.
 const PANICKED: u8 = 101;
 
-/// Works, and tells the watching process that what happens from here on does not count.
+/// Does the work, then marks in the shared page that everything after it does not count.
 pub fn run(outcome: ExitSlot, work: impl FnOnce() -> u8) -> u8 {
     let outcome = OUTCOME.get_or_init(|| outcome);
     // SAFETY: asks for a number.
@@ -52,7 +52,7 @@ pub fn leave(code: u8) -> ! {
     unsafe { libc::_exit(code.into()) }
 }
 
-/// Takes standard output away from everybody else; what they print goes to standard error.
+/// Reserves standard output for the tool; the output of all other code goes to standard error.
 fn keep_standard_output() {
     // SAFETY: no memory is involved; nothing else owns the new descriptor.
     let kept = [OUT_OF_THE_WAY, 3]
@@ -68,8 +68,8 @@ fn keep_standard_output() {
     }
 }
 
-/// An interrupted process does not leave files half moved, and then dies of the signal. What else there is to remove the
-/// watching process removes, if it is still there: whoever killed it has this process interrupted, on Linux.
+/// Lets an interrupted process finish moving files and then die of the signal. The watching process removes the rest, if it
+/// still exists. On Linux this process is interrupted too when the watching process is killed.
 fn end_when_interrupted(watching: libc::pid_t) {
     let signals = Signals::new(super::supervisor::heeded());
     unblock();

@@ -1,4 +1,4 @@
-//! How to run: what the command line leaves open comes from the system, then from its first FMU.
+//! The options of a run. Options that are not on the command line come from the system, then from its first FMU.
 
 use super::Arguments;
 use crate::cli::Failure;
@@ -7,7 +7,7 @@ use fmi2_cosim::master::Coupling;
 use fmi2_cosim::run::{self, Run};
 use fmi2_cosim::system::{RunOptions, System};
 
-/// Completes what the user wants with what the system suggests.
+/// Completes the user's options with those of the system.
 pub fn run(arguments: &Arguments, system: &System) -> Result<Run, Failure> {
     let suggested = system.experiment;
     let wanted = RunOptions {

@@ -156,7 +156,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let mut master = system.master(run.coupling)?;
     let result = simulate(arguments, quiet, &system, &run, &mut master);
 
-    // Everything there is to tell is told by now: code of FMUs may fail, hang or exit from here on.
+    // Everything is reported before this point: code of FMUs may fail, hang or exit from here on.
     let names: Vec<_> = components().map(|(name, _)| name).collect();
     let complaint = match &result {
         Ok(()) => format!("{} did not end within {TIME_TO_END:?}; the results are complete", names.join(" or ")),
@@ -175,7 +175,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Runs and shows what came out.
+/// Runs the system and shows the results.
 fn simulate(
     arguments: &Arguments,
     quiet: bool,
@@ -256,7 +256,7 @@ fn list(as_json: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What `--list --json` prints; `docs/tool.md` describes the keys.
+/// The document of `--list --json`; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
 struct ListDocument<'a> {
     command: &'static str,

@@ -21,13 +21,13 @@ pub enum MonitorName {
     Lyapunov,
 }
 
-/// Everybody who follows a run.
+/// All observers of a run.
 pub struct Watch {
     pub grasp: GraspWatch,
     pub lyapunov: Option<LyapunovWatch>,
 }
 
-/// Rows on their way: to the output, or kept until their further columns are known.
+/// Rows during a run: they go to the output, or are kept until their further columns are known.
 pub enum Rows {
     Now(Output),
     Later(Output, Table),
@@ -62,7 +62,7 @@ impl Watch {
 }
 
 impl Rows {
-    /// The output, and what was kept.
+    /// The output, and the kept rows.
     pub fn parts(self) -> (Output, Option<Table>) {
         match self {
             Self::Now(output) => (output, None),
@@ -114,8 +114,8 @@ impl Observer for Watch {
     }
 }
 
-/// Writes the kept rows with their further columns, and the figure beside the file at `path`. Returns these columns and what was
-/// found.
+/// Writes the kept rows with their further columns, and the figure beside the file at `path`. Returns these columns and the
+/// verdict.
 pub fn complete(
     lyapunov: Option<LyapunovWatch>,
     mut output: Output,

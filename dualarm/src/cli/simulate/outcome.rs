@@ -1,4 +1,4 @@
-//! What a run led to, for people and for machines.
+//! The outcome of a run, for users and for programs.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -20,7 +20,7 @@ use fmi2_cosim::system::System;
 use fmi2_cosim::wiring::Terminal;
 use fmi2_import::{Causality, LogMessage, Status};
 
-/// What a run led to. Serialised, it is what `--json` prints; `docs/tool.md` describes the keys.
+/// The outcome of a run. Serialised, it is the document of `--json`; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
 pub struct Outcome {
     command: &'static str,
@@ -35,7 +35,7 @@ pub struct Outcome {
     #[serde(rename = "final")]
     last: Map<String, Value>,
     metrics: Option<MetricsDocument>,
-    /// Why there are none.
+    /// Why there are no metrics.
     metrics_obstacle: Option<String>,
     output: Option<PathBuf>,
     /// The page.
@@ -46,11 +46,11 @@ pub struct Outcome {
     columns: usize,
     /// If an FMU ended the simulation.
     ended: Option<End>,
-    /// Inputs that nothing drives and nobody has set: they keep their start values.
+    /// Inputs without a connection and without a setting: they keep their start values.
     open_inputs: Vec<String>,
-    /// What the tool and the FMUs warned about, each thing once.
+    /// Warnings of the tool and the FMUs, each once.
     pub warnings: Vec<String>,
-    /// What `--monitor` found.
+    /// The verdict of `--monitor`.
     pub monitor: Option<String>,
 }
 
@@ -74,7 +74,7 @@ pub struct End {
     pub time: f64,
     /// The component.
     pub component: String,
-    /// What it says.
+    /// The message of the FMU.
     pub reason: String,
 }
 
@@ -88,8 +88,8 @@ impl From<Ended> for End {
 const SHOWN: usize = 10;
 
 impl Outcome {
-    /// Gathers everything about a run but what the FMUs logged. `columns` are those of its rows, `output` is the file with
-    /// them.
+    /// Collects everything about a run except the logs of the FMUs. `columns` are those of its rows, `output` is the file
+    /// with them.
     pub fn new(
         system: &System,
         master: &Master,
@@ -137,12 +137,12 @@ impl Outcome {
         }
     }
 
-    /// Adds what the FMUs logged to the warnings.
+    /// Adds the logs of the FMUs to the warnings.
     pub fn warn(&mut self, log: &[(String, LogMessage)]) {
         self.warnings.extend(complaints(log));
     }
 
-    /// For people; `controller` is what the metrics judge.
+    /// The summary for users; `controller` is the controller that the metrics judge.
     pub fn summary(&self, controller: Option<&str>, metrics: Result<&Metrics, &MetricsObstacle>) -> String {
         let mut names: Vec<_> = self.components.iter().map(|component| component.name.as_str()).take(SHOWN).collect();
         if self.components.len() > SHOWN {
@@ -180,7 +180,7 @@ impl Outcome {
             Ok(metrics) => {
                 let controller = controller.unwrap_or("none");
                 let mut forces = report::force_table([(controller, metrics, "")]);
-                // The last column compares with the paper, which knows one case only.
+                // The last column compares with the paper, which has only one case.
                 forces.header.pop();
                 forces.rows.iter_mut().for_each(|row| drop(row.pop()));
                 let efforts = report::effort_table([(controller, metrics)]);
@@ -196,7 +196,7 @@ impl Outcome {
         text
     }
 
-    /// Who hands what to whom, and what is left open.
+    /// The connections, and the open inputs.
     fn connected(&self) -> String {
         let mut lines: Vec<(String, Vec<&str>)> = Vec::new();
         for Connection { from, to } in &self.connections {
@@ -248,7 +248,8 @@ fn open_inputs(system: &System, master: &Master) -> Vec<String> {
     open
 }
 
-/// Names after a title, on as many lines of `width` columns as they need. Of very many only the first: `--json` has all.
+/// Names after a title, on as many lines of `width` columns as they need. Of very many names only the first are shown;
+/// `--json` has all.
 fn listed(title: &str, names: &[&str], width: usize) -> String {
     const SHOWN: usize = 60;
     let mut text = format!("  {}:", one_line(title));
@@ -271,7 +272,7 @@ fn listed(title: &str, names: &[&str], width: usize) -> String {
     text + "\n"
 }
 
-/// What FMUs complain about, each thing once.
+/// The warnings and errors in the logs of the FMUs, each once.
 pub fn complaints(log: &[(String, LogMessage)]) -> Vec<String> {
     let mut seen = HashSet::new();
     let complaints = log.iter().filter(|(_, message)| message.status != Status::Ok);

@@ -12,7 +12,7 @@ use fmi2_cosim::record::{Column, CsvSink, FileSink, Sink};
 
 /// Takes the recorded rows.
 pub enum Output {
-    /// The user did not ask for rows.
+    /// No rows were requested.
     None,
     /// A file that appears when the run is over.
     File(FileSink),
@@ -39,7 +39,8 @@ pub fn is_standard_output(path: &Path) -> bool {
 }
 
 impl Output {
-    /// Whether rows can be written there: in a format that the name promises, and not onto what the run reads.
+    /// Checks that rows can be written there: the extension must be that of a known format, and the file must not be one
+    /// that the run reads.
     pub fn check(path: Option<&Path>, inputs: &[PathBuf]) -> Result<(), Failure> {
         let Some(path) = path.filter(|path| !is_standard_output(path)) else { return Ok(()) };
         check_format(path)?;
@@ -79,7 +80,7 @@ impl Output {
         matches!(self, Self::Pipe(_))
     }
 
-    /// What to tell the user about a row that could not be written.
+    /// The failure for a row that could not be written.
     pub fn failure(&self, error: io::Error) -> Failure {
         match self {
             Self::File(sink) => sink.error(error).into(),
@@ -98,7 +99,8 @@ impl Output {
     }
 }
 
-/// Rows that did not reach standard output. A reader that has seen enough (`| head`) still did not get all of them.
+/// The failure for rows that did not reach standard output. A reader that stops early (`| head`) did not get all of them
+/// either.
 #[allow(clippy::needless_pass_by_value)] // it is given to map_err
 fn lost(error: io::Error) -> Failure {
     Failure::failed(match error.kind() {

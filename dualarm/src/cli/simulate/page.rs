@@ -14,12 +14,12 @@ use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_cosim::run::{Observer, Run};
 use fmi2_cosim::system::System;
 
-/// Follows a run as the others do, and asks the models for their parameters if a page shall state them.
+/// Follows a run together with the other observers, and reads the models' parameters if a page shall show them.
 pub struct Watch {
-    /// Everybody else who follows it.
+    /// The other observers.
     pub others: monitor::Watch,
     wants_models: bool,
-    /// What the models say of themselves.
+    /// The parameters of the models.
     pub models: Vec<ModelParameters>,
 }
 
@@ -66,7 +66,7 @@ impl Sink for Watch {
     }
 }
 
-/// The page's rows with what was monitored at other times: in between on the straight line.
+/// The page's rows with columns that were monitored at other times, interpolated linearly.
 pub fn with_columns(rows: Table, more: Option<&Table>) -> Table {
     let Some(more) = more.filter(|more| !more.times().is_empty()) else { return rows };
     let columns = rows.columns().iter().chain(more.columns()).cloned().collect();
@@ -96,7 +96,7 @@ pub struct Made<'a> {
     pub master: &'a Master,
     /// The component that the metrics judge.
     pub controller: Option<&'a str>,
-    /// What `--monitor` found.
+    /// The verdict of `--monitor`.
     pub verdict: Option<&'a str>,
 }
 
@@ -125,7 +125,7 @@ impl Made<'_> {
         report::write(&page, path)
     }
 
-    /// How it was made: models, step, what was set.
+    /// Notes on the run: models, step, settings.
     fn notes(&self, names: &[&str]) -> Vec<String> {
         let Run { grid, coupling, .. } = self.run;
         let mut notes = vec![format!(

@@ -1,4 +1,4 @@
-//! What is to be simulated: the command line's words become a [`System`].
+//! The system to be simulated: converts the command line's arguments to a [`System`].
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use fmi2_cosim::ssp::package::{is_ssp, split_variant};
 use fmi2_cosim::system::{System, SystemError};
 use fmi2_import::Fmu;
 
-/// Reads the description and unpacks the FMUs. `words` are what the user wrote without an option, `fmus` is the folder of
+/// Reads the description and unpacks the FMUs. `words` are the user's arguments without an option, `fmus` is the folder of
 /// the packaged FMUs.
 pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Result<System, Failure> {
     let controller = controller.and_then(Controller::find);

@@ -1,4 +1,4 @@
-//! What the command line says.
+//! The command line of `dualarm sweep`.
 
 use std::ffi::OsString;
 use std::ops::Range;

@@ -27,7 +27,7 @@ use crate::sweep::table::{Layout, Results};
 use crate::sweep::{Row, Status, SweepError};
 use fmi2_cosim::files;
 
-/// Who makes the runs.
+/// Where runs are made: in threads or in worker processes.
 enum Workshop {
     Threads(Box<Bench>),
     Processes(Program),
@@ -120,7 +120,7 @@ fn workshop(arguments: &Arguments, plan: &Plan, limit: Option<Duration>) -> Resu
     Ok((Workshop::Processes(program), ready))
 }
 
-/// What a bench knows of its study.
+/// The facts about a study that a worker reports first.
 fn ready(bench: &Bench) -> Result<Ready, SweepError> {
     Ok(Ready {
         fingerprint: bench.fingerprint()?.to_string(),
@@ -201,7 +201,7 @@ fn again(arguments: &Arguments, run: u64, quiet: bool) -> Result<(), Failure> {
     }
 }
 
-/// The runs that the user wants.
+/// The selected runs.
 fn chosen(arguments: &Arguments, plan: &Plan) -> Result<Range<u64>, Failure> {
     let all = plan.runs();
     match &arguments.runs {

@@ -1,4 +1,4 @@
-//! What a study led to, for people and for machines.
+//! The outcome of a study, for users and for programs.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::sweep::plan::Plan;
 use crate::sweep::summary::{Distribution, Group};
 use crate::sweep::table::{Field, Layout};
 
-/// What a study led to.
+/// The outcome of a study.
 pub struct Outcome<'a> {
     pub plan: &'a Plan,
     pub groups: &'a [Group],
@@ -27,7 +27,7 @@ pub struct Outcome<'a> {
     pub seconds: f64,
 }
 
-/// What `--json` prints; `docs/tool.md` describes the keys.
+/// The document of `--json`; `docs/tool.md` describes the keys.
 #[derive(Serialize)]
 struct Document<'a> {
     command: &'static str,
@@ -102,7 +102,7 @@ impl Outcome<'_> {
     }
 
     fn table(&self) -> TextTable {
-        // With many outputs the file is what to look at.
+        // If there are many outputs, the user should look at the file.
         const MOST: usize = 6;
         let is_grasp = self.groups.iter().any(|group| group.figures.iter().any(|figure| figure.name == GRASP[0].0));
         let mut table = TextTable::default();

@@ -1,4 +1,4 @@
-//! `dualarm sweep --worker`: makes the runs that another program asks for.
+//! `dualarm sweep --worker`: makes the runs that another program requests.
 
 use std::io::BufRead;
 use std::sync::mpsc;
@@ -14,7 +14,8 @@ use crate::sweep::process::Greeting;
 /// Answers each line with a run's number by its row, until standard input ends.
 pub fn serve(arguments: &Arguments) -> Result<(), Failure> {
     let (sender, lines) = mpsc::channel();
-    // Who asks may vanish while a run hangs: the end of standard input is the end of this process, whatever it does.
+    // The requesting program may end while a run hangs. This process therefore ends as soon as its standard input ends,
+    // during a run too.
     thread::spawn(move || {
         for line in std::io::stdin().lock().lines().map_while(Result::ok) {
             if sender.send(line).is_err() {

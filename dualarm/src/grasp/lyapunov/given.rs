@@ -1,4 +1,4 @@
-//! What the FMUs of a run say of themselves.
+//! The parameters of the FMUs in a run.
 
 use fmi2_cosim::master::Master;
 use fmi2_import::description::BaseType;
@@ -33,7 +33,7 @@ pub(super) fn settings(master: &mut Master) -> Result<(Settings, String), String
     Ok((settings, law))
 }
 
-/// All real parameters that the settings know.
+/// Reads all real parameters that the settings have.
 fn take_numbers(instance: &mut Instance, settings: &mut Settings) -> Result<(), String> {
     let parameters: Vec<_> = instance
         .description()
@@ -45,7 +45,7 @@ fn take_numbers(instance: &mut Instance, settings: &mut Settings) -> Result<(), 
     let mut values = vec![0.0; references.len()];
     instance.get_real(&references, &mut values).map_err(|error| error.to_string())?;
     for ((name, _), value) in parameters.iter().zip(values) {
-        // What the settings do not know has no part in the functions.
+        // Other parameters do not occur in the functions.
         let _ = settings.set(name, value);
     }
     Ok(())

@@ -55,10 +55,11 @@ const NEEDED: [&str; 36] = [
     "u_cmd",
 ];
 
-/// Loads of a run that differ by more than this share from the mirror's are not those of the plant that the mirror is.
+/// The largest relative difference between the loads of a run and those of the mirror; above it, the plant of the run is
+/// another one.
 const FAITHFUL: f64 = 0.02;
 
-/// What a row says.
+/// The values of a row.
 #[derive(Clone, Copy, Default)]
 struct Row {
     time: f64,
@@ -89,15 +90,15 @@ pub struct LyapunovWatch {
     /// Largest |Δ_1|, |Δ_2|, |Δ̄| so far.
     disturbance: [f64; 3],
     rows: Every<Table>,
-    /// What the rows are made of, for functions that depend on the whole run.
+    /// The samples from which rows are made, for functions that depend on the whole run.
     samples: Vec<(Sample, Integrals)>,
 }
 
-/// What came out.
+/// The results.
 pub struct Recorded {
     /// The columns `lyapunov_…`, at the times of the run's rows.
     pub table: Table,
-    /// What was found, in a sentence or two.
+    /// The verdict, in a sentence or two.
     pub verdict: String,
 }
 
@@ -130,7 +131,7 @@ impl LyapunovWatch {
     /// The functions along the run.
     ///
     /// # Errors
-    /// When there were none, or the plant was another one.
+    /// When there were no rows, or the plant is another one.
     pub fn finish(self) -> Result<Recorded, NoFunctions> {
         if let Some(obstacle) = self.obstacle {
             return Err(NoFunctions(obstacle));
@@ -179,8 +180,8 @@ impl LyapunovWatch {
             mirror.step(h, &row.sample).map_err(|error| error.to_string())?;
             let force = mirror.force();
             for (i, force) in force.into_iter().enumerate() {
-                // What acts beside the command: the built-in uncertainty at both ends of the step, and what the actuator left
-                // away or somebody added.
+                // The forces beside the command: the built-in uncertainty at both ends of the step, and the difference
+                // between the command and what the actuator and disturbances made of it.
                 let extra = force - previous.command[i];
                 let largest = (extra + previous.uncertainty[i]).abs().max((extra + row.uncertainty[i]).abs());
                 self.disturbance[i] = self.disturbance[i].max(largest);

@@ -33,18 +33,18 @@ pub const CASES: &[BuiltIn] = built_in![
     "wrong-stiffness",
 ];
 
-/// The files of the folder `scenarios/contact`: grasps that can open. They are no rows of the matrix unless asked for.
+/// The files of the folder `scenarios/contact`: grasps that can open. They are rows of the matrix only on request.
 pub const CONTACT: &[BuiltIn] =
     built_in!["scenarios/contact": "touching", "preloaded", "led", "gap", "bouncing", "soft-object", "jerk"];
 
-/// A plant and what happens to it.
+/// A plant and its experiment.
 #[derive(Debug, Clone)]
 pub struct Case {
-    /// What a user types: the file's stem.
+    /// The name that a user types: the file's stem.
     pub key: String,
     /// How to run it; its controller gives way to that of the cell.
     pub scenario: Scenario,
-    /// What the file says.
+    /// The text of the file.
     pub text: String,
 }
 
@@ -58,7 +58,7 @@ pub enum CaseError {
         suggestion_and(.similar, &format!("the cases are {known}, a file of your own ends in .toml"))
     )]
     Unknown {
-        /// What the user wrote.
+        /// The name as the user wrote it.
         name: String,
         /// Names that come close.
         similar: Vec<String>,
@@ -87,7 +87,7 @@ impl Case {
         CONTACT.iter().map(Self::built_in).collect()
     }
 
-    /// Whether the case says how the tips can leave the object.
+    /// Whether the tips can leave the object in this case.
     #[must_use]
     pub fn opens(&self) -> bool {
         self.scenario.settings.iter().any(|setting| setting.item.target.ends_with("contact_model"))
@@ -100,7 +100,7 @@ impl Case {
     /// The case a user names: a built-in one, or a scenario file.
     ///
     /// # Errors
-    /// When there is none, or it is no scenario.
+    /// When there is none, or the file is not a scenario.
     pub fn find(name: &str) -> Result<Self, CaseError> {
         if let Some(file) = CASES.iter().chain(CONTACT).find(|file| file.name == name) {
             return Self::built_in(file);

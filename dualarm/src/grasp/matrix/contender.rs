@@ -22,7 +22,7 @@ pub const CONTENDERS: [(Controller, Option<f64>); 8] = [
     (PD, Some(PAPER_STEP)),
 ];
 
-/// Presets that `dualarm tune` wrote: what a search for all cases at once finds, in the folder `scenarios/tuned`.
+/// Presets from `dualarm tune`, found by a search over all cases at once, in the folder `scenarios/tuned`.
 pub const PRESETS: &[BuiltIn] = built_in!["scenarios/tuned": "pid-all", "pds-all"];
 
 /// A step at which PD and PDS are stable with the paper's gains (from 0.26 ms on PD is not), in s.
@@ -31,13 +31,13 @@ const PAPER_STEP: f64 = 2e-4;
 /// A controller FMU with settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contender {
-    /// What a user types.
+    /// The name that a user types.
     pub key: String,
-    /// What tables say.
+    /// The title in tables.
     pub title: String,
-    /// File of the FMU, in the folder of the FMUs or wherever it says.
+    /// File of the FMU, in the folder of the FMUs or at its own path.
     pub fmu: PathBuf,
-    /// What makes the FMU this controller.
+    /// The settings that select this controller in the FMU.
     pub settings: Vec<Setting>,
     /// Communication step in s instead of the case's.
     pub step: Option<f64>,
@@ -53,7 +53,7 @@ pub enum ContenderError {
         suggestion_and(.similar, &format!("the controllers are {known}, or write a preset (.toml) or an FMU (.fmu)"))
     )]
     Unknown {
-        /// What the user wrote.
+        /// The name as the user wrote it.
         name: String,
         /// Names that come close.
         similar: Vec<String>,
@@ -80,7 +80,7 @@ impl From<(Controller, Option<f64>)> for Contender {
     }
 }
 
-/// What fits above a column.
+/// A short title that fits above a column.
 fn short(controller: &Controller) -> String {
     match controller.key {
         "nabfc" => "NABFC, paper's law".into(),

@@ -1,4 +1,4 @@
-//! How fast the target can be reached at all.
+//! The shortest time in which the target can be reached.
 //!
 //! Let the object of mass M be pushed over the distance d by at most F, from rest. It has settled once |p| ≤ ε d for good, so
 //! it may still move when it enters the band, as long as braking with F keeps it inside: from speed v at the edge it stops
@@ -8,22 +8,23 @@
 //! T = 2 (√(1+ε) − √ε) √(M d/F)          (ε = 2 %: 1.737 √(M d/F))
 //! ```
 //!
-//! What pushes: the force actuator with |u| ≤ uₘ, a disturbance ΔF, and the contact forces, of which the object sees the
-//! difference, f₁ − f₂. While contact is kept and no force overshoots the target by more than ε, each of them is between 0
-//! and (1+ε)|λᵈ|, so the arms, however strong their hubs, add no more than (1+ε)|λᵈ|:
+//! The thrust consists of the force actuator with |u| ≤ uₘ, a disturbance ΔF, and the difference f₁ − f₂ of the contact
+//! forces. While contact is kept and no force overshoots the target by more than ε, each contact force is between 0 and
+//! (1+ε)|λᵈ|. So the arms, however strong their hubs, add no more than (1+ε)|λᵈ|:
 //!
 //! ```text
 //! F = uₘ + |ΔF| + (1+ε)|λᵈ|
 //! ```
 //!
-//! A hub of inertia J turns by Δθ with its torque limit and the moment (1+ε)|λᵈ| l that the arm then bears (quasi-static
-//! arms), likewise. The limit is the longest of the three times. A controller that beats it has broken contact or overshot.
+//! A hub of inertia J turns by Δθ with its torque limit and the moment (1+ε)|λᵈ| l with which the arm then loads it
+//! (quasi-static arms). The limit is the longest of the three times. A controller that is faster has broken contact or
+//! overshot.
 //!
-//! Arms that add (1+ε)|λᵈ| for as long as the object is under way have let go on one side and press with all they may on the other, and
-//! change sides at once; whoever keeps the forces quiet meanwhile has the force actuator alone, F = uₘ + |ΔF|, for the object and
-//! both tips, m₁ + m₂ + M: the second limit.
+//! Arms that add (1+ε)|λᵈ| as long as the object moves have released one side, press on the other side with the largest
+//! allowed force, and change sides at once. If a controller keeps the forces constant meanwhile, only the force actuator, F
+//! = uₘ + |ΔF|, moves the object and both tips, m₁ + m₂ + M. This is the second limit.
 
-/// Half of the width of a band relative to what it belongs to.
+/// Half of the width of a band, relative to its reference value.
 pub const BAND: f64 = 0.02;
 
 /// One body that has to be moved.
@@ -33,7 +34,7 @@ pub struct Body {
     pub inertia: f64,
     /// Way in m or rad.
     pub way: f64,
-    /// Largest thrust in N or N·m; none means no limit.
+    /// Largest thrust in N or N·m; `None` means no limit.
     pub thrust: Option<f64>,
 }
 
@@ -54,7 +55,7 @@ mod tests {
         let body = Body { inertia: 10.0, way: 1.1e-3, thrust: Some(0.8) };
         let limit = shortest(body);
         assert!((limit - 1.7371 * (10.0_f64 * 1.1e-3 / 0.8).sqrt()).abs() < 1e-5);
-        // The same by hand: thrust over (1+ε)/2 of the way, then brake; stops a band's width beyond the target.
+        // The same by hand: thrust over (1+ε)/2 of the way, then brake; it stops a band's width beyond the target.
         let a = 0.08;
         let switch = ((1.0 + BAND) * body.way / a).sqrt();
         let (mut y, mut v, mut t, h) = (0.0, 0.0, 0.0, 1e-6);

@@ -1,8 +1,8 @@
-//! Figures of merit of one cell: all of (17), not the forces alone.
+//! Figures of merit of one cell: all of (17), not only the forces.
 //!
-//! The target (16) is a pose, and (17) wants forces, angles and the object's position there. Force alone can be had in a few
-//! hundredths of a second while angles take seconds, so *settled* means that all five are within 2 % of their travel: the
-//! way from their first value to their target, and for forces, which begin at rest with nothing, the target.
+//! The target (16) is a pose, and (17) demands forces, angles and the object's position there. Forces alone can settle in a
+//! few hundredths of a second while angles take seconds. So *settled* means that all five are within 2 % of their travel.
+//! The travel is the way from the first value to the target; for forces, which are zero at rest, it is the target.
 
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ use super::limit::BAND;
 use crate::grasp::metrics::{EffortMetrics, Limits, REST};
 use fmi2_cosim::record::Table;
 
-/// What has to be recorded.
+/// The signals that have to be recorded.
 pub const SIGNALS: [&str; 12] = [
     "contact_force1",
     "contact_force2",
@@ -51,11 +51,11 @@ pub struct Merit {
     pub saturated: f64,
     /// Largest tension: by how much a contact force pulls.
     pub tension: f64,
-    /// What became of the contacts.
+    /// The state of the contacts over time.
     pub grip: Grip,
 }
 
-/// What became of the contacts, as communication points show it. Times in s.
+/// The state of the contacts, as seen at communication points. Times in s.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Grip {
     /// When both forces first press; `None` if they never do.
@@ -64,7 +64,7 @@ pub struct Grip {
     pub lost: f64,
     /// How often that begins.
     pub drops: u32,
-    /// Largest contact force in N. What an impact of rigid bodies hands over at once is no force.
+    /// Largest contact force in N, without the impulses of rigid impacts.
     pub peak: f64,
 }
 
@@ -98,7 +98,7 @@ impl Track {
         Some(Self { values, first, target, band: BAND * (target - first).abs() })
     }
 
-    /// A contact force: its travel is the whole target, for what it has at the start is the object's inertia only.
+    /// A contact force. Its travel is the whole target, because its value at the start is only due to the object's inertia.
     fn of_force(table: &Table, signal: &str) -> Option<Self> {
         let track = Self::of(table, signal, "lambda2_d")?;
         Some(Self { band: BAND * track.target.abs(), ..track })
@@ -179,8 +179,8 @@ impl Merit {
         })
     }
 
-    /// The time in s that a search looks at: settling, or what stands for it where it never comes, so that a smaller error
-    /// is still better: `stop` times one plus the error in units of the band.
+    /// The time in s that a search uses: the settling time, or if the run never settles, `stop` times one plus the error in
+    /// units of the band, so that a smaller error is still better.
     #[must_use]
     pub fn time_or_worse(&self, stop: f64, target: f64) -> f64 {
         self.settling.unwrap_or_else(|| stop * (1.0 + (self.error_rms / (BAND * target.abs())).min(1e3)))
@@ -229,7 +229,7 @@ mod tests {
     fn the_slowest_of_all_five_counts() {
         let limits = [None, None, Some(Limits { low: -0.3, high: 0.3 })];
         let merit = Merit::of(&run([0.1, 0.2, 0.05, 0.3, 0.4], 4.0), limits).unwrap();
-        // 2 % of an exponential's travel are left after ln 50 time constants; chords of 1 ms cost less than 1 µs here.
+        // 2 % of an exponential's travel remain after ln 50 time constants; chords of 1 ms cost less than 1 µs here.
         let exact = 50_f64.ln();
         let close = |value: Option<f64>, constant: f64| (value.unwrap() - exact * constant).abs() < 1e-5;
         assert!(close(merit.settling_forces, 0.2) && close(merit.settling_angles, 0.3));

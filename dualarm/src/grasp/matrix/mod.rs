@@ -1,5 +1,5 @@
-//! Controllers × cases: every [`Contender`] in every [`Case`], judged by [`Merit`] and, where the actuators set it, beside
-//! the [physical limit](limit).
+//! Controllers × cases: every [`Contender`] in every [`Case`], judged by [`Merit`] and, if the actuators determine it,
+//! beside the [physical limit](limit).
 //!
 //! A case is a scenario file (folder `scenarios/matrix`; of grasps that can open, `scenarios/contact`), so `dualarm simulate`
 //! repeats every cell.
@@ -22,13 +22,13 @@ pub use contender::{CONTENDERS, Contender};
 pub use merit::Merit;
 pub use run::{Cell, CellError, Lab};
 
-/// What a row of the matrix compares.
+/// The quantity that a row of the matrix compares.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judged {
     /// When all of (17) has settled.
     Settling,
-    /// What is left of the force error, where sensors or a wrong model keep controllers from settling.
+    /// The remaining force error, if sensors or a wrong model prevent settling.
     Error,
 }
 
@@ -39,24 +39,24 @@ pub struct Matrix {
     pub cases: Vec<Case>,
     /// The columns.
     pub contenders: Vec<Contender>,
-    /// What came out, or why nothing did.
+    /// The results, or why there is none.
     pub cells: Vec<Vec<Result<Cell, String>>>,
 }
 
-/// What a comparison runs.
+/// The matrices of a comparison.
 #[derive(Debug, Clone)]
 pub struct Matrices {
-    /// The cases that were asked for; by default those whose tips never leave the object.
+    /// The requested cases; by default those whose tips never leave the object.
     pub closed: Matrix,
     /// Those of grasps that can open, where they are not among the others.
     pub contact: Option<Matrix>,
 }
 
 impl Matrix {
-    /// Runs all cells on `workers` threads; `done` hears of each cell that is finished.
+    /// Runs all cells on `workers` threads; `done` is called for each finished cell.
     ///
     /// # Errors
-    /// When an FMU or a scenario cannot be used at all. What fails in a single run is the content of its cell.
+    /// When an FMU or a scenario cannot be used at all. The failure of a single run is stored in its cell.
     pub fn run(
         lab: &Lab,
         cases: Vec<Case>,
@@ -88,13 +88,13 @@ impl Matrix {
         Ok(Self { cases, contenders, cells })
     }
 
-    /// What a row compares; settling where nothing ran.
+    /// The quantity that a row compares; settling if no cell ran.
     #[must_use]
     pub fn judged(&self, case: usize) -> Judged {
         self.cells[case].iter().flatten().map(|cell| cell.judged).next().unwrap_or(Judged::Settling)
     }
 
-    /// The physical limits of a row in s, with and without the help of the arms, where settling is what it compares.
+    /// The physical limits of a row in s, with and without the help of the arms, if the row compares settling times.
     #[must_use]
     pub fn limits(&self, case: usize) -> Option<[f64; 2]> {
         let cell = self.cells[case].iter().flatten().next()?;
@@ -114,10 +114,11 @@ pub fn workers() -> usize {
     thread::available_parallelism().map_or(1, NonZero::get)
 }
 
-/// Results of the jobs `0..count` in their order, from several threads; the results do not depend on how many.
+/// Results of the jobs `0..count` in their order, computed in several threads; the results do not depend on the number of
+/// threads.
 ///
 /// # Panics
-/// When a job does.
+/// When a job fails.
 pub fn parallel<T: Send>(workers: usize, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();

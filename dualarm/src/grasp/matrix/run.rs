@@ -20,14 +20,14 @@ use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{Located, System};
 use fmi2_import::{Fmu, FmuError, Value};
 
-/// Experiment of a case that does not say its own.
+/// Stop time of a case that does not define one.
 const STOP: f64 = 6.0;
 const STEP: f64 = 1e-3;
 
-/// What came out of a cell.
+/// The result of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cell {
-    /// What the row compares.
+    /// The quantity that the row compares.
     pub judged: Judged,
     /// How good it was.
     pub merit: Merit,
@@ -44,7 +44,7 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// What the row compares: settling time in s or force error in N; `None` for never.
+    /// The compared quantity: settling time in s or force error in N; `None` for never.
     #[must_use]
     pub fn value(&self) -> Option<f64> {
         match self.judged {
@@ -106,7 +106,7 @@ impl Lab {
         cell(&system, &controller, contender.step).map_err(CellError::Run)
     }
 
-    /// Runs a cell for whoever wants its rows: what the sink kept, and the instances as they are in the end.
+    /// Runs a cell for callers that need its rows. Returns the sink and the instances in their final state.
     ///
     /// # Errors
     /// As [`Lab::cell`].
@@ -156,7 +156,7 @@ fn within(controller: &str, setting: &Setting) -> Setting {
     Setting::new(format!("{controller}.{}", setting.target), setting.value.clone())
 }
 
-/// The communication points of a case; `step` is what the contender wants.
+/// The communication points of a case; `step` is the step size of the contender.
 fn grid(system: &System, step: Option<f64>) -> Result<TimeGrid, String> {
     let experiment = system.experiment;
     let start = experiment.start.unwrap_or(0.0);
@@ -186,7 +186,7 @@ fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, St
     Ok(Cell { judged, merit, impacts, limit, own_limit, target, stop: grid.stop() - grid.start() })
 }
 
-/// The instances of a run, to be asked.
+/// The instances of a run, for reading values.
 struct Models<'a> {
     master: &'a mut Master,
     system: &'a System,

@@ -3,9 +3,8 @@
 use super::{CONTROLLER, PITCH, PLANT, WIDTH};
 use fmi2_cosim::ssp::structure::{Extent, Kind, Point, SystemElement};
 
-/// Draws the block diagram of the field: the controller at the left, the plant at the right, commands and measured
-/// signals as straight lines between them. References come from the left, disturbances from above, forces leave to the
-/// right.
+/// Draws the usual block diagram: the controller on the left, the plant on the right, commands and measured signals as
+/// straight lines between them. References enter from the left, disturbances from above, forces leave to the right.
 pub(super) fn draw(system: &mut SystemElement) {
     let between = system
         .connections

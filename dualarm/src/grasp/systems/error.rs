@@ -15,7 +15,7 @@ use fmi2_import::description::DescriptionError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ComposeError {
-    /// Equal names do not say what to connect.
+    /// Equal names do not determine the connections.
     #[error(transparent)]
     Wiring(#[from] WiringError),
     /// A built-in scenario is not there.
@@ -27,7 +27,7 @@ pub enum ComposeError {
     /// A built-in scenario cannot be read.
     #[error(transparent)]
     Scenario(#[from] ScenarioError),
-    /// A scenario sets what neither FMU has, or to what its type does not allow.
+    /// A scenario sets a parameter that neither FMU has, or to a value that its type does not allow.
     #[error("the scenario \"{scenario}\" sets {setting}, which fits no variable of the FMUs")]
     Setting {
         /// Title of the scenario.
@@ -51,7 +51,7 @@ pub enum ComposeError {
     Description {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         source: DescriptionError,
     },
     /// A file cannot be written.

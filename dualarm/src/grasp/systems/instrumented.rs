@@ -1,4 +1,4 @@
-//! The variant with sensors and actuators: what the default structure connects, led through them.
+//! The variant with sensors and actuators: the connections of the default structure, routed through them.
 
 use super::structure::connector;
 use super::units::set_units;
@@ -64,7 +64,7 @@ pub fn structure(closed: SystemStructure, scenario: &Scenario, descriptions: &[&
     structure
 }
 
-/// Draws controller, actuators above sensors, and plant from the left to the right, all connections as straight lines.
+/// Draws controller, actuators above sensors, and plant from the left to the right, with all connections as straight lines.
 fn draw(system: &mut SystemElement) {
     // Commands above measured signals, each in the order of the file.
     let [sensors, actuators] = BETWEEN.map(|(name, _)| {
@@ -89,7 +89,7 @@ fn draw(system: &mut SystemElement) {
         for connector in &mut component.connectors {
             let signal = BETWEEN.iter().find_map(|(_, passage)| connector.name.strip_suffix(passage.suffix));
             let index = rows.iter().position(|row| row == signal.unwrap_or(&connector.name));
-            // Commands go to the right and measured signals to the left, so on either side there is one end of each line.
+            // Commands go to the right and measured signals to the left, so each side has one end of each line.
             let right = match (component.name.as_str(), index) {
                 (CONTROLLER, Some(_)) | (PLANT, None) => true,
                 (CONTROLLER, None) | (PLANT, Some(_)) => false,

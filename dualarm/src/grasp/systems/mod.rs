@@ -1,13 +1,13 @@
 //! The project's own systems: the plant with each of its controllers, composed from the descriptions of the FMUs.
 //!
-//! What other tools can read shapes the default structure:
+//! Limits of other tools determine the default structure:
 //!
-//! * Ecos 0.7 and `libcosim` (of libcosimpy 0.0.6) stop at connections of the system's own connectors and at enumeration parameters; so
-//!   references and disturbances are connectors of the system in the variant [`DRIVEN`] only, and enumerations are left
-//!   to the start values of the FMUs.
-//! * fmpy 0.3 sets every input that has a connector, unconnected ones to zero, so inputs without a source have no
-//!   connector: the references keep their start values.
-//! * `OMSimulator` 2 stops at `<SystemGeometry>` and wants identifiers as names. The drawing needs no canvas of its own:
+//! * Ecos 0.7 and `libcosim` (of libcosimpy 0.0.6) stop at connections of the system's own connectors and at enumeration
+//!   parameters. So references and disturbances are connectors of the system only in the variant [`DRIVEN`], and
+//!   enumerations keep the start values of the FMUs.
+//! * fmpy 0.3 sets every input that has a connector, and unconnected ones to zero. So inputs without a source have no
+//!   connector, and the references keep their start values.
+//! * `OMSimulator` 2 stops at `<SystemGeometry>` and requires identifiers as names. The drawing needs no canvas of its own:
 //!   all connections are straight lines between the two boxes.
 
 mod drawing;
@@ -39,15 +39,15 @@ pub use error::ComposeError;
 pub struct Grasp {
     /// The controller.
     pub controller: Controller,
-    /// The [built-in scenario](BuiltIn) that the default structure is: what the FMUs do by their start values, which is not
-    /// the controller's own scenario where that chooses another law.
+    /// The [built-in scenario](BuiltIn) of the default structure, which uses the start values of the FMUs. It is not the
+    /// controller's own scenario if that one chooses another law.
     scenario: &'static str,
-    /// Communication step size in s that bears one step of delay between the FMUs, as most tools exchange signals.
+    /// Communication step size in s that is stable with one step of delay between the FMUs, as in most tools.
     step: f64,
     /// Variants with other parameters: name of the variant and of the [built-in scenario](BuiltIn) they come from.
     presets: &'static [(&'static str, &'static str)],
     /// The controller of the variant with sensors and actuators. They sample at 1 kHz, at which PD and PDS with the paper's
-    /// gains are unstable, so those have other gains there.
+    /// gains are unstable; these two have other gains there.
     instrumented: Controller,
 }
 
@@ -91,7 +91,7 @@ pub const INSTRUMENTED: &str = "Instruments";
 /// Name of the parameter sets that the default structure binds to its components.
 pub const PAPER: &str = "paper";
 
-/// `OMSimulator` wants one; the FMUs have no use for it.
+/// `OMSimulator` requires one; the FMUs do not use it.
 const TOLERANCE: f64 = 1e-4;
 
 /// Names of the two components.
@@ -114,7 +114,7 @@ pub type TextFile = (String, String);
 /// Composes all packages from the FMUs in a folder, and writes them there as `.ssp` files.
 ///
 /// # Errors
-/// When an FMU is not there or cannot be used, or a package cannot be written.
+/// When an FMU is missing or cannot be used, or a package cannot be written.
 pub fn write_packages(folder: &Path) -> Result<Vec<PathBuf>, ComposeError> {
     let packages = FileSet::new();
     let mut written = Vec::new();
@@ -140,7 +140,7 @@ pub fn write_packages(folder: &Path) -> Result<Vec<PathBuf>, ComposeError> {
 /// Returns their paths below that folder with their contents.
 ///
 /// # Errors
-/// When a description is not there or cannot be used.
+/// When a description is missing or cannot be used.
 pub fn describe_packages(folder: &Path) -> Result<Vec<TextFile>, ComposeError> {
     let description = |file: &str| {
         let path = folder.join(Path::new(file).with_extension("xml"));
@@ -220,7 +220,7 @@ impl Grasp {
     }
 }
 
-/// What the documents of this tool say about who wrote them.
+/// The author and the tool, as documents of this tool state them.
 #[must_use]
 pub fn origin() -> Origin {
     Origin {
@@ -245,7 +245,7 @@ fn file_binding(path: String) -> Binding {
 mod tests {
     use super::*;
 
-    /// The default structure leaves the choice of a law to the start values of the FMUs, so its title must be that of a
+    /// The default structure does not set a law but uses the start values of the FMUs, so its title must be that of a
     /// scenario that sets nothing else.
     #[test]
     fn the_title_is_of_what_runs() {

@@ -102,8 +102,8 @@ pub(super) fn connector(variable: &Variable) -> Option<Connector> {
     })
 }
 
-/// The variant in which all inputs that the components leave open are inputs of the system, and the shown outputs its
-/// outputs; with the start values of those inputs.
+/// The variant in which all open inputs of the components are inputs of the system, and the shown outputs its outputs; with
+/// the start values of those inputs.
 pub(super) fn driven(closed: SystemStructure, descriptions: &[&ModelDescription]) -> (SystemStructure, ParameterSet) {
     let mut structure = closed;
     structure.name = format!("{}_{DRIVEN}", structure.name);

@@ -1,6 +1,6 @@
 //! Figures: the paper's Figs. 2 to 18, overlays of the three controllers, and the picture of the README.
 //!
-//! [`chart`] draws, [`paper`] and [`overlay`] say what, [`raster`] turns the SVG into PNG, [`pdf`] into PDF.
+//! [`chart`] draws, [`paper`] and [`overlay`] define the figures, [`raster`] converts SVG to PNG, [`pdf`] to PDF.
 
 pub mod chart;
 pub mod overlay;
@@ -18,9 +18,9 @@ use fmi2_cosim::record::Table;
 /// One of the paper's runs, as figures and the report need it.
 #[derive(Debug, Clone)]
 pub struct PaperRun {
-    /// What was run.
+    /// The controller of the run.
     pub scenario: Controller,
-    /// What was recorded.
+    /// The recorded rows.
     pub table: Table,
     /// How good it was.
     pub metrics: Metrics,
@@ -33,15 +33,15 @@ pub struct PaperRun {
 pub struct NamedFigure {
     /// File name without extension.
     pub name: String,
-    /// What it shows, in one line.
+    /// Its caption, in one line.
     pub caption: String,
-    /// How to read it: what lines and shades mean, in sentences.
+    /// How to read it: the meaning of lines and shades, in sentences.
     pub note: String,
     /// The figure.
     pub figure: Figure,
 }
 
-/// The signals figures show; what a run need not record is left out.
+/// The signals in figures; a run that lacks some of them has fewer figures.
 pub const SIGNALS: &[&str] = &[
     "contact_force1",
     "contact_force2",

@@ -13,7 +13,7 @@ use super::{NamedFigure, PaperRun};
 /// File name of the README's picture.
 pub const HERO: &str = "grasp";
 
-/// The overlays; none without runs.
+/// The overlays; empty without runs.
 #[must_use]
 pub fn figures(runs: &[PaperRun]) -> Vec<NamedFigure> {
     if runs.is_empty() {
@@ -39,7 +39,7 @@ fn curves(runs: &[PaperRun], signal: &str, scale: f64) -> Vec<Curve> {
         .collect()
 }
 
-/// The span all runs cover, but no more calm than half of it.
+/// The time span that all runs cover, but at most half of it after everything is settled.
 fn x_range(runs: &[PaperRun]) -> (f64, f64) {
     let bound = |time: Option<&f64>| time.copied().unwrap_or(0.0);
     let start = runs.iter().map(|run| bound(run.table.times().first())).fold(f64::INFINITY, f64::min);

@@ -8,7 +8,7 @@ use fmi2_cosim::record::Table;
 const SIZE: (u32, u32) = (720, 400);
 const TALL: (u32, u32) = (720, 520);
 
-/// A figure of the paper: its number and what it shows of a scenario.
+/// A figure of the paper: its number and its content.
 struct Entry {
     number: u32,
     scenario: &'static str,
@@ -28,7 +28,7 @@ const fn entry(number: u32, scenario: &'static str, kind: Kind) -> Entry {
     Entry { number, scenario, kind }
 }
 
-/// What each figure of the paper shows. PD has no angles there.
+/// The content of each figure of the paper. The paper has no angles for PD.
 const ENTRIES: [Entry; 17] = [
     entry(2, "nabfc", Kind::Force(1)),
     entry(3, "nabfc", Kind::Force(2)),
@@ -187,7 +187,7 @@ fn angle(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
     }
 }
 
-/// A control signal: thin what the actuator puts out, on top of what the controller commands.
+/// A control signal: the actuator's output as a thin line, above the controller's command.
 fn control(table: &Table, signal: &str, x_range: (f64, f64)) -> Vec<Panel> {
     let curve = |name: &str, signal: &str, color, wide| Curve {
         name: name.into(),
@@ -210,8 +210,8 @@ fn control(table: &Table, signal: &str, x_range: (f64, f64)) -> Vec<Panel> {
 /// How long the kick lasts that PD and PDS begin with, in s.
 const START: f64 = 0.02;
 
-/// A kick at the start would squeeze the rest of a control signal into a line. So the start gets a panel of its own, and
-/// the other panel cuts the kick off.
+/// A peak at the start would compress the rest of a control signal. So the start gets a separate panel, and the other panel
+/// cuts the peak off.
 pub(super) fn with_close_up(panel: Panel) -> Vec<Panel> {
     let start = panel.x_range.0;
     let span = |from: f64| {
@@ -224,7 +224,7 @@ pub(super) fn with_close_up(panel: Panel) -> Vec<Panel> {
         vec![panel]
     } else {
         let close_up = Panel { x_range: (start, start + START), weight: 0.4, ..panel.clone() };
-        // After the kick output and command are equal, and what vibrates would cover everything below it.
+        // After the peak output and command are equal, and a vibrating upper curve would cover the lower one.
         vec![close_up, Panel { y_label: String::new(), y_from: Some(start + START), first_on_top: true, ..panel }]
     };
     panels.extend(swings);
@@ -252,7 +252,8 @@ pub(super) fn control_label(signal: &str) -> String {
     }
 }
 
-/// Each estimate has its own unit, so each has its own panel; the two arms share one, the object has another colour.
+/// Each estimate has its own unit, so each has its own panel; the two arms share a panel, and the object has another
+/// colour.
 fn estimates(run: &PaperRun, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
     let plant = run.models.first();
     let true_value = |names: &[&str]| names.iter().map(|name| plant?.real(name)).sum::<Option<f64>>();

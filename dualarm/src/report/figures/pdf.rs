@@ -1,4 +1,5 @@
-//! The very same SVG as a PDF of one page, for LaTeX: vectors, letters as outlines of the embedded font, so that no reader needs it.
+//! Converts an SVG to a PDF of one page, for LaTeX: vectors, with letters as outlines of the embedded font, so that a
+//! reader needs no font.
 //!
 //! Figures consist of filled and stroked paths; groups have no clips or masks, and colours are plain.
 
@@ -47,7 +48,7 @@ pub fn to_pdf(svg: &str) -> Result<Vec<u8>, String> {
     Ok(file(&objects))
 }
 
-/// Objects with the table that says where each begins.
+/// Objects with the table of their positions.
 fn file(objects: &[Vec<u8>]) -> Vec<u8> {
     let mut bytes = b"%PDF-1.5\n%\xE2\xE3\xCF\xD3\n".to_vec();
     let mut table = format!("xref\n0 {}\n0000000000 65535 f \n", objects.len() + 1);
@@ -159,7 +160,7 @@ impl Content {
                     writeln!(self.operators, "{:.2} {:.2} l", p.x, p.y)
                 }
                 PathSegment::QuadTo(c, p) => {
-                    // PDF knows cubic curves only.
+                    // PDF has only cubic curves.
                     let towards = |from: f32, to: f32| from + 2.0 / 3.0 * (to - from);
                     let (x1, y1) = (towards(at.0, c.x), towards(at.1, c.y));
                     let (x2, y2) = (towards(p.x, c.x), towards(p.y, c.y));

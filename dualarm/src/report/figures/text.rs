@@ -30,7 +30,7 @@ pub fn width(text: &str, size: f64, bold: bool) -> f64 {
 /// Size of raised and lowered letters relative to their text.
 const SMALL: f64 = 0.7;
 
-/// The plain letter of a subscript or superscript that the embedded font lacks, and by how many of its own em to lower it.
+/// The plain letter of a subscript or superscript that the embedded font lacks, and the offset by which to lower it, in em.
 fn shifted(letter: char) -> Option<(char, f64)> {
     let digit = |zero: u32| char::from_u32(u32::from(letter) - zero + u32::from('0'));
     match letter {

@@ -3,20 +3,20 @@
 /// A text so that nothing in it is markup, between tags or inside a quoted attribute.
 #[must_use]
 pub fn escape(text: &str) -> String {
-    // HTML 4 knows no &apos;.
+    // HTML 4 does not define &apos;.
     quick_xml::escape::escape(text).replace("&apos;", "&#39;")
 }
 
-/// JSON that can stand inside a `<script>` element: without `<` nothing can close it or open a comment.
+/// JSON that is safe inside a `<script>` element: without `<` it cannot close the element or open a comment.
 #[must_use]
 pub fn json_in_script(json: &serde_json::Value) -> String {
     json.to_string().replace('<', "\\u003c")
 }
 
-/// Replaces every `{{name}}` of a template by `value(name)`; what is put in is not looked at again.
+/// Replaces every `{{name}}` of a template by `value(name)`; inserted texts are not searched for further names.
 ///
-/// # Panics
-/// When the template names something that `value` does not know, or does not close a name.
+/// # Errors
+/// When the template contains a name that `value` does not define, or does not close a name.
 pub fn fill(template: &str, value: impl Fn(&str) -> Option<String>) -> String {
     let mut parts = template.split("{{");
     let mut filled = parts.next().unwrap_or_default().to_owned();

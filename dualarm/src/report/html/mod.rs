@@ -1,9 +1,9 @@
-//! A page that shows runs: one file that needs nothing else, neither network nor server.
+//! A page that shows runs: one file that needs neither network nor server.
 //!
 //! The page's own markup, style and scripts are in `assets/report/`, the plotting library in `assets/uplot/`. The scripts
-//! are put one after the other into one module, in the order of `SCRIPTS`: each knows those before it. Tables come
-//! ready from here, so they are there without JavaScript, too; curves and the animation are drawn from the packed rows.
-//! Where a run is a grasp it is shown in motion; curves there are of every signal of any run.
+//! are concatenated into one module, in the order of `SCRIPTS`: each can use those before it. Tables are generated here, so
+//! they are visible without JavaScript, too; scripts draw curves and the animation from the packed rows. A run of a grasp
+//! has an animation; every run has curves of all its signals.
 
 mod markup;
 mod pack;
@@ -53,12 +53,12 @@ const SCRIPTS: [&str; 15] = [
     include_str!("../../../assets/report/main.js"),
 ];
 
-/// What the page shows.
+/// The content of the page.
 #[derive(Debug, Clone, Default)]
 pub struct Page<'a> {
     /// The heading.
     pub title: String,
-    /// What it is about, in a few sentences.
+    /// An introduction, in a few sentences.
     pub lead: String,
     /// The runs, in the order of the page.
     pub runs: &'a [Run],
@@ -72,7 +72,7 @@ pub struct Page<'a> {
     pub figures: &'a [NamedFigure],
     /// Tables of the caller's, as sections.
     pub tables: String,
-    /// Files beside the page and what they are.
+    /// Files beside the page, and their descriptions.
     pub files: Vec<(String, String)>,
 }
 
@@ -80,7 +80,7 @@ impl Page<'_> {
     /// The file's content.
     ///
     /// # Panics
-    /// Never: the templates and what fills them belong together.
+    /// Never: the templates and their values belong together.
     #[must_use]
     pub fn to_html(&self) -> String {
         let has_motion = self.runs.iter().any(Run::is_grasp);
@@ -127,7 +127,7 @@ impl Page<'_> {
     }
 }
 
-/// How every page begins: title, lead, style sheet. `style` is what a page has of its own.
+/// The beginning of every page: title, lead, style sheet. `style` holds additional rules of the page.
 pub(crate) fn head(title: &str, lead: &str, style: &str) -> String {
     fill(HEAD, |name| {
         Some(match name {
@@ -139,7 +139,7 @@ pub(crate) fn head(title: &str, lead: &str, style: &str) -> String {
     })
 }
 
-/// As the library's first line says: `/*! … (v1.6.32) */`.
+/// From the first line of the library: `/*! … (v1.6.32) */`.
 fn library_version() -> &'static str {
     LIBRARY.split_once("(v").and_then(|(_, rest)| rest.split_once(')')).map_or("", |(version, _)| version)
 }

@@ -1,8 +1,8 @@
 //! Columns of numbers as a short text.
 //!
-//! Each column is rounded to a whole number of quanta above its smallest value; of these numbers the differences from
-//! row to row are written as zigzag LEB128 (small differences, few bytes), all columns one after the other, then zlib and
-//! base64. Of what is no finite number −1 is written. `unpack.js` is the other end.
+//! Each column is rounded to a whole number of quanta above its smallest value. The differences of these numbers from row
+//! to row are written as zigzag LEB128 (small differences take few bytes), all columns one after the other, then zlib and
+//! base64. A value that is not a finite number is written as −1. `unpack.js` is the counterpart.
 
 use std::io::Write;
 
@@ -11,8 +11,8 @@ use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-/// Quanta between the smallest and the largest value of a column. A value is off by at most half a quantum: less than a
-/// millionth of the column's range.
+/// Quanta between the smallest and the largest value of a column. The error of a value is at most half a quantum: less than
+/// a millionth of the column's range.
 pub const LEVELS: u32 = 1 << 20;
 
 /// Stands for a value that is no finite number.
@@ -52,7 +52,7 @@ impl Packer {
         scale
     }
 
-    /// Adds a column with a scale of the caller's, for which every value is fewer than 2³⁰ quanta above its lowest one.
+    /// Adds a column with a scale of the caller, with which every value is fewer than 2³⁰ quanta above the lowest one.
     ///
     /// # Panics
     /// Never: writing to memory cannot fail.
@@ -94,7 +94,7 @@ fn zigzag(number: i32) -> u32 {
     ((number << 1) ^ (number >> 31)).cast_unsigned()
 }
 
-/// Seven bits per byte, the lowest first; the highest bit says that more follow.
+/// Seven bits per byte, the lowest first; the highest bit marks that more bytes follow.
 fn leb128(mut number: u32, bytes: &mut Vec<u8>) {
     loop {
         let [low, ..] = number.to_le_bytes();

@@ -1,5 +1,5 @@
-//! Which rows and signals of a run the page gets: every step of the first transients, then one per interval; of very many
-//! signals the first ones. A page that no browser opens helps nobody.
+//! The rows and signals of a run that the page contains: every step of the first transients, then one row per interval; if
+//! there are very many signals, only the first ones, because a browser could not open a page with all of them.
 
 use std::fmt::Write;
 use std::io;
@@ -7,8 +7,8 @@ use std::io;
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::record::{Column, Pick, Schedule, Sink, Table};
 
-/// For this long after the start every step is kept, in s: the fastest bending mode that is visible (90 Hz) swings four
-/// times, and the kick that PD and PDS begin with is over.
+/// The time in s after the start during which every step is kept. In this time the fastest visible bending mode (90 Hz) has
+/// four periods, and the initial peak of PD and PDS is over.
 pub const EVERY_STEP_UNTIL: f64 = 0.05;
 /// The shortest interval between two later rows, in s: eleven per swing of that mode.
 const SHORTEST: f64 = 1e-3;
@@ -27,7 +27,7 @@ pub fn interval(duration: f64) -> f64 {
     (duration / MOST).max(SHORTEST.min(duration / 1000.0))
 }
 
-/// What the page says of the rows of a simulation.
+/// The sentence on the page about the rows of a simulation.
 #[must_use]
 pub fn sentence(grid: &TimeGrid) -> String {
     let interval = interval(grid.stop() - grid.start()).max(grid.step());
@@ -43,7 +43,7 @@ fn milliseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e3
 }
 
-/// The columns that the page gets: those that it knows how to show, then others, up to [`MOST_SIGNALS`].
+/// The columns in the page: those that it knows how to show, then others, up to [`MOST_SIGNALS`].
 fn wanted(columns: &[Column]) -> Vec<usize> {
     let (known, others): (Vec<usize>, Vec<usize>) =
         (0..columns.len()).partition(|&index| super::signals::is_known(&columns[index].name));
@@ -72,7 +72,7 @@ impl Rows {
         Self { start, stop, early: 0, schedule: Schedule::new(start, interval(stop - start)), picked }
     }
 
-    /// What was kept.
+    /// The kept rows.
     #[must_use]
     pub fn into_table(self) -> Table {
         self.picked.sink
@@ -98,7 +98,7 @@ impl Sink for Rows {
     }
 }
 
-/// What the page gets of a file of results, and what it leaves out, in a sentence.
+/// The part of a result file that the page contains, and a sentence on the omitted part.
 #[must_use]
 pub fn of_saved(table: &Table) -> (Table, String) {
     let columns = wanted(table.columns());

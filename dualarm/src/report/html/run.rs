@@ -12,7 +12,7 @@ use fmi2_cosim::record::Table;
 pub struct Run {
     /// Names files that are made of it.
     pub key: String,
-    /// What the page calls it.
+    /// The title on the page.
     pub title: String,
     /// The settling time that the paper states, or an empty text.
     pub paper: String,
@@ -20,9 +20,9 @@ pub struct Run {
     pub rows: Table,
     /// How good it was, if it was a grasp with a target.
     pub metrics: Option<Metrics>,
-    /// What to say beside its parameters, in sentences: how it was made, what was set.
+    /// Notes beside its parameters, in sentences: the command, the settings.
     pub notes: Vec<String>,
-    /// Its models, as far as they are known.
+    /// Its known models.
     pub models: Vec<ModelParameters>,
 }
 
@@ -33,7 +33,7 @@ struct Geometry {
     object: f64,
 }
 
-/// What a picture of the grasp cannot do without.
+/// The signals that an animation of the grasp needs.
 const POSE: [&str; 3] = ["theta1", "theta2", "y_object"];
 
 impl Run {
@@ -77,7 +77,8 @@ impl Run {
         self.geometry().is_some()
     }
 
-    /// Lengths of arms and object: from the plant's parameters, or from the constraint (12), which every row fulfils, but for gaps.
+    /// Lengths of arms and object: from the plant's parameters, or from the constraint (12), which every row satisfies
+    /// except for gaps.
     fn geometry(&self) -> Option<Geometry> {
         let [theta, _, object] = POSE.map(|name| self.rows.column(name));
         let (theta, object) = (theta?, object?);
@@ -92,7 +93,8 @@ impl Run {
             .or_else(|| {
                 // The last node of the arm is its tip.
                 let tip = self.rows.column("tip_deflection1").or_else(|| self.rows.column("deflection1[11]"))?;
-                // l θ₁ + L/2 = y_M + w₁(l), less the gap where the tip does not touch, and more by what a face gives way.
+                // l θ₁ + L/2 = y_M + w₁(l), minus the gap if the tip does not touch, plus the indentation of a compliant
+                // face.
                 let of_contact = |name: &str| self.rows.column(name).unwrap_or_else(|| vec![0.0; tip.len()]);
                 let (gap, pressed) = (of_contact("gap1"), of_contact("indentation1"));
                 let right: Vec<f64> =
@@ -103,7 +105,7 @@ impl Run {
     }
 }
 
-/// Slope and offset of the straight line through points that lie on one; nothing if they do not, or all are the same.
+/// Slope and offset of the straight line through collinear points; `None` if they are not collinear, or all equal.
 fn line(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
     let count = x.len() as f64;
     let (mean_x, mean_y) = (x.iter().sum::<f64>() / count, y.iter().sum::<f64>() / count);

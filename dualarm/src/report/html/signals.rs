@@ -1,4 +1,4 @@
-//! The signals that the page knows by name: those of a grasp.
+//! The signals that the page recognises by name: those of a grasp.
 
 use std::collections::HashMap;
 
@@ -34,8 +34,8 @@ pub fn is_known(signal: &str) -> bool {
         || signal.starts_with("deflection2[")
 }
 
-/// What `--monitor` records falls by many powers of ten: a page shows the decadic logarithm of each such column that is
-/// nowhere negative, under a name that says so. Exponentials are then lines.
+/// Columns of `--monitor` fall by many powers of ten. A page shows the decadic logarithm of each such column without
+/// negative values, under a name that says so. Exponentials are then straight lines.
 #[must_use]
 pub fn with_decades(table: Table) -> Table {
     let is_decaying = |(index, column): (usize, &Column)| {
@@ -62,8 +62,8 @@ pub fn with_decades(table: Table) -> Table {
 /// How the columns of `--monitor` begin.
 const MONITORED: &str = "lyapunov_";
 
-/// Other tools write `system.plant.theta1` for what this one calls `theta1`. Gives such columns the plain name, where only one
-/// of them claims it.
+/// Other tools write `system.plant.theta1` instead of `theta1`. Gives such columns the plain name, if only one column has
+/// it.
 pub fn rename_known(table: &mut Table) {
     let mut claims: HashMap<String, Vec<usize>> = HashMap::new();
     for (index, column) in table.columns().iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What the page says in tables: the result, metrics side by side, how it was run, and the figures.
+//! The tables of the page: the result, metrics side by side, the parameters of the runs, and the figures.
 
 use std::fmt::Write;
 
@@ -65,7 +65,7 @@ fn matrix(id: &str, title: &str, matrix: &Matrix) -> String {
     )
 }
 
-/// What came out, so large that nobody misses it: one card per run that has metrics.
+/// The main results in large type: one card per run that has metrics.
 #[must_use]
 pub fn headline(runs: &[Run]) -> String {
     let card = |(index, run): (usize, &Run)| {
@@ -173,7 +173,7 @@ fn groups(runs: &[Run]) -> Vec<Group> {
     forces.chain(efforts).collect()
 }
 
-/// A time whose unit stays with its number where the cell is narrow.
+/// A time whose unit is not separated from its number in a narrow cell.
 fn unbroken(time: &str) -> String {
     time.strip_suffix(" s").map_or_else(|| time.to_owned(), |number| format!("{number}\u{a0}s"))
 }
@@ -182,7 +182,7 @@ fn seconds(time: Option<f64>) -> String {
     time.map_or("not settled".into(), |time| number(time, 3))
 }
 
-/// How the runs were made: what each says of itself, what differs from the defaults, and every parameter of every model.
+/// How the runs were made: the notes of each, the differences from the defaults, and every parameter of every model.
 #[must_use]
 pub fn parameters(runs: &[Run], setup: &str) -> String {
     let mut html = if setup.is_empty() { String::new() } else { format!("<p>{}</p>", escape(setup)) };

@@ -1,10 +1,10 @@
-//! What became of the contacts, in the cases in which a grasp can open.
+//! The contacts in the cases in which a grasp can open.
 
 use crate::grasp::matrix::{Cell, Matrix};
 use crate::report::TextTable;
 use crate::report::figures::text::number;
 
-/// One figure of all cells: what it is called, what it means, and how a cell says it.
+/// One figure of all cells: its title, its meaning, and the text in a cell.
 struct Figure {
     title: &'static str,
     meaning: &'static str,
@@ -37,7 +37,7 @@ const FIGURES: [Figure; 4] = [
     },
 ];
 
-/// The tables, each with its title and what it means; none without a case in which the grasp can open.
+/// The tables, each with title and explanation; empty without a case in which the grasp can open.
 #[must_use]
 pub fn tables(matrix: &Matrix) -> Vec<(&'static str, &'static str, TextTable)> {
     let opening: Vec<_> = matrix.cases.iter().zip(&matrix.cells).filter(|(case, _)| case.opens()).collect();

@@ -15,7 +15,7 @@ const MARGIN: f64 = 16.0;
 const TITLE: f64 = 40.0;
 const LIMIT: f64 = 84.0;
 
-/// Ratio to the best of the row, and the colour there: colours that stay apart for colour-blind readers.
+/// Ratio to the best of the row, and its colour: colours that colour-blind readers can distinguish.
 const SCALE: [(f64, [f64; 3]); 4] = [
     (1.0, [140.0, 197.0, 232.0]),
     (1.6, [214.0, 234.0, 246.0]),
@@ -27,10 +27,10 @@ const EMPTY: &str = "#EEF0F3";
 const INK: &str = "#22262E";
 const SOFT: &str = "#5B6370";
 
-/// Below this error, in N, nobody is better than anybody.
+/// Errors below this value, in N, count as equal.
 const EXACT: f64 = 1e-3;
 
-/// The figure as SVG; `titled` unless a heading stands above it.
+/// The figure as SVG; `titled` unless there is a heading above it.
 #[must_use]
 pub fn svg(matrix: &Matrix, titled: bool) -> String {
     let columns = matrix.contenders.len() as f64;

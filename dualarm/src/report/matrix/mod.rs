@@ -9,14 +9,14 @@ use crate::grasp::matrix::{Cell, Judged, Matrix, Merit};
 use crate::report::TextTable;
 use crate::report::figures::text::number;
 
-/// What a reader has to know, in sentences.
+/// The explanation of the matrix, in sentences.
 pub const LEGEND: &str = "Time in s until forces, angles and position, all of (17), stay within 2 % of their travel; below it \
     the overshoot of the force where that is more than 2 %, and under *never* the force error that is left. The last rows, \
     where sensors or a wrong model keep the force from settling, give its rms error instead. *Limit* is the shortest \
     time that the actuators allow while contact is kept and no force overshoots, behind the stroke what it is if the arms \
     only go along.";
 
-/// Overshoot in % from which on a cell says it.
+/// Smallest overshoot in % that a cell shows.
 const OVERSHOOT: f64 = 2.0;
 
 /// The two lines of a cell.
@@ -64,7 +64,7 @@ pub fn table(matrix: &Matrix) -> TextTable {
     TextTable { header, rows: matrix.cases.iter().enumerate().map(row).collect() }
 }
 
-/// The table with what it means, as Markdown, and what became of the contacts where grasps can open.
+/// The table with its explanation, as Markdown, and the tables of contacts if grasps can open.
 #[must_use]
 pub fn markdown(matrix: &Matrix) -> String {
     format!("{LEGEND}\n\n{}{}", table(matrix).to_markdown(), contact::markdown(matrix))

@@ -41,7 +41,7 @@ struct Track {
 }
 
 impl Bench {
-    /// Opens the FMUs of a plan, those without a path from the folder `fmus`, and checks that every name means something.
+    /// Opens the FMUs of a plan, those without a path from the folder `fmus`, and checks that every name exists.
     ///
     /// # Errors
     /// When an FMU or a name cannot be used, so that no run could.
@@ -102,7 +102,7 @@ impl Bench {
         Ok(Self { plan, tracks, wanted, files: files.into_iter().collect(), _package: package })
     }
 
-    /// What is run.
+    /// The plan of the runs.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         &self.plan
@@ -130,8 +130,8 @@ impl Bench {
         })
     }
 
-    /// What makes this study this study: rows of another one must not be taken for its own. Files count by their content,
-    /// since FMUs of one interface may have different laws.
+    /// The fingerprint of the study, so that rows of another study are not taken for its own. Files count by their content,
+    /// because FMUs with the same interface may have different laws.
     ///
     /// # Errors
     /// When a file cannot be read.
@@ -175,7 +175,7 @@ impl Bench {
         }))
     }
 
-    /// Makes a run; `trajectory` is the file that its rows are written to. Whatever goes wrong is the content of the row.
+    /// Makes a run; `trajectory` is the file for its rows. A failure becomes the content of the row.
     #[must_use]
     pub fn run(&self, run: u64, trajectory: Option<&Path>) -> Row {
         match catch_unwind(AssertUnwindSafe(|| self.simulate(run, trajectory))) {

@@ -24,7 +24,7 @@ pub(super) fn case(path: &Path, name: &str) -> Result<Case, SweepError> {
     if has_extension(path, "toml") {
         return Ok(Case { key: String::new(), scenario: Scenario::read(path)?, text: String::new() });
     }
-    // As `simulate` has it; cases of other names are known, too.
+    // As for `simulate`; names of cases are accepted, too.
     let file = match BuiltIn::find(name) {
         Ok(scenario) => scenario,
         Err(unknown) => *CASES.iter().find(|case| case.name == name).ok_or(unknown)?,
@@ -53,7 +53,7 @@ pub(super) fn track(mut system: System, plan: &Plan, index: usize) -> Result<Tra
     Ok(Track { system, run })
 }
 
-/// What is looked at in runs of a system.
+/// The outputs that runs of a system record.
 pub(super) fn wanted(system: &System, plan: &Plan) -> Result<Wanted, SweepError> {
     let outputs = &plan.study.outputs;
     let columns: Vec<Column> =
@@ -93,7 +93,7 @@ pub(super) fn wanted(system: &System, plan: &Plan) -> Result<Wanted, SweepError>
     Ok(wanted)
 }
 
-/// That every name means a variable which can be set. Which values an FMU takes is a matter of each run.
+/// Checks that every name means a variable which can be set. Each run checks whether the FMU accepts its values.
 pub(super) fn check(track: &Track, plan: &Plan, index: usize) -> Result<(), SweepError> {
     let mut master = track.system.master(track.run.coupling).map_err(|error| setting(plan, index, error))?;
     if plan.sampler.draws() == 0 {

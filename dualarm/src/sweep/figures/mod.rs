@@ -1,4 +1,4 @@
-//! Figures of a run: of any system those of chosen outputs, of a grasp how good it was.
+//! Figures of a run: for any system statistics of selected outputs, for a grasp its quality.
 //!
 //! | figure of an output `y` | |
 //! |:--|:--|
@@ -22,7 +22,7 @@ use fmi2_cosim::run::Observer;
 use fmi2_import::Instance;
 use tally::{OF_OUTPUT, Tally};
 
-/// The figures of a grasp: names, units, and what they are. [`Merit`] defines those that it has.
+/// The figures of a grasp: names, units, and descriptions. [`Merit`] defines those that it contains.
 pub const GRASP: [(&str, &str, &str); 13] = [
     ("settling", "s", "all of (17): forces, angles and position stay within 2 % of their travel"),
     ("settling_forces", "s", "of both contact forces alone"),
@@ -144,13 +144,14 @@ impl<'a> Gauge<'a> {
             latest = latest.max(quiet(times, &angle, aim, BAND * travel)?);
         }
         let (position, aim) = (table.column("y_object")?, *table.column("y_object_d")?.last()?);
-        // Where both tips meet again half-way, the object's own travel is nothing to measure by.
+        // If both tips meet again half-way, the object's own travel is too small to be a reference.
         let travel = (aim - position.first()?).abs().max(self.length.unwrap_or_default() * way);
         Some(latest.max(quiet(times, &position, aim, BAND * travel)?))
     }
 }
 
-/// Time from which on the rms error of the next [`WINDOW`] stays below a band; `None` if it does not for [`REST`] of the run.
+/// Time after which the rms error of the next [`WINDOW`] stays below a band; `None` if this lasts for less than [`REST`] of
+/// the run.
 fn quiet(times: &[f64], values: &[f64], target: f64, band: f64) -> Option<f64> {
     let mut sums = Vec::with_capacity(values.len() + 1);
     sums.push(0.0);

@@ -3,7 +3,7 @@
 /// Figures of one output.
 pub(super) const OF_OUTPUT: [&str; 5] = ["last", "min", "max", "mean", "rms"];
 
-/// What one output has done so far.
+/// The statistics of one output so far.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tally {
     time: f64,

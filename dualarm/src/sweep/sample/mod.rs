@@ -1,8 +1,8 @@
-//! Points: which values a draw has.
+//! Points: the values of a draw.
 //!
-//! Every draw is a function of the study and the draw's index alone, so it does not matter who computes it, nor when:
-//! random numbers are `ChaCha8` (RFC 8439's cipher with eight rounds) under the study's seed, with a stream per draw. A
-//! unit coordinate u per parameter becomes a value of its range by inversion of the distribution, with logarithms and
+//! Every draw is a function of the study and the draw's index alone, so it does not matter where and when it is computed.
+//! Random numbers are `ChaCha8` (RFC 8439's cipher with eight rounds) with the study's seed and one stream per draw. A unit
+//! coordinate u per parameter becomes a value of its range by inversion of the distribution, with logarithms and
 //! exponentials that are the same on every platform.
 //!
 //! * Latin hypercube: M. D. `McKay`, R. J. Beckman, W. J. Conover, *Technometrics* 21 (1979) 239–245,
@@ -40,16 +40,16 @@ pub enum SampleError {
     /// The table lacks a parameter.
     #[error("{place}: {table} has no column \"{name}\"; it has {columns}")]
     NoColumn {
-        /// Where the parameter stands.
+        /// The place of the parameter.
         place: String,
         /// The file.
         table: String,
         /// The parameter.
         name: String,
-        /// What there is.
+        /// The existing columns.
         columns: String,
     },
-    /// A number that is none of what is needed.
+    /// A number that does not fit its parameter.
     #[error("{table}, row {row}, column \"{name}\": {problem}")]
     Cell {
         /// The file.
@@ -58,7 +58,7 @@ pub enum SampleError {
         row: usize,
         /// The parameter.
         name: String,
-        /// What is wrong.
+        /// The fault.
         problem: String,
     },
 }
@@ -223,7 +223,7 @@ fn column(varied: &Varied, points: &Points, coordinates: Coordinates) -> Result<
     Ok(column.clone())
 }
 
-/// What random numbers are for: each use has a key of its own.
+/// The purposes of random numbers; each has a key of its own.
 enum Purpose {
     Coordinates,
     Seeds,
@@ -240,7 +240,7 @@ fn stream(seed: u64, purpose: Purpose, index: u64) -> ChaCha8Rng {
     random
 }
 
-/// 52 bits and a half: never 0 or 1, and exact in a double.
+/// 52 bits and a half: never 0 or 1, and exact as a double.
 fn open_unit(bits: u64) -> f64 {
     ((bits >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
 }
@@ -251,7 +251,7 @@ fn permutation(seed: u64, dimension: u64, count: u64) -> Vec<u32> {
     #[allow(clippy::cast_possible_truncation)] // at most `MOST_RUNS`
     let mut order: Vec<u32> = (0..count as u32).collect();
     for last in (1..order.len()).rev() {
-        // The upper half of a product: uniform to 1 in 2⁴⁰ for so few.
+        // The upper half of a product: uniform to 1 in 2⁴⁰ for such small numbers.
         let below = (u128::from(random.next_u64()) * (last as u128 + 1)) >> 64;
         #[allow(clippy::cast_possible_truncation)] // at most `last`
         order.swap(last, below as usize);

@@ -1,4 +1,4 @@
-//! Study files: which system runs how often, what is drawn for each run, and what is looked at.
+//! Study files: the system, the number of runs, the values that are drawn for each run, and the recorded outputs.
 //!
 //! ```
 //! use dualarm::sweep::study::Study;
@@ -38,39 +38,39 @@ pub use range::{Range, Varied};
 /// A study as its file describes it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
-    /// What it is, in a few words.
+    /// A short title.
     pub title: String,
-    /// What it shows.
+    /// A description of its purpose.
     pub description: String,
-    /// What is run.
+    /// The system.
     pub system: Source,
-    /// The controllers that each draw is run with; none: the system as it is.
+    /// The controllers with which each draw is run; empty: the system unchanged.
     pub entrants: Vec<Entrant>,
     /// How points are chosen.
     pub method: Method,
-    /// How many points; `None` where the method says.
+    /// Number of points; `None` if the method determines it.
     pub draws: Option<u64>,
     /// Of all random numbers.
     pub seed: u64,
     /// The file with the points of [`Method::Table`].
     pub points: Option<PathBuf>,
-    /// What the numbers of that file are.
+    /// The kind of the numbers in that file.
     pub coordinates: Coordinates,
     /// How to run, where the study has its own mind.
     pub experiment: RunOptions,
     /// Values that all runs have in common.
     pub parameters: Vec<Located<Setting>>,
-    /// What differs from draw to draw.
+    /// The parameters that are drawn.
     pub vary: Vec<Varied>,
     /// Outputs whose last, smallest, largest, mean and rms value each run reports.
     pub outputs: Vec<String>,
-    /// What a run has to reach to be a success.
+    /// The conditions for the success of a run.
     pub success: Vec<Bound>,
     /// The folder of its file; `None` if it was read from a text.
     pub folder: Option<PathBuf>,
 }
 
-/// What is run.
+/// The system of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Source {
     /// A built-in scenario or case, a scenario file, or an SSP, as written.
@@ -84,7 +84,7 @@ pub enum Source {
 pub struct Entrant {
     /// As for `compare --controllers`: a name, a preset (.toml), or an FMU.
     pub name: String,
-    /// What tables call it, instead of its own title.
+    /// Its title in tables, instead of its own.
     pub title: Option<String>,
     /// Communication step in s instead of the study's.
     pub step: Option<f64>,
@@ -108,7 +108,7 @@ pub enum Method {
     Table,
 }
 
-/// What the numbers of a table of points are.
+/// The kind of the numbers in a table of points.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Coordinates {
@@ -119,7 +119,7 @@ pub enum Coordinates {
     Unit,
 }
 
-/// What a figure of a run may be at most and must be at least.
+/// The smallest and the largest allowed value of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bound {
     /// The figure's name.
@@ -128,7 +128,7 @@ pub struct Bound {
     pub min: Option<f64>,
     /// At most.
     pub max: Option<f64>,
-    /// Where it stands, for messages.
+    /// Its place, for messages.
     pub place: SourceLine,
 }
 
@@ -153,7 +153,7 @@ pub enum StudyError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What is wrong there.
+        /// The fault.
         message: String,
     },
 }
@@ -162,7 +162,7 @@ impl Study {
     /// Reads a study file.
     ///
     /// # Errors
-    /// When it cannot be read or is no study; says where and what.
+    /// When it cannot be read or is not a study; the error names the place and the fault.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let text = read_text(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
         let study = Self::parse(&path.display().to_string(), &text)?;
@@ -172,12 +172,12 @@ impl Study {
     /// Reads the text of a study file; `file` is its name in messages.
     ///
     /// # Errors
-    /// When it is no study; says where and what.
+    /// When it is not a study; the error names the place and the fault.
     pub fn parse(file: &str, text: &str) -> Result<Self, StudyError> {
         file::parse(file, text)
     }
 
-    /// A path that the study names: relative to the folder of its file, if there is such a file, or else as written.
+    /// A path in the study: relative to the folder of its file, if there is such a file, otherwise as written.
     #[must_use]
     pub fn path(&self, written: &Path) -> PathBuf {
         let beside = self.folder.as_ref().map(|folder| folder.join(written));

@@ -1,4 +1,4 @@
-//! What a parameter is drawn from.
+//! The range or distribution of a parameter.
 
 use std::fmt;
 
@@ -21,15 +21,15 @@ pub struct Varied {
     pub name: String,
     /// Variables as settings name them, and the factor that each has on the number: 1 or −1.
     pub targets: Vec<(String, f64)>,
-    /// What is drawn.
+    /// Its range.
     pub range: Range,
     /// How many values a grid takes of it.
     pub count: u64,
-    /// Where it stands, for messages.
+    /// Its place, for messages.
     pub place: SourceLine,
 }
 
-/// What a parameter is drawn from.
+/// The range or distribution of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Range {
     /// All numbers between two, alike.
@@ -110,7 +110,7 @@ impl<'de> Deserialize<'de> for RangeEntry {
     }
 }
 
-/// The parameter that an entry means; `method` says what it must have.
+/// The parameter of an entry; `method` determines the keys that it must have.
 pub(super) fn varied(
     name: String,
     RangeEntry(table): RangeEntry,

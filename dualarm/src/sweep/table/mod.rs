@@ -1,12 +1,12 @@
-//! The result: one row a run, in the order of runs, as Parquet or CSV.
+//! The result: one row per run, in the order of runs, as Parquet or CSV.
 //!
 //! | column | type | |
 //! |:--|:--|:--|
 //! | `run`, `draw` | integers | runs of one draw have the same values |
-//! | `controller` | text | where the study names controllers |
-//! | a parameter's name | number, integer, truth value or text | what was drawn |
-//! | `status`, `error` | texts | `ok`, or what became of the run and why |
-//! | `success` | truth value | where the study says what one is |
+//! | `controller` | text | if the study names controllers |
+//! | a parameter's name | number, integer, truth value or text | the drawn value |
+//! | `status`, `error` | texts | `ok`, or the status of the run and its reason |
+//! | `success` | truth value | if the study defines success |
 //! | a figure's name | number, or nothing | |
 
 mod results;
@@ -19,7 +19,7 @@ use super::study::{Bound, Method, Range};
 use super::{Row, Status};
 pub use results::Results;
 
-/// What a column holds.
+/// The type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// 64-bit integers.
@@ -37,7 +37,7 @@ pub enum Kind {
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// What it holds.
+    /// Its type.
     pub kind: Kind,
     /// Whether it may hold nothing.
     pub optional: bool,
@@ -96,7 +96,7 @@ impl<'a> Layout<'a> {
         &self.columns
     }
 
-    /// Whether a run is a success; `None` if the study does not say what one is.
+    /// Whether a run is a success; `None` if the study does not define success.
     #[must_use]
     pub fn success(&self, row: &Row) -> Option<bool> {
         let bounds = &self.plan.study.success;
@@ -129,7 +129,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// What a parameter's column holds.
+/// The type of a parameter's column.
 fn kind(plan: &Plan, index: usize, range: &Range) -> Kind {
     let of = |values: &mut dyn Iterator<Item = Value>| {
         let mut kind = None;

@@ -28,13 +28,13 @@ pub enum Map {
     Rates,
 }
 
-/// What a map is made of.
+/// The input of a map.
 pub struct Request<'a> {
     pub map: Map,
     /// Keys of the controllers; empty for those of the paper and NABFC-R.
     pub controllers: &'a [String],
     pub settings: Settings,
-    /// Where the figure goes.
+    /// The path of the figure.
     pub out: Option<&'a Path>,
     pub as_json: bool,
 }

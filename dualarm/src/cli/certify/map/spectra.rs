@@ -28,7 +28,7 @@ pub struct Spectra {
 #[derive(Serialize)]
 struct Loop {
     title: &'static str,
-    /// What the argument principle counts, multiple ones as often as they count.
+    /// The count by the argument principle, with multiplicities.
     counted: u32,
     /// Real part, imaginary part \[1/s\], multiplicity.
     eigenvalues: Vec<(f64, f64, u32)>,

@@ -19,7 +19,7 @@ const DELAYS: [usize; 4] = [0, 1, 2, 3];
 const SHORTEST: f64 = 2e-5;
 const LONGEST: f64 = 5e-3;
 const RATIO: f64 = 1.06;
-/// Above 1 by more than what rounding adds to an eigenvalue on the circle.
+/// Above 1 by more than the rounding error of an eigenvalue on the circle.
 const UNSTABLE: f64 = 1.0 + 1e-10;
 
 /// The spectral radius of one step.
@@ -50,7 +50,7 @@ pub struct Steps {
 struct Row {
     controller: &'static str,
     title: &'static str,
-    /// By steps of delay: the first unstable step \[s\], none up to the longest that was examined.
+    /// By steps of delay: the first unstable step \[s\]; `None` if every examined step is stable.
     first_unstable: [Option<f64>; DELAYS.len()],
 }
 

@@ -1,7 +1,7 @@
 //! Line charts as SVG, drawn with plotters.
 //!
-//! Plotters places everything on whole units. So a chart is drawn on a canvas of ten units per px and scaled down by the
-//! SVG's own size.
+//! Plotters rounds all coordinates to whole units. So a chart is drawn on a canvas of ten units per px and scaled down by
+//! the SVG's own size.
 
 mod panel;
 mod pen;
@@ -60,9 +60,9 @@ pub struct Panel {
     pub y_label: String,
     /// Shown range of the horizontal axis.
     pub x_range: (f64, f64),
-    /// What the vertical axis must at least show; it grows with the curves.
+    /// Values that the vertical axis must include; it grows with the curves.
     pub y_include: Vec<f64>,
-    /// The vertical axis follows the curves from this time on; what leaves it before is cut off.
+    /// The vertical axis fits the curves from this time on; earlier parts beyond it are cut off.
     pub y_from: Option<f64>,
     /// Width relative to the other panels of the row; 0 counts as 1.
     pub weight: f64,
@@ -133,7 +133,7 @@ impl Figure {
         self.svg(true)
     }
 
-    /// The same without the title, which the caption of a paper says.
+    /// The same without the title, for papers whose captions contain it.
     ///
     /// # Panics
     /// Never: drawing into a string cannot fail.
@@ -196,8 +196,8 @@ impl Figure {
         Ok(())
     }
 
-    /// Every name once, in one line above the panels, where it covers nothing. False if there is nothing to tell apart,
-    /// or marks tell all curves apart.
+    /// Draws every name once, in one line above the panels, where it covers nothing. False if there is only one curve, or
+    /// marks identify all curves.
     fn draw_legend(&self, canvas: &Canvas, top: f64) -> Result<bool, DrawingAreaErrorKind<std::io::Error>> {
         let mut entries: Vec<&Curve> = Vec::new();
         let mut all_marked = true;
@@ -222,7 +222,7 @@ impl Figure {
         Ok(true)
     }
 
-    /// What plotters cannot say: size in px, round joins, a description for screen readers.
+    /// Adds features that plotters lacks: size in px, round joins, a description for screen readers.
     fn polish(&self, svg: &str) -> String {
         let (width, height) = self.size;
         let start = svg.find("<svg").map_or(0, |at| at + 4);

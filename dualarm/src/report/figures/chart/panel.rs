@@ -13,7 +13,7 @@ const GRID: RGBColor = RGBColor(0xE6, 0xE9, 0xEE);
 const AXIS: RGBColor = RGBColor(0x9A, 0xA2, 0xAE);
 const BAND: RGBColor = RGBColor(0xE3, 0xE8, 0xEE);
 
-/// Opacity of what lies between the edges of a band.
+/// Opacity of the area between the edges of a band.
 const BAND_OPACITY: f64 = 0.28;
 
 impl Panel {

@@ -18,8 +18,7 @@ pub(super) fn ticks(range: (f64, f64), wanted: f64) -> (Vec<f64>, usize) {
     (ticks, decimals)
 }
 
-/// Two points per column of pixels, the smallest and the largest, and both ends: what the eye could see of the curve
-/// stays.
+/// Two points per column of pixels, the smallest and the largest, and both ends: all visible features of the curve remain.
 pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), columns: f64) -> Vec<(f64, f64)> {
     let width = (range.1 - range.0) / columns;
     #[allow(clippy::cast_possible_truncation)] // thousands at most
@@ -39,7 +38,7 @@ pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), columns: f64) -
     without_collinear(kept)
 }
 
-/// Width in px in which a swing and back is too fast to be seen.
+/// Width in px below which one oscillation is too fast to be seen.
 const BIN: f64 = 4.0;
 /// Smaller swings in px are no thicker than the line.
 const SMALLEST: f64 = 3.0;
@@ -47,7 +46,7 @@ const SMALLEST: f64 = 3.0;
 /// A piece of a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Piece {
-    /// What the eye can follow.
+    /// A part that the eye can follow.
     Line(Vec<(f64, f64)>),
     /// Where it swings faster than the picture can show: its upper and its lower edge.
     Band(Vec<(f64, f64)>, Vec<(f64, f64)>),
@@ -61,7 +60,8 @@ struct Bin<'a> {
     turns: u32,
 }
 
-/// A curve as lines, and as bands where it chatters. `size` is that of the plot in px, `y_span` what its height shows.
+/// A curve as lines, and as bands where it chatters. `size` is that of the plot in px, `y_span` the range of its vertical
+/// axis.
 pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size: (f64, f64)) -> Vec<Piece> {
     let inside: Vec<_> =
         points.iter().copied().filter(|(x, y)| *x >= range.0 && *x <= range.1 && y.is_finite()).collect();
@@ -153,7 +153,7 @@ pub(in crate::report::figures) fn chatter(points: &[(f64, f64)], range: (f64, f6
     });
     let (from, to) = stretches.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
     let at = f64::midpoint(from, to);
-    // A swing is what goes through a good part of the band's height, not the ripple on it.
+    // An oscillation must cover a good part of the band's height; a ripple does not count.
     let near = between(at, at + (to - from) / 16.0);
     let (low, high) = extremes(&near);
     let (mut is_up, mut turns) = (None, 0_u32);

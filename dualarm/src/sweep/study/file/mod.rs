@@ -96,7 +96,7 @@ struct BoundTable {
     max: Option<f64>,
 }
 
-/// What is wrong, and at which byte of the text.
+/// A fault, and its byte in the text.
 pub(super) type Fault = (usize, String);
 
 pub(super) fn parse(file: &str, text: &str) -> Result<Study, StudyError> {
@@ -114,7 +114,7 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Study, StudyError> {
     read.study(&place).map_err(content)
 }
 
-/// What to say about a name that a dot parts in two: TOML takes the second half for a key inside of the first.
+/// A hint for a name that a dot divides in two: TOML takes the second half for a key inside the first.
 fn dotted(text: &str, offset: usize) -> &'static str {
     if text[..offset].ends_with('.') { " (write \"Component.name\" with its quotation marks)" } else { "" }
 }
@@ -180,7 +180,7 @@ impl File {
         })
     }
 
-    /// What a method needs, and what it cannot have.
+    /// Checks the keys that a method needs, and those that it must not have.
     fn check_method(&self) -> Result<(), Fault> {
         let method = *self.method.get_ref();
         let at = self.method.span().start;
@@ -232,7 +232,7 @@ impl ExperimentTable {
         if let Some(wrong) = tolerance.as_ref().filter(|tolerance| !is_tolerance(*tolerance.get_ref())) {
             return Err((wrong.span().start, "the tolerance must be a positive number".into()));
         }
-        // Start, stop, step and interval are checked together with what the system says of them.
+        // Start, stop, step and interval are checked together with those of the system.
         Ok(RunOptions {
             start: self.start,
             stop: self.stop,
