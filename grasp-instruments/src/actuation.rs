@@ -21,14 +21,14 @@ pub struct Command {
     pub name: &'static str,
     /// SI unit in FMI's notation.
     pub unit: &'static str,
-    /// What it is.
+    /// Its description.
     pub description: &'static str,
     /// Index of the plant's channel that takes it: 0 for torques, 1 for the force.
     pub channel: usize,
 }
 
 impl Command {
-    /// What stands for it in the [table of its way](CommandSettings::PARAMETERS).
+    /// The texts for it in the [table of its path](CommandSettings::PARAMETERS).
     #[must_use]
     pub const fn owner(&self) -> Owner<'static> {
         Owner { name: self.name, unit: self.unit, called: self.name }
@@ -45,9 +45,9 @@ pub const COMMANDS: [Command; COUNT] = [
 /// Settings of all commands.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActuationSettings {
-    /// Of each; sample time and inverse are filled in from what they have in common.
+    /// Settings of each command; sample time and inverse come from the common settings.
     pub commands: [CommandSettings; COUNT],
-    /// Sample time of all \[s\]; 0: none.
+    /// Sample time of all commands \[s\]; 0: none.
     pub sample_time: f64,
     /// Whether commands go through the inverse of a dead zone.
     pub dead_zone_inverse: bool,
@@ -76,7 +76,7 @@ impl ActuationSettings {
         sample_time
     );
 
-    /// The same with a sample time, if there was none.
+    /// The same settings, with this sample time if they have none.
     #[must_use]
     pub fn sampled(self, sample_time: f64) -> Self {
         Self { sample_time: if self.sample_time == 0.0 { sample_time } else { self.sample_time }, ..self }
@@ -106,7 +106,7 @@ pub struct Actuation {
 }
 
 impl Actuation {
-    /// Ways along which nothing but `commands` has come until `start` \[s\].
+    /// Paths whose input was constantly `commands` until `start` \[s\].
     ///
     /// # Errors
     /// The first setting that cannot be used.
@@ -115,28 +115,28 @@ impl Actuation {
         Ok(Self { paths: std::array::from_fn(|i| CommandPath::new(&complete[i], start, commands[i])) })
     }
 
-    /// What the actuators get.
+    /// The inputs of the actuators.
     #[must_use]
     pub fn outputs(&self, commands: &Commands) -> Commands {
         std::array::from_fn(|i| self.paths[i].output(commands[i]))
     }
 
-    /// Time derivatives of what they get, while the commands change at `rates`.
+    /// Time derivatives of the actuators' inputs, while the commands change at `rates`.
     #[must_use]
     pub fn output_rates(&self, commands: &Commands, rates: &Commands) -> Commands {
         std::array::from_fn(|i| self.paths[i].output_rate(commands[i], rates[i]))
     }
 
-    /// Derivative of what each gets by its command.
+    /// Derivative of each actuator's input with respect to its command.
     #[must_use]
     pub fn feedthrough(&self, commands: &Commands) -> Commands {
         std::array::from_fn(|i| self.paths[i].feedthrough(commands[i]))
     }
 
-    /// Goes on by `size` from `time` \[s\], for commands that start at `commands` and change at `rates`.
+    /// Advances by `size` from `time` \[s\], for commands that start at `commands` and change at `rates`.
     ///
     /// # Errors
-    /// When a number leaves its range. The state is then of no use.
+    /// When a number leaves its range. The state is then invalid.
     pub fn step(&mut self, time: f64, size: f64, commands: &Commands, rates: &Commands) -> Result<(), StepError> {
         self.paths.iter_mut().enumerate().try_for_each(|(i, path)| path.step(time, size, commands[i], rates[i]))
     }

@@ -16,8 +16,8 @@ impl SampleClock {
     pub const SHORTEST: f64 = 1e-6;
     /// Instants can be counted up to here: all integers below are doubles.
     pub(crate) const MOST: u64 = 1 << 53;
-    /// A host computes times as sums or products, so they miss an instant by some roundings. This part of a period counts
-    /// as nothing.
+    /// A host computes times as sums or products, so they miss an instant by some rounding errors. Deviations below this
+    /// part of a period are ignored.
     const SLACK: f64 = 1e-6;
 
     /// The newest instant at `time`; the first one before the start.

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 const SLOPE: Range = Range::new(1e-6, 1e6);
 
-/// Ends and slopes of the dead zone D that an inverse believes in: `D(v) = k_r (v − m_r)` above `m_r`, `k_l (v − m_l)` below `m_l`,
-/// 0 between.
+/// Ends and slopes of the dead zone D that an inverse assumes: `D(v) = k_r (v − m_r)` above `m_r`, `k_l (v − m_l)` below
+/// `m_l`, 0 between.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DeadZone {
     /// Right end `m_r` \[unit of the command\], ≥ 0.
@@ -59,7 +59,7 @@ impl DeadZone {
         }
     }
 
-    /// Derivative of [`inverse`](Self::inverse); at its jump, where there is none, 0.
+    /// Derivative of [`inverse`](Self::inverse); 0 at its jump, where no derivative exists.
     #[must_use]
     pub fn inverse_slope(&self, wanted: f64) -> f64 {
         if wanted > 0.0 {

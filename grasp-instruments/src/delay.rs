@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::clock::SampleClock;
 
-/// The longest delay, in samples: what bounds the size of a state.
+/// The longest delay, in samples. It bounds the size of a state.
 pub const LONGEST_LINE: usize = 1000;
 
 /// The newest samples of a signal. Allocates when it is made and never again.

@@ -1,5 +1,5 @@
-//! The actuator's own dynamics: a rate limit, and a first-order lag behind it. Both are exact for commands that are held or
-//! ramp: the limiter moves along straight lines, at which the lag looks.
+//! The actuator's own dynamics: a rate limit, followed by a first-order lag. Both are exact for commands that are held or
+//! ramped: the output of the limiter is piecewise linear, and the lag is solved exactly for it.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,12 +29,12 @@ impl Drive {
         self.rate_limit > 0.0 || self.bandwidth > 0.0
     }
 
-    /// What it gives now.
+    /// The present output.
     pub fn output(&self) -> f64 {
         if self.bandwidth > 0.0 { self.lagged } else { self.limited }
     }
 
-    /// Time derivative of what it gives, for a command that changes at `rate`.
+    /// Time derivative of the output, for a command that changes at `rate`.
     pub fn output_rate(&self, command: f64, rate: f64) -> f64 {
         if self.bandwidth > 0.0 {
             let input = if self.rate_limit > 0.0 { self.limited } else { command };
@@ -133,7 +133,7 @@ mod tests {
             prop_assert!((once.output() - twice.output()).abs() < 1e-12);
         }
 
-        /// Against ten thousand Euler steps, whose error is of first order.
+        /// Comparison with ten thousand Euler steps, whose error is of first order.
         #[test]
         fn the_lag_follows_the_limiter(limit in 0.5..20.0_f64, bandwidth in 1.0..100.0_f64, command in -1.0..1.0_f64) {
             let mut drive = Drive::new(limit, bandwidth, 0.0);

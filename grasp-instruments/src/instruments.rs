@@ -23,14 +23,14 @@ pub struct Signal {
     pub unit: &'static str,
     /// Order of magnitude.
     pub nominal: f64,
-    /// What it is.
+    /// Its description.
     pub description: &'static str,
     /// Whether it is the time derivative of another one, which few machines measure.
     pub is_rate: bool,
 }
 
 impl Signal {
-    /// What stands for it in the [table of its sensor](SensorSettings::PARAMETERS).
+    /// The texts for it in the [table of its sensor](SensorSettings::PARAMETERS).
     #[must_use]
     pub const fn owner(&self) -> Owner<'static> {
         Owner { name: self.name, unit: self.unit, called: self.name }
@@ -70,7 +70,7 @@ const fn signal(
 pub struct InstrumentSettings {
     /// Of each.
     pub sensors: [SensorSettings; COUNT],
-    /// Sample time of those that have none of their own \[s\]; 0: none.
+    /// Sample time of the sensors without a sample time of their own \[s\]; 0: none.
     pub sample_time: f64,
     /// Factor on all standard deviations.
     pub noise_scale: f64,
@@ -104,13 +104,13 @@ impl InstrumentSettings {
         noise_scale
     );
 
-    /// The same with a sample time, if there was none.
+    /// The same settings, with this sample time if they have none.
     #[must_use]
     pub fn sampled(self, sample_time: f64) -> Self {
         Self { sample_time: if self.sample_time == 0.0 { sample_time } else { self.sample_time }, ..self }
     }
 
-    /// What each sensor does in the end, checked.
+    /// The complete and checked settings of each sensor.
     fn complete(&self) -> Result<[SensorSettings; COUNT], SettingError> {
         check(&[Self::SAMPLE_TIME, Self::NOISE_SCALE], self)?;
         let mut sensors = self.sensors;
@@ -133,7 +133,7 @@ pub struct Instruments {
 }
 
 impl Instruments {
-    /// Sensors that have seen nothing but `inputs` until `start` \[s\].
+    /// Sensors whose inputs were constantly `inputs` until `start` \[s\].
     ///
     /// # Errors
     /// The first setting that cannot be used.
@@ -144,28 +144,28 @@ impl Instruments {
         Ok(Self { sensors })
     }
 
-    /// What the sensors show.
+    /// The outputs of the sensors.
     #[must_use]
     pub fn outputs(&self, inputs: &Signals) -> Signals {
         std::array::from_fn(|i| self.sensors[i].output(inputs[i]))
     }
 
-    /// Time derivatives of what they show, while the inputs change at `rates`.
+    /// Time derivatives of the outputs, while the inputs change at `rates`.
     #[must_use]
     pub fn output_rates(&self, inputs: &Signals, rates: &Signals) -> Signals {
         std::array::from_fn(|i| self.sensors[i].output_rate(inputs[i], rates[i]))
     }
 
-    /// Derivative of what each shows by its input.
+    /// Derivative of each output with respect to its input.
     #[must_use]
     pub fn feedthrough(&self) -> Signals {
         std::array::from_fn(|i| self.sensors[i].feedthrough())
     }
 
-    /// Goes on by `size` from `time` \[s\], for inputs that start at `inputs` and change at `rates`.
+    /// Advances by `size` from `time` \[s\], for inputs that start at `inputs` and change at `rates`.
     ///
     /// # Errors
-    /// When a number leaves its range. The state is then of no use.
+    /// When a number leaves its range. The state is then invalid.
     pub fn step(&mut self, time: f64, size: f64, inputs: &Signals, rates: &Signals) -> Result<(), StepError> {
         for (i, sensor) in self.sensors.iter_mut().enumerate() {
             if !sensor.reaches(time + size) {

@@ -1,6 +1,7 @@
 //! The first-order lag ẏ = ω (x − y), exact for inputs that are held or ramp.
 
-/// Where the lag is after `time` \[s\], from `y`, for an input that starts at `x` and changes at `rate`; ω > 0 in rad/s.
+/// The output of the lag after `time` \[s\], from `y`, for an input that starts at `x` and changes at `rate`; ω > 0 in
+/// rad/s.
 pub(crate) fn lag(omega: f64, y: f64, x: f64, rate: f64, time: f64) -> f64 {
     let followed = -libm::expm1(-omega * time);
     y + (x - y) * followed + rate * (time - followed / omega)
@@ -17,7 +18,7 @@ mod tests {
     }
 
     proptest! {
-        /// y = x − r/ω + r t + c e^{−ωt}, the textbook solution, whose own cancellation sets the bound.
+        /// y = x − r/ω + r t + c e^{−ωt}, the textbook solution. Its own cancellation determines the tolerance.
         #[test]
         fn step_and_ramp_responses_are_exact(
             omega in 1.0..5e3_f64, time in 1e-5..1e-1_f64, y in -5.0..5.0_f64, x in -5.0..5.0_f64, rate in -50.0..50.0_f64,

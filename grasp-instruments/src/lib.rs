@@ -1,9 +1,9 @@
-//! What sensors show of the grasp's signals, and what becomes of the commands on their way to the actuators.
+//! Sensors for the signals of the grasp, and the paths of the commands to the actuators.
 //!
-//! A [`Sensor`] is a low-pass, a sampler that adds bias and noise, a quantiser and a delay; [`Instruments`] are one for
-//! each signal that a controller measures. A [`CommandPath`] is the inverse of a dead zone, a sampler, a delay, a rate
-//! limit and a lag; an [`Actuation`] is one for each command. With the default settings both pass every signal on to the
-//! bit.
+//! A [`Sensor`] is a low-pass, a sampler that adds bias and noise, a quantiser and a delay; [`Instruments`] are one sensor
+//! for each signal that a controller measures. A [`CommandPath`] is the inverse of a dead zone, a sampler, a delay, a rate
+//! limit and a lag; an [`Actuation`] is one path for each command. With the default settings both pass every signal on bit
+//! for bit.
 //!
 //! ```
 //! use grasp_instruments::{Sensor, SensorSettings, Stream};
@@ -14,12 +14,14 @@
 //! assert_eq!(encoder.output(0.0), 0.99);
 //! ```
 //!
-//! **Samples.** Instants are t₀ + k T, whatever the steps: noise has the same spectrum, and the same values, for every step
-//! size. A step from t to t + h takes the samples in (t, t + h], of inputs that are held or ramp over the step.
+//! **Samples.** Sampling instants are t₀ + k T, whatever the steps: noise has the same spectrum, and the same values, for
+//! every step size. A step from t to t + h takes the samples in (t, t + h], of inputs that are held or ramped over the
+//! step.
 //!
 //! **Noise.** The k-th sample of a signal has the deviate Φ⁻¹(u), with u from the k-th block of a counter-based generator
-//! ([`philox`]): a pure function of seed, signal and k. So the only random state is k, a repeated step repeats its noise, and
-//! signals are independent of each other. Nothing depends on the machine: integers, and IEEE arithmetic in a fixed order.
+//! ([`philox`]): a pure function of seed, signal and k. So k is the only random state, a repeated step repeats its noise,
+//! and the noises of different signals are independent. The values do not depend on the machine: they use integers, and
+//! IEEE arithmetic in a fixed order.
 
 #![allow(clippy::float_cmp)]
 

@@ -1,8 +1,8 @@
 //! Normal deviates by inversion: one uniform number for one deviate.
 //!
 //! Rejection methods (polar, ziggurat) need an unknown number of uniform numbers, so the k-th deviate depends on all those
-//! before it; sums of uniform numbers have no tails. The inverse distribution function needs exactly one number: the k-th
-//! deviate stands for itself.
+//! before it; sums of uniform numbers have no tails. The inverse distribution function needs exactly one number, so the
+//! k-th deviate does not depend on others.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +25,7 @@ impl Stream {
         let counter = [index as u32, (index >> 32) as u32, self.number, 0];
         let [low, high, ..] = philox::block(counter, [self.seed, 0]);
         let bits = u64::from(high) << 32 | u64::from(low);
-        // 52 bits and a half: symmetric, never 0 or 1, and exact in a double.
+        // 52 bits and a half: symmetric, never 0 or 1, and exact as a double.
         quantile(((bits >> 12) as f64 + 0.5) * (1.0 / (1_u64 << 52) as f64))
     }
 }

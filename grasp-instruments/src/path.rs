@@ -1,7 +1,7 @@
-//! The way of one command: inverse of the dead zone, sampling, delay, rate limit, lag.
+//! The path of one command: inverse of the dead zone, sampling, delay, rate limit, lag.
 //!
-//! The inverse belongs to the control software, so it comes first, and what delays and smooths the command smears its jump
-//! at zero, as it does in a real drive.
+//! The inverse belongs to the control software, so it comes first. The later parts delay and smooth its jump at zero, as in
+//! a real drive.
 
 use parameter_table::{Owner, Parameter, Range, check_of, parameter};
 use serde::{Deserialize, Serialize};
@@ -16,18 +16,18 @@ use crate::setting::SettingError;
 /// So many samples of a command are taken in one step at most; more of them would keep a host waiting.
 pub const MOST_SAMPLES: u64 = 1_000_000;
 
-/// What happens to a command. Zero switches each part off.
+/// The effects on a command. Zero switches each of them off.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CommandSettings {
     /// Time between two samples \[s\]; without, commands go on at every moment.
     pub sample_time: f64,
     /// Time from a sample until it is sent \[s\]. Needs a sample time.
     pub delay: f64,
-    /// Greatest rate of what is sent \[unit of the command per second\].
+    /// Largest rate of the sent command \[unit of the command per second\].
     pub rate_limit: f64,
     /// Bandwidth of a first-order lag behind the rate limit \[rad/s\].
     pub bandwidth: f64,
-    /// The dead zone whose inverse the command goes through first.
+    /// The dead zone whose inverse is applied first.
     pub inverse: Option<DeadZone>,
 }
 
@@ -48,7 +48,7 @@ impl CommandSettings {
     /// Checks the settings of the command of that name.
     ///
     /// # Errors
-    /// The first that cannot be used, with what to do.
+    /// The first setting that cannot be used, with what to do.
     pub fn check(&self, command: &str) -> Result<(), SettingError> {
         check_of(Owner::named(command), &Self::PARAMETERS, self)?;
         if self.sample_time > 0.0 {
@@ -95,8 +95,7 @@ struct Samples {
 }
 
 impl CommandPath {
-    /// The way with [checked](CommandSettings::check) settings, along which nothing but `command` has come until `start`
-    /// \[s\].
+    /// The path with [checked](CommandSettings::check) settings, whose input was constantly `command` until `start` \[s\].
     #[must_use]
     pub fn new(settings: &CommandSettings, start: f64, command: f64) -> Self {
         let first = settings.inverse.map_or(command, |zone| zone.inverse(command));
@@ -109,13 +108,13 @@ impl CommandPath {
         Self { inverse: settings.inverse, samples, drive: Drive::new(settings.rate_limit, settings.bandwidth, first) }
     }
 
-    /// What the actuator gets now, while the controller says `command`.
+    /// The present input of the actuator, while the controller commands `command`.
     #[must_use]
     pub fn output(&self, command: f64) -> f64 {
         if self.drive.is_on() { self.drive.output() } else { self.before_drive(command) }
     }
 
-    /// Time derivative of [`output`](Self::output), while the command changes at `rate`; jumps have none.
+    /// Time derivative of [`output`](Self::output), while the command changes at `rate`, without jumps.
     #[must_use]
     pub fn output_rate(&self, command: f64, rate: f64) -> f64 {
         let rate = if self.samples.is_some() { 0.0 } else { rate * self.slope(command) };
@@ -140,10 +139,10 @@ impl CommandPath {
         self.inverse.map_or(command, |zone| zone.inverse(command))
     }
 
-    /// Goes on by `size` from `time` \[s\], for a command that starts at `command` and changes at `rate`.
+    /// Advances by `size` from `time` \[s\], for a command that starts at `command` and changes at `rate`.
     ///
     /// # Errors
-    /// When a number leaves its range. The state is then of no use.
+    /// When a number leaves its range. The state is then invalid.
     pub fn step(&mut self, time: f64, size: f64, command: f64, rate: f64) -> Result<(), StepError> {
         if self.samples.is_some() {
             self.step_sampled(time, size, command, rate)?;

@@ -2,7 +2,8 @@
 //!
 //! J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, *Parallel random numbers: as easy as 1, 2, 3*, SC '11,
 //! [doi:10.1145/2063384.2063405](https://doi.org/10.1145/2063384.2063405). Its output passes the batteries `SmallCrush`,
-//! `Crush` and `BigCrush`. It is a bijection of the counter for each key, so any block can be had without those before it.
+//! `Crush` and `BigCrush`. It is a bijection of the counter for each key, so any block can be computed without those before
+//! it.
 
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];

@@ -5,13 +5,13 @@ use crate::instruments::{COUNT, SIGNALS};
 use crate::path::CommandSettings;
 use crate::sensor::SensorSettings;
 
-/// Sample time that goes with the profiles \[s\], unless the user has another one: a control computer at 1 kHz.
+/// Sample time of the profiles \[s\], unless the user sets another one: a control computer at 1 kHz.
 pub const SAMPLE_TIME: f64 = 1e-3;
 
 /// Delay of the commands in the profile of that name \[s\].
 pub const DELAY: f64 = 2e-3;
 
-/// Steps of a turn that an encoder of 16 bits tells apart.
+/// Number of steps of a turn that an encoder of 16 bits resolves.
 const ENCODER_STEPS: f64 = 65_536.0;
 
 /// White noise of about one percent of the signals in the paper's case, in each sample.
@@ -33,7 +33,7 @@ pub fn noise() -> [SensorSettings; COUNT] {
 }
 
 /// Encoders of 16 bits at the hubs, a scale of 10 µm at the object, strain gauges whose converters resolve 0.5 mN·m at the
-/// roots and 2.5 mN at the tips; nothing that measures rates.
+/// roots and 2.5 mN at the tips; no sensors of rates.
 #[must_use]
 pub fn encoders() -> [SensorSettings; COUNT] {
     sensors(|name| {

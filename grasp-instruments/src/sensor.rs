@@ -16,12 +16,12 @@ const FINEST: f64 = (1_u64 << 52) as f64;
 const NUMBER: Range = Range::new(0.0, 1e9);
 pub(crate) const TIME: Range = Range::new(0.0, 1e6);
 
-/// What a sensor does to its signal. Zero switches each part off.
+/// The effects of a sensor on its signal. Zero switches each of them off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SensorSettings {
-    /// Standard deviation of the white noise that each sample has \[unit of the signal\]. Needs a sample time.
+    /// Standard deviation of the white noise in each sample \[unit of the signal\]. Needs a sample time.
     pub noise: f64,
-    /// What is added to the signal \[unit of the signal\].
+    /// Constant added to the signal \[unit of the signal\].
     pub bias: f64,
     /// Distance of the values that can be shown, multiples of this one \[unit of the signal\].
     pub lsb: f64,
@@ -65,7 +65,7 @@ impl SensorSettings {
     /// Checks the settings of the signal of that name.
     ///
     /// # Errors
-    /// The first that cannot be used, with what to do.
+    /// The first setting that cannot be used, with what to do.
     pub fn check(&self, signal: &str) -> Result<(), SettingError> {
         check_of(Owner::named(signal), &Self::PARAMETERS, self)?;
         let Self { noise, delay, sample_time, .. } = *self;
@@ -117,8 +117,8 @@ struct Samples {
 }
 
 impl Sensor {
-    /// A sensor with [checked](SensorSettings::check) settings, which has seen nothing but `input` until `start` \[s\]. Its
-    /// noise is that of `stream`.
+    /// A sensor with [checked](SensorSettings::check) settings, whose input was constantly `input` until `start` \[s\]. Its
+    /// noise comes from `stream`.
     #[must_use]
     pub fn new(settings: SensorSettings, stream: Stream, start: f64, input: f64) -> Self {
         let mut sensor = Self { settings, stream, filtered: input, samples: None };
@@ -131,7 +131,7 @@ impl Sensor {
         sensor
     }
 
-    /// What the sensor shows now, with `input` before it.
+    /// The present output of the sensor for the input `input`.
     #[must_use]
     pub fn output(&self, input: f64) -> f64 {
         match &self.samples {
@@ -142,7 +142,7 @@ impl Sensor {
         }
     }
 
-    /// Time derivative of [`output`](Self::output), while the input changes at `rate`; steps have none.
+    /// Time derivative of [`output`](Self::output), while the input changes at `rate`, without steps.
     #[must_use]
     pub fn output_rate(&self, input: f64, rate: f64) -> f64 {
         let SensorSettings { absent, lsb, bandwidth, .. } = self.settings;
@@ -195,7 +195,7 @@ impl Sensor {
         }
     }
 
-    /// What the sampler makes of the signal.
+    /// The signal with bias, noise and quantisation, as sampled.
     fn reading(&self, index: u64, signal: f64) -> f64 {
         let noise = self.settings.noise;
         let biased = self.biased(signal);

@@ -1,4 +1,4 @@
-//! What is wrong with a setting.
+//! Faults of settings.
 
 use std::fmt;
 

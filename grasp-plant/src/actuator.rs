@@ -76,7 +76,8 @@ impl Actuator {
         kinks.first().is_some_and(|low| command <= *low) || kinks.last().is_some_and(|high| command >= *high)
     }
 
-    /// Derivative of the output by the command. At a kink: that of the flat side, as the "≥" and "≤" of (18) say.
+    /// Derivative of the output with respect to the command. At a kink it is that of the flat side, because of the "≥" and
+    /// "≤" in (18).
     #[must_use]
     pub fn slope(&self, command: f64) -> f64 {
         let c = &self.channel;

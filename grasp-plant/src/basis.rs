@@ -36,12 +36,12 @@ pub(crate) fn legendre(n: usize, t: f64) -> f64 {
 
 /// Nodes and weights of the n-point Gauss–Legendre rule on [0, 1], exact for degree 2n − 1.
 ///
-/// Basic arithmetic only, no function of the system's mathematics library: the same bits on every machine.
+/// Only basic arithmetic, without functions of the system's mathematics library: the same bits on every machine.
 pub(crate) fn gauss(n: usize) -> Vec<(f64, f64)> {
     (0..n)
         .map(|i| {
-            // The usual guess, −cos φ, by Bhāskara's formula: off by at most 0.0017 in the middle, where the nodes are far
-            // apart, and by less towards the ends.
+            // The usual first guess, −cos φ, by Bhāskara's formula. Its error is at most 0.0017 in the middle, where the
+            // nodes are far apart, and smaller towards the ends.
             let phi = (i as f64 + 0.75) / (n as f64 + 0.5) * PI;
             let cosine = |phi: f64| (PI * PI - 4.0 * phi * phi) / (PI * PI + phi * phi);
             let mut t = if phi < FRAC_PI_2 { -cosine(phi) } else { cosine(PI - phi) };

@@ -1,4 +1,4 @@
-//! What was computed for the step sizes last used: of a plant, and of all plants that share their matrices.
+//! Results for the step sizes last used, of a plant and of all plants that share their matrices.
 
 use crate::step_sizes::REMEMBERED;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,7 +12,7 @@ pub(crate) trait OfOneSize {
 /// Step sizes kept: as many as a state remembers.
 const CAPACITY: usize = REMEMBERED;
 
-/// The last sizes of one plant, most recent first. Clones share what was made.
+/// The last sizes of one plant, most recent first. Clones share the results.
 #[derive(Debug)]
 pub(crate) struct Cache<T> {
     entries: Vec<Arc<T>>,
@@ -43,7 +43,7 @@ impl<T> Clone for Cache<T> {
 }
 
 impl<T: OfOneSize> Cache<T> {
-    /// What belongs to step size h, made now if neither this plant nor one that shares with it has it among its last.
+    /// The result for step size h, computed now unless this plant or one that shares with it has it among its last sizes.
     #[inline]
     pub fn get(&mut self, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) -> &T {
         if !self.entries.first().is_some_and(|entry| is_of(entry, h)) {
@@ -65,7 +65,7 @@ impl<T: OfOneSize> Cache<T> {
 
 impl<T: OfOneSize> Shared<T> {
     fn get(&self, h: f64, make: impl FnOnce() -> T) -> Arc<T> {
-        // What a panicking thread left is consistent.
+        // The data stay consistent if a thread panics.
         let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(index) = entries.iter().position(|entry| is_of(entry, h)) {
             entries[..=index].rotate_right(1);
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(cache.entries[0].0.to_bits(), first.to_bits());
     }
 
-    /// What one plant has made, another of the same parameters takes.
+    /// A result of one plant is reused by another with the same parameters.
     #[test]
     fn sizes_are_made_once() {
         let (shared, mut made) = (Shared::default(), 0);

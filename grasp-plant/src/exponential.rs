@@ -1,13 +1,13 @@
 //! exp(X) − I of a matrix, without the I.
 //!
-//! nalgebra's `exp` gives exp(X) itself: there the increments of slow motions drown under the 1 on the diagonal, and with
-//! them the digits that the steps of this plant promise. So the polynomial and the doublings stand here, on nalgebra's
-//! matrices, for the increment D: exp(2X) − I is 2D + D².
+//! nalgebra's `exp` computes exp(X) itself. There the increments of slow motions lose their digits to the 1 on the
+//! diagonal, and the steps of this plant need these digits. So this module computes the increment D with nalgebra's
+//! matrices, by a polynomial and doublings: exp(2X) − I is 2D + D².
 
 use crate::kernel::product;
 use nalgebra::DMatrix;
 
-/// Norm at which the degree-16 Taylor polynomial of exp leaves a remainder below the rounding unit: 0.75¹⁷/17! = 2·10⁻¹⁷.
+/// Norm at which the remainder of the degree-16 Taylor polynomial of exp is below the rounding unit: 0.75¹⁷/17! = 2·10⁻¹⁷.
 pub(crate) const TAYLOR_NORM: f64 = 0.75;
 
 /// exp(X) − I for ‖X‖ ≤ [`TAYLOR_NORM`]: the Taylor polynomial of degree 16 by Paterson and Stockmeyer, six products.

@@ -7,8 +7,8 @@
 //! ẋ = A x + B g,   Θ̇ = Bᵀ x,   Ψ̇ = Θ,   ġ = r,   ṙ = 0.
 //! ```
 //!
-//! Everything is computed as the *increment* D = exp(𝒜h) − I: a Taylor polynomial at h/2^s, then s doublings. Where A is
-//! skew, Newton–Schulz steps remove what rounding left of I − ΦᵀΦ, which the doublings would otherwise amplify.
+//! Everything is computed as the *increment* D = exp(𝒜h) − I: a Taylor polynomial at h/2^s, then s doublings. If A is
+//! skew-symmetric, Newton–Schulz steps remove the rounding error of I − ΦᵀΦ, which the doublings would otherwise amplify.
 
 use crate::dynamics::{Dynamics, FORCES};
 use crate::exponential::{TAYLOR_NORM, doubled, exp_m1, one_norm, orthogonalise};
@@ -57,7 +57,7 @@ impl Layout {
     }
 }
 
-/// The extended system 𝒜 and what depends on it alone.
+/// The extended system 𝒜 and everything that depends only on it.
 #[derive(Clone, Debug)]
 pub(crate) struct Extended {
     pub layout: Layout,
@@ -70,7 +70,7 @@ pub(crate) struct Extended {
     /// Increments of the durations base·2^level, made when first needed: see [`Self::advance`].
     ladder: Vec<OnceLock<Panels>>,
     conservative: bool,
-    /// Indices of both arms' tip coordinates, their compliance, and the arm length: what (12) is made of.
+    /// Indices of both arms' tip coordinates, their compliance, and the arm length: the coefficients of (12).
     pub tip_coordinate: [usize; 2],
     pub tip_compliance: [f64; 2],
     pub length: f64,
@@ -128,10 +128,11 @@ impl Extended {
         increment
     }
 
-    /// Advances the extended vector z by any duration from 0 to [`Self::longest_step`] without a matrix of its own: the
-    /// binary digits of the duration choose matrices of a ladder of doubled durations, and the Taylor series does the rest.
+    /// Advances the extended vector z by any duration from 0 to [`Self::longest_step`] without computing a matrix for this
+    /// duration. The binary digits of the duration select matrices for a sequence of doubled durations, and the Taylor
+    /// series does the rest.
     ///
-    /// The first use of a rung makes it and so allocates.
+    /// The first use of one of these matrices computes it and so allocates.
     pub fn advance(&self, duration: f64, z: &mut [f64], scratch: &mut [[f64; LANES]]) {
         // Exact: the base is a power of two.
         let multiple = (duration / self.base).floor();

@@ -1,9 +1,9 @@
 //! A consistent state for any start values.
 //!
-//! The deflection w_i(x, 0) is the static cubic of (16) scaled to the tip deflection that the constraint (12) asks for,
+//! The deflection w_i(x, 0) is the static cubic of (16), scaled to the tip deflection that the constraint (12) demands,
 //! w_i(l, 0) = l θ_i(0) − y_M(0) + L/2. The velocity field is the same cubic with the rate that the differentiated
-//! constraint asks for, ẇ_i(l, 0) = l θ̇_i(0) − ẏ_M(0): the grasp starts as if loaded quasi-statically, with the least
-//! strain energy and the least bending rate the start values allow. Both satisfy (9).
+//! constraint demands, ẇ_i(l, 0) = l θ̇_i(0) − ẏ_M(0). The grasp starts as if loaded quasi-statically, with the least
+//! strain energy and the least bending rate that the start values allow. Both satisfy (9).
 
 use crate::dynamics::Dynamics;
 use crate::parameters::Parameters;

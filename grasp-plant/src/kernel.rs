@@ -1,9 +1,9 @@
-//! The one kernel everything fast is built on: matrix times vector.
+//! The kernel on which all fast code is built: matrix times vector.
 //!
-//! The kernel multiplies in a fixed order with plain multiplications and additions, never fused ones, so that results do
-//! not depend on the vector units of the processor at hand: the widest it has are used, and the bits are the same.
-//! Matrices are nalgebra's; products of large ones go through the kernel too ([`product`]), because nalgebra's own choose
-//! their order by the features it is built with.
+//! The kernel multiplies in a fixed order with plain multiplications and additions, never fused ones. So results do not
+//! depend on the vector units of the processor: the widest available ones are used, and the bits are the same. Matrices are
+//! nalgebra's. Products of large ones use the kernel too ([`product`]), because the order of operations in nalgebra's own
+//! products depends on its Cargo features.
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
@@ -38,7 +38,7 @@ pub(crate) mod narrow {
         ON.get()
     }
 
-    /// What `work` gives without wide registers.
+    /// The result of `work` without wide registers.
     pub fn narrowly<T>(work: impl FnOnce() -> T) -> T {
         ON.set(true);
         let result = work();

@@ -20,8 +20,8 @@
 //! EI (w'' + κ ẇ''): in the beam, on the hub, on the object and in λ_i. The outputs named root moment and tip shear stay
 //! the elastic EI w''(0) and EI w'''(l).
 //!
-//! With [`Parameters::contact_model`] the tips can be made to leave the object ([`ContactModel`]): then (12) holds only where they
-//! touch it, the gap between them is an output, and coming back is an impact.
+//! [`Parameters::contact_model`] can allow the tips to leave the object ([`ContactModel`]). Then (12) holds only while they
+//! touch it, the gap between them is an output, and a new contact is an impact.
 //!
 //! # Discretisation
 //! Bending moment and absolute velocity are the two unknown fields of each arm, polynomials of degree k and k−2 over its
@@ -30,19 +30,19 @@
 //! convergence in k is spectral.
 //!
 //! # Time stepping
-//! Between communication points the plant is linear and its inputs are known (held, or ramped), so [`Plant::step`] is
-//! exact for every step size: accuracy does not depend on it. It is made in modal coordinates, in time proportional to their
-//! number; where contacts open and close, it is exact from one switch to the next, wherever in a step that is. Results do not
-//! depend on the processor's vector units.
+//! Between communication points the plant is linear and its inputs are known (held, or ramped), so [`Plant::step`] is exact
+//! for every step size: accuracy does not depend on it. The step uses modal coordinates and takes time proportional to
+//! their number. If contacts open and close, it is exact between the switches, which may be anywhere in a step. Results do
+//! not depend on the processor's vector units.
 //!
 //! # As differential equations
-//! [`Plant::derivatives`] and its neighbours give the same plant as an explicit system of ordinary differential equations in
-//! minimal coordinates, with event indicators and exact products of its Jacobian, for a solver of one's own.
+//! [`Plant::derivatives`] and its neighbours define the same plant as an explicit system of ordinary differential equations
+//! in minimal coordinates, with event indicators and exact products of its Jacobian, for an external solver.
 //!
 //! # Modules
-//! [`Plant`] is the entry point. Behind it: parameters and their tables, actuators, the beam operators (`beam`), their assembly
-//! (`dynamics`), the modal form (`modal`) with the loops that a step comes down to, and, for plants that have none, the exponential, the
-//! propagator and the kernel; what can open has a module of its own (`contact`).
+//! [`Plant`] is the entry point. It is built on: parameters and their tables, actuators, the beam operators (`beam`), their
+//! assembly (`dynamics`), the modal form (`modal`) with the loops of a step, the exponential, the propagator and the kernel
+//! for plants without a modal form, and a module for contacts that can open (`contact`).
 #![doc = include_str!("../README.md")]
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]

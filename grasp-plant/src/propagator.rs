@@ -25,8 +25,8 @@ impl Propagator {
             |row: usize, column: usize| increment[(row, if column < layout.n { column } else { column + 2 * FORCES })];
         let columns = layout.n + 2 * FORCES;
         let step = DMatrix::from_fn(layout.n + FORCES, columns, |row, column| {
-            // (12) ties the increments together: l Δθ_i = Δw_i(l) + Δy_M. Deriving the rows of Δθ_i from the others makes
-            // it hold to the last bit of each row, so the constraint does not drift.
+            // (12) couples the increments: l Δθ_i = Δw_i(l) + Δy_M. Computing the rows of Δθ_i from the others makes it
+            // hold to the last bit of each row, so the constraint does not drift.
             match row.checked_sub(layout.travel()) {
                 Some(i) if i < 2 => {
                     let tip = extended.tip_compliance[i] * entry(extended.tip_coordinate[i], column);

@@ -1,4 +1,4 @@
-//! What goes into the plant and what comes out.
+//! The inputs and outputs of the plant.
 
 use serde::{Deserialize, Serialize};
 
@@ -49,7 +49,7 @@ pub struct Measured {
     pub y_object: f64,
     /// Object velocity \[m/s\].
     pub y_object_dot: f64,
-    /// Elastic root moments EI_i w_i''(0) \[N·m\], without the Kelvin–Voigt part: what a strain gauge shows.
+    /// Elastic root moments EI_i w_i''(0) \[N·m\], without the Kelvin–Voigt part, as a strain gauge measures them.
     pub root_moment: [f64; 2],
     /// Elastic tip shears EI_i w_i'''(l) \[N\], without the Kelvin–Voigt part.
     pub tip_shear: [f64; 2],
@@ -57,7 +57,7 @@ pub struct Measured {
     pub tip_shear_dot: [f64; 2],
 }
 
-/// The outputs that follow the inputs at once (or their time derivatives, or their change along a direction of inputs).
+/// The outputs that depend directly on the inputs (or their time derivatives, or their change along a direction of inputs).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Direct {
     /// Hub torques τ_i that the actuators deliver \[N·m\].
@@ -80,7 +80,7 @@ impl Direct {
     }
 }
 
-/// What the plant does to itself through the built-in uncertainties (or its time derivatives).
+/// The built-in uncertainties (or their time derivatives).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Uncertainty {
     /// Built-in Δf_i on the hubs \[N·m\].

@@ -1,4 +1,4 @@
-//! What moves, and why a step or a state is refused.
+//! The state of the plant, and the reasons for which a step or a state is refused.
 
 use crate::contact::ContactState;
 use crate::dynamics::{Dynamics, FORCES};
@@ -7,30 +7,30 @@ use crate::parameters::Parameters;
 use crate::step_sizes::StepSizes;
 use serde::{Deserialize, Serialize};
 
-/// What the coordinates of a [`State`] are.
+/// The meaning of the coordinates of a [`State`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Basis {
-    /// Energy coordinates x, 4k + 1 of them: ½|x|² is the total energy. A plant starts with them, and one whose modes lie too
-    /// close to each other keeps them.
+    /// Energy coordinates x, 4k + 1 of them: ½|x|² is the total energy. A plant starts with them, and keeps them if its
+    /// modes are too close to each other.
     #[default]
     Energy,
-    /// Modal coordinates, which a plant has from its first step on: [`Plant::energy_coordinates`](crate::Plant::energy_coordinates)
-    /// gives the others.
+    /// Modal coordinates, which a plant uses from its first step on:
+    /// [`Plant::energy_coordinates`](crate::Plant::energy_coordinates) converts them.
     Modal,
 }
 
-/// Everything that changes while the plant moves. Together with [`Parameters`] it determines all that follows.
+/// Everything that changes while the plant moves. Together with [`Parameters`] it determines the further motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// What the coordinates are.
+    /// The meaning of the coordinates.
     pub basis: Basis,
-    /// The moments and velocities of arms and object \[√J\] in this basis. 4k + 5 energy coordinates where the grasp can
-    /// open.
+    /// The moments and velocities of arms and object \[√J\] in this basis. 4k + 5 energy coordinates if the grasp can open.
     pub coordinates: Vec<f64>,
     /// θ_1 \[rad\], θ_2 \[rad\], `y_M` \[m\].
     pub position: [f64; 3],
-    /// What rounding has kept from being added to the positions so far (compensated summation): at rest, increments are
-    /// below half a unit in the last place of the positions, but not of the beams' coordinates, and (12) ties the two.
+    /// The parts that rounding has kept from being added to the positions so far (compensated summation). At rest,
+    /// increments are below half a unit in the last place of the positions, but not of the beams' coordinates, and (12)
+    /// couples the two.
     pub carry: [f64; 3],
     /// Work done on the plant by actuators and external disturbances since the start \[J\].
     pub supplied_energy: f64,
@@ -55,7 +55,7 @@ impl State {
         }
     }
 
-    /// Adds to the positions, keeping what rounding takes away for the next time.
+    /// Adds to the positions and keeps the rounding error for the next time.
     pub(crate) fn travel(&mut self, from: &Self, travel: &[f64; FORCES]) {
         for (i, travel) in travel.iter().enumerate() {
             let increment = from.carry[i] + travel;
@@ -112,7 +112,7 @@ pub enum StateError {
         /// Number of coordinates of this plant.
         expected: usize,
     },
-    /// The state has modal coordinates, and a plant of these parameters has none.
+    /// The state has modal coordinates, but a plant of these parameters has none.
     #[error("the state has modal coordinates, which a plant of these parameters does not have")]
     NotModal,
     /// A number in the state is infinite or not a number.

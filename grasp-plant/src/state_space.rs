@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 /// The plant as a linear system, for analysis: ξ̇ = A ξ + B g, measured = C ξ with ξ = (x, θ_1, θ_2, `y_M`) and
 /// g the torques on hubs 1 and 2 and the force on the object.
 ///
-/// By (12), w_i(l), θ_i and `y_M` depend on each other: two eigenvalues of A are zero for this reason alone.
+/// By (12), w_i(l), θ_i and `y_M` depend on each other; this alone makes two eigenvalues of A zero.
 #[derive(Clone, Debug)]
 pub struct StateSpace {
     /// A, shape (4k+4) × (4k+4).
@@ -30,7 +30,7 @@ impl StateSpace {
         a.view_mut((n, 0), (3, n)).copy_from(&rows(&VELOCITY));
         let mut b = DMatrix::zeros(size, FORCES);
         b.view_mut((0, 0), (n, FORCES)).copy_from(&dynamics.inputs());
-        // Positions stand behind x: θ_1, θ_2, y_M.
+        // Positions come after x: θ_1, θ_2, y_M.
         let mut c = DMatrix::zeros(12, size);
         for (row, position) in [(0, 0), (1, 1), (4, 2)] {
             c[(row, n + position)] = 1.0;

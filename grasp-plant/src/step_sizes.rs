@@ -1,20 +1,20 @@
-//! Which step sizes a plant has seen, and so which of its steps are worth a matrix.
+//! The step sizes that a plant has used, and so the decision which of its steps deserve a matrix.
 //!
-//! The matrix of a step size costs as much as some hundred steps. A host that repeats its sizes wants it; one whose step is
-//! never the same twice is better served without ([`Extended::advance`](crate::extended::Extended::advance)). Both ways are
-//! exact but round differently. So what decides between them is part of the state, and a run that is saved and continued has
-//! the bits of one that was not.
+//! The matrix of a step size costs as much as some hundred steps. It pays if a host repeats its step sizes. If no step size
+//! is used twice, steps without a matrix are faster ([`Extended::advance`](crate::extended::Extended::advance)). Both
+//! methods are exact but round differently. So the data for this decision are part of the state, and a run that is saved
+//! and continued has the bits of one that was not.
 
 use serde::{Deserialize, Serialize};
 
-/// Step sizes that are remembered. Masters that compute their step as a difference of times use a few sizes that differ by
+/// Number of remembered step sizes. Masters that compute their step as a difference of times use a few sizes that differ by
 /// rounding.
 pub(crate) const REMEMBERED: usize = 8;
 
 /// The last sizes, most recent first, and how many new ones have come in a row.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepSizes {
-    /// Zero where there is none yet.
+    /// The last sizes; zero for none.
     recent: [f64; REMEMBERED],
     strangers: u8,
 }
@@ -44,7 +44,7 @@ impl StepSizes {
         }
     }
 
-    /// Whether the step noted last is worth a matrix: its size has come before, or there is hope that it comes again.
+    /// Whether the step noted last deserves a matrix: its size has occurred before, or may occur again.
     #[inline]
     pub(crate) fn repeat(&self) -> bool {
         self.strangers <= Self::PATIENCE

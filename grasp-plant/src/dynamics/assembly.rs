@@ -7,7 +7,7 @@ use crate::kernel::product;
 use crate::parameters::Parameters;
 use nalgebra::{DMatrix, DVector};
 
-/// Where the velocities are among their coordinates, before the reflection: (b_1, b_2, √J_1 θ̇_1, √J_2 θ̇_2, √m ẏ_M).
+/// Positions of the velocities among their coordinates, before the reflection: (b_1, b_2, √J_1 θ̇_1, √J_2 θ̇_2, √m ẏ_M).
 #[derive(Clone, Copy)]
 struct Places {
     order: usize,
@@ -67,7 +67,7 @@ impl<'a> Assembly<'a> {
     /// K, from velocities to moment rates: ȧ = η(0) θ̇ + η'(l) ẏ_M − Gᵀ b for both arms.
     pub fn moment_rates(&self) -> DMatrix<f64> {
         let order = self.parameters.order;
-        // Kᵀ, so that what H reflects are columns.
+        // Kᵀ, so that H reflects columns.
         let mut transposed = DMatrix::zeros(self.velocities(), self.moments());
         for (arm, beam) in self.beams.iter().enumerate() {
             let mut columns = transposed.columns_mut(arm * order, order);
@@ -99,7 +99,7 @@ impl<'a> Assembly<'a> {
             rows.view_mut((ROOT_MOMENT[arm], arm * order), (1, order)).copy_from(&beam.root);
             rows.view_mut((TIP_SHEAR[arm], arm * order), (1, order)).copy_from(&beam.tip);
         }
-        // What reads a moment reads, through K, its rate.
+        // A row that reads a moment, times K, reads its rate.
         let of_rates = product(&rows.view((0, 0), (SIGNALS, moments)).into_owned(), rates);
         for (signal, rate) in [(ROOT_MOMENT, ROOT_MOMENT_RATE), (TIP_SHEAR, TIP_SHEAR_RATE)] {
             for arm in 0..2 {

@@ -9,11 +9,11 @@
 //! A = ⎣ −Kᵀ  −(κKᵀ + U) K  ⎦,  B = ⎣ C ⎦,  g = (τ_1 + δf_1, τ_2 + δf_2, u + δF),
 //! ```
 //!
-//! U being the built-in uncertainties (low rank). Without κ and U, A is skew to the last bit.
+//! where U are the built-in uncertainties (of low rank). Without κ and U, A is skew-symmetric to the last bit.
 //!
 //! H is the Householder reflection that makes the rigid motion (θ̇_1 = θ̇_2 = ẏ_M/l, straight arms) the last velocity
-//! coordinate. Its column of K is set to the zero that it is: so the free motion of the grasp neither gains nor loses
-//! energy however many steps are taken, instead of drifting by an accumulated rounding error.
+//! coordinate. Its column of K, which is zero except for rounding, is set to exactly zero. So the free motion of the grasp
+//! neither gains nor loses energy however many steps are taken, instead of drifting by an accumulated rounding error.
 
 mod assembly;
 mod reflection;
@@ -29,7 +29,7 @@ use reflection::Reflection;
 pub(crate) const FORCES: usize = 3;
 
 /// Signals read from x; the constants below index them. The first eight depend on the velocities only (one of them is
-/// no signal but zero), the last four on the moments only.
+/// constantly zero), the last four on the moments only.
 pub(crate) type Signals = [f64; SIGNALS];
 
 /// θ̇_1, θ̇_2, ẏ_M. These rows are also Bᵀ.
@@ -57,7 +57,7 @@ pub(crate) struct Dynamics {
     pub signal_rows: DMatrix<f64>,
     /// A in the kernel's form.
     pub system_panels: Panels,
-    /// The columns of [`signal_rows`](Self::signal_rows) where they are not zero: of the moments and of the velocities.
+    /// The non-zero columns of [`signal_rows`](Self::signal_rows): of the moments and of the velocities.
     signals_of_moments: Vec<[f64; OF_MOMENTS]>,
     signals_of_velocities: Vec<[f64; OF_VELOCITIES]>,
     /// Rows of w at the deflection points, by arm.
@@ -116,7 +116,7 @@ impl Dynamics {
         arm * self.order..(arm + 1) * self.order
     }
 
-    /// Turns physical velocities (b_1, b_2, √J_1 θ̇_1, √J_2 θ̇_2, √m ẏ_M) into the velocity coordinates of x.
+    /// Converts physical velocities (b_1, b_2, √J_1 θ̇_1, √J_2 θ̇_2, √m ẏ_M) to the velocity coordinates of x.
     pub fn reflect(&self, velocities: &mut [f64]) {
         self.reflection.apply(velocities);
     }
@@ -192,7 +192,7 @@ mod tests {
         }
     }
 
-    /// J_1 θ̈_1 is −M_1(0) + τ_1 + Δf_1 and m ÿ is −ΣM_i'(l) + u + ΔF, eqs. (10) and (11), on every coordinate of x.
+    /// J_1 θ̈_1 is −M_1(0) + τ_1 + Δf_1 and m ÿ is −ΣM_i'(l) + u + ΔF, eqs. (10) and (11), for every coordinate of x.
     #[test]
     fn hubs_and_object_obey_newton() {
         let mut parameters = Parameters { kelvin_voigt: 1e-3, ..Parameters::default() };

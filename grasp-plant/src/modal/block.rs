@@ -1,5 +1,5 @@
-//! One block of the modal plant, two coordinates whose motion no other coordinate changes, and the functions of it that an exact
-//! step is made of.
+//! One block of the modal plant: two coordinates whose motion no other coordinate changes, and the functions of the block
+//! that an exact step needs.
 //!
 //! With Λ the block, a step of size h needs φ_m(Λh) for m = 0 … 3,
 //!
@@ -7,7 +7,7 @@
 //! φ_0(z) = e^z,   φ_{m+1}(z) = (φ_m(z) − 1/m!) / z,   φ_m(z) = Σ z^j / (j+m)!.
 //! ```
 //!
-//! For |Λ|h < 1 they come from the series of φ_3, so that nothing cancels however slow a motion is; otherwise from e^z.
+//! For |Λ|h < 1 they come from the series of φ_3, so that nothing cancels even for slow motions; otherwise from e^z.
 
 use super::elementary::{INVERSE_FACTORIAL, exponential, sine_cosine};
 use super::twofold::{Twofold, two_product, two_sum};
@@ -20,8 +20,7 @@ pub(super) type Square = [[f64; 2]; 2];
 pub(super) enum Block {
     /// A vibration, σ ± iω: Λ = [σ, ω·ratio; −ω/ratio, σ].
     Elliptic { sigma: Twofold, omega: Twofold, ratio: f64 },
-    /// Two motions without vibration that are (nearly) the same, σ ± root: Λ = [σ, upper; lower, σ] with
-    /// upper · lower = root² ≥ 0.
+    /// Two (nearly) equal motions without vibration, σ ± root: Λ = [σ, upper; lower, σ] with upper · lower = root² ≥ 0.
     Hyperbolic { sigma: Twofold, root: f64, upper: f64, lower: f64 },
     /// Two motions without vibration that have nothing to do with each other: Λ = [λ_1, 0; 0, λ_2].
     Diagonal { lambda: [Twofold; 2] },
@@ -181,8 +180,8 @@ fn hyperbolic(x: Twofold, y: f64) -> (Values, Values) {
 mod tests {
     use super::*;
 
-    /// φ's by their series in twice the precision, halving and doubling: φ_0(2z) = φ_0², φ_1(2z) = φ_1 (φ_0 + 1)/2,
-    /// φ_2(2z) = (φ_1² + 2φ_2)/4, φ_3(2z) = (φ_1 φ_2 + φ_2 + 2φ_3)/8.
+    /// The functions φ by their series in twice the precision, with halving and doubling: φ_0(2z) = φ_0², φ_1(2z) = φ_1
+    /// (φ_0 + 1)/2, φ_2(2z) = (φ_1² + 2φ_2)/4, φ_3(2z) = (φ_1 φ_2 + φ_2 + 2φ_3)/8.
     fn reference(block: &Block, h: f64) -> Functions {
         type Wide = [[Twofold; 2]; 2];
         let add = |l: Wide, r: Wide| -> Wide { std::array::from_fn(|i| std::array::from_fn(|j| l[i][j] + r[i][j])) };

@@ -1,4 +1,4 @@
-//! The planes of any plant: guessed from a Schur form in plain precision, refined by Newton's method.
+//! The invariant planes of any plant: estimated from a Schur form in plain precision, refined by Newton's method.
 //!
 //! With all bases V, the blocks Λ of the motion in them, and R = A V − V Λ in twice the precision, V ← V (I + X) with
 //! Λ_i X_ij − X_ij Λ_j = −(V⁻¹R)_ij off the diagonal and Λ_i ← Λ_i + (V⁻¹R)_ii converges quadratically. It needs only that the
@@ -11,12 +11,13 @@ use crate::kernel::product;
 use nalgebra::linalg::{Schur, balancing::balance_parlett_reinsch};
 use nalgebra::{DMatrix, Matrix2};
 
-/// Corrections of the bases below which the next would be far below the rounding unit of plain precision.
+/// Corrections of the bases below this need no further step: the next ones would be far below the rounding unit of plain
+/// precision.
 const FINE: f64 = 1e-11;
 
 const NEWTON_STEPS: usize = 12;
 
-/// The planes of the vibration, `system` being its matrix in plain precision. None if no separate planes are found.
+/// The planes of the vibration; `system` is its matrix in plain precision. `None` if no separate planes are found.
 pub(super) fn planes(vibration: &Vibration, system: &DMatrix<f64>) -> Option<Planes> {
     let mut basis = guess(system)?;
     orthonormalise(&mut basis);
@@ -190,7 +191,7 @@ fn separated(t: &DMatrix<f64>) -> (DMatrix<f64>, Vec<Part>) {
     (y, parts)
 }
 
-/// X of T_ii X − X T_jj = C for blocks of one or two; what would be divided by (nearly) zero is divided by `smallest`.
+/// X of T_ii X − X T_jj = C for blocks of one or two; a divisor that is (nearly) zero is replaced by `smallest`.
 fn small_sylvester(t: &DMatrix<f64>, left: &Part, right: &Part, c: &DMatrix<f64>, smallest: f64) -> DMatrix<f64> {
     let (rows, columns) = (left.size, right.size);
     let unknowns = rows * columns;

@@ -1,4 +1,4 @@
-//! e^x and sine and cosine, from basic arithmetic alone: the system's own differ between processors and versions.
+//! e^x, sine and cosine from basic arithmetic alone: the system's functions differ between processors and versions.
 
 use super::twofold::{Twofold, two_product, two_sum};
 
@@ -24,7 +24,7 @@ fn nearest(x: f64) -> f64 {
 
 /// `x` · 2^k for whole k from −1200 to 1200.
 fn times_power_of_two(x: f64, k: f64) -> f64 {
-    // Each half is far inside the range of normal numbers; what is cast is whole and positive.
+    // Each half is far inside the range of normal numbers; the numbers that are cast are integers and positive.
     let half = nearest(k / 2.0);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let power = |k: f64| f64::from_bits(((k + 1023.0) as u64) << 52);

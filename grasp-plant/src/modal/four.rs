@@ -1,4 +1,4 @@
-//! Four numbers side by side: in one wide register, or one by one where the processor has none.
+//! Four numbers side by side: in one wide register, or one by one if the processor has none.
 //!
 //! Both ways do the same operations, none fused, so both give the same bits. Loops are written once, for any [`Four`].
 
@@ -108,7 +108,7 @@ mod wide {
             // SAFETY: the processor has AVX, see `Wide`.
             unsafe {
                 let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0);
-                // What is no number is kept, as it is above.
+                // NaN is kept, as above.
                 let keep = _mm256_cmp_pd::<_CMP_NLT_UQ>(size, _mm256_set1_pd(NEGLIGIBLE));
                 Self(_mm256_and_pd(self.0, keep))
             }

@@ -1,17 +1,17 @@
-//! The plant in modal coordinates, where a step costs as much as there are coordinates.
+//! The plant in modal coordinates, in which the cost of a step is proportional to the number of coordinates.
 //!
-//! Without its rigid motion the plant falls into 2 × 2 blocks, each the motion in a plane that the others leave alone:
+//! Without its rigid motion the plant decomposes into 2 × 2 blocks, each the motion in an invariant plane:
 //!
 //! ```text
 //! (a, b) = V z,   ż = Λ z + Γ g,   ζ̇ = c·g,   y_M = p·z + Y,   Ẏ = velocity·ζ + drift·g.
 //! ```
 //!
-//! ζ is the rigid velocity less what the built-in forces have done to it, which is a function of the moments; so it changes by
-//! external forces alone, and a free plant keeps it to the bit. p = (row of ẏ_M) Λ⁻¹.
+//! ζ is the rigid velocity minus the effect of the built-in forces on it, which is a function of the moments. So ζ changes
+//! by external forces alone, and a free plant conserves it to the bit. p = (row of ẏ_M) Λ⁻¹.
 //!
-//! Planes are found in [`undamped`] (no built-in uncertainties: they are orthonormal) or in [`damped`], in twice the precision,
-//! and made [`Block`]s. Coordinates lose digits where planes lie close to each other. How many, says the [condition](Modal): from
-//! [`WORST_CONDITION`] on the plant is stepped by its dense matrices instead.
+//! Planes are computed in [`undamped`] (no built-in uncertainties: they are orthonormal) or in [`damped`], in twice the
+//! precision, and become [`Block`]s. Coordinates lose digits if planes are close to each other; the [condition](Modal)
+//! measures how many. From [`WORST_CONDITION`] on the plant is stepped by its dense matrices instead.
 
 mod block;
 mod damped;
@@ -40,8 +40,8 @@ use step::{Motion, Rigid};
 use twofold::{Long, Twofold};
 use vibration::Vibration;
 
-/// The largest condition of modal coordinates in which a plant is stepped: rounding of a coordinate, 1e-16 of it, may be so many
-/// times as much of the whole motion.
+/// The largest condition of modal coordinates with which a plant is stepped. The rounding error of a coordinate, 1e-16 of
+/// it, may be this many times as large relative to the whole motion.
 const WORST_CONDITION: f64 = 1e6;
 
 /// A plant in modal coordinates.
@@ -66,7 +66,8 @@ impl Modal {
     pub fn new(dynamics: &Dynamics, parameters: &Parameters) -> Option<Self> {
         let vibration = Vibration::new(dynamics, parameters);
         if vibration.certain && vibration.viscosity > 0.0 {
-            // The balance of energy is exact there, and in overdamped modes short steps would lose it by cancellation.
+            // The dense matrices keep the balance of energy exactly; in overdamped modes short modal steps would lose it by
+            // cancellation.
             return None;
         }
         let modes = Modes::find(&vibration, dynamics)?;
@@ -139,7 +140,8 @@ impl Modal {
         energy.copy_from_slice(&padded.as_flattened()[..energy.len()]);
     }
 
-    /// Modal coordinates of energy coordinates: the product with the inverse, and what that leaves over in twice the precision.
+    /// Modal coordinates of energy coordinates: the product with the inverse, and a correction by the residual in twice the
+    /// precision.
     pub fn modal_coordinates(&self, energy: &[f64], coordinates: &mut [f64]) {
         let mut padded = [[0.0; PANEL]; crate::extended::MAX_PANELS];
         self.inverse.multiply(energy, &mut padded);

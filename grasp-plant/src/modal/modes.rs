@@ -1,4 +1,4 @@
-//! The modes of a plant, and what follows from them: maps to and from energy coordinates, what forces do, what is read.
+//! The modes of a plant, and their consequences: maps to and from energy coordinates, effects of forces, rows of signals.
 
 use super::block::Block;
 use super::readings::Readings;
@@ -10,7 +10,7 @@ use super::{damped, undamped};
 use crate::dynamics::{Dynamics, FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, Signals, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY};
 use nalgebra::DMatrix;
 
-/// What the forces do to the two coordinates of a block.
+/// The effects of the forces on the two coordinates of a block.
 pub(super) type Gains = [[f64; FORCES]; 2];
 
 pub(super) struct Modes {
@@ -150,7 +150,7 @@ impl Modes {
         readings
     }
 
-    /// By how much a coordinate, or the position that is read from it, can exceed the motion that it is part of.
+    /// The factor by which a coordinate, or the position that is read from it, can exceed the motion that it is part of.
     pub fn condition(&self, readings: &Readings, dynamics: &Dynamics) -> f64 {
         let reach = dynamics.tip_compliance[0].max(dynamics.tip_compliance[1]);
         let mut condition = 0.0f64;

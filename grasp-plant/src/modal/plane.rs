@@ -22,7 +22,7 @@ pub(super) struct Planes {
     pub inverse: DMatrix<f64>,
 }
 
-/// Ratio of the off-diagonal entries of a block beyond which its two motions are too alike to be told apart.
+/// Ratio of the off-diagonal entries of a block above which its two motions are treated as equal.
 const ALIKE: f64 = 64.0;
 
 pub(super) fn product(left: &Wide, right: &Wide) -> Wide {

@@ -1,4 +1,4 @@
-//! What is read from modal coordinates.
+//! Rows that read signals from modal coordinates.
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
@@ -9,7 +9,7 @@ use super::four::Wide;
 use super::table::{GROUP, LANES, Lanes};
 use crate::dynamics::{FORCES, SIGNALS, Signals};
 
-/// What is read from the coordinates.
+/// The rows that read signals from the coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Readings {
     /// Signals per coordinate of each group, and per ζ.

@@ -1,7 +1,7 @@
-//! The loops that every step comes down to.
+//! The loops of every step.
 //!
-//! Four blocks side by side make a group, so that the compiler uses whole registers. As in the kernel of the dense plant nothing
-//! is fused, and every sum has one order, whatever registers the processor has.
+//! Four blocks side by side form a group, so that the compiler uses whole registers. As in the kernel of the dense plant no
+//! operation is fused, and every sum has one order, whatever registers the processor has.
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
@@ -14,10 +14,10 @@ use super::table::{LANES, Lanes, Table};
 use crate::dynamics::FORCES;
 
 /// Coordinates smaller than this \[√J\] become zero after a step. A decaying motion would otherwise end in subnormal
-/// numbers, on which processors are a hundred times slower; the energy given up is below the smallest normal number.
+/// numbers, on which processors are a hundred times slower; the lost energy is below the smallest normal number.
 pub(crate) const NEGLIGIBLE: f64 = 1e-150;
 
-/// The rigid motion: ζ̇ = gain·g, and the object rises as velocity·ζ + drift·g besides what the blocks make it rise.
+/// The rigid motion: ζ̇ = gain·g, and the object moves with velocity·ζ + drift·g in addition to its motion by the blocks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rigid {
     pub gain: [f64; FORCES],
@@ -25,7 +25,7 @@ pub(super) struct Rigid {
     pub drift: [f64; FORCES],
 }
 
-/// What a step changes besides the coordinates.
+/// The changes by a step besides the coordinates.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Travel {
     /// By how much w_1(l), w_2(l) and y_M have risen \[m\].
@@ -44,7 +44,7 @@ impl Travel {
     }
 }
 
-/// A step with forces g + r t: where to begin, and what happens.
+/// A step with forces g + r t: the start, the functions of the step, the forces.
 #[derive(Clone, Copy)]
 pub(super) struct Motion<'a> {
     pub table: &'a Table,
@@ -56,7 +56,7 @@ pub(super) struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Makes the step, into `next`; gives what it changes besides.
+    /// Computes the step into `next`; returns its other changes.
     #[inline]
     pub fn make(self, next: &mut [f64]) -> Travel {
         #[cfg(target_arch = "x86_64")]
@@ -105,7 +105,8 @@ impl Motion<'_> {
                     }
                 }
                 next[c] = coordinates[c].plus(change).kept().lanes();
-                // The change itself, not what rounding leaves of it in the coordinates: short steps move positions smoothly.
+                // The change is computed directly and not as a difference of rounded coordinates, so that short steps move
+                // positions smoothly.
                 for f in 0..FORCES {
                     total[f] = total[f].plus(V::load(&positions[f][c]).times(change));
                 }

@@ -1,4 +1,4 @@
-//! What the exact step of one size does to the modal coordinates, four blocks side by side.
+//! The effect of the exact step of one size on the modal coordinates, four blocks side by side.
 
 use super::block::{Block, Functions};
 use crate::cache::OfOneSize;
@@ -13,10 +13,10 @@ pub(super) type Lanes = [f64; LANES];
 /// Coordinates of a group: the first of each block, then the second.
 pub(super) const GROUP: usize = 2 * LANES;
 
-/// What a force does to the two coordinates of each block, by force.
+/// The effect of each force on the two coordinates of each block.
 pub(super) type Gain = [[Lanes; FORCES]; 2];
 
-/// What a step of one size does to a group.
+/// The effect of a step of one size on a group, with held forces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held {
     /// e^{Λh} − I.
@@ -25,12 +25,12 @@ pub(super) struct Held {
     pub gain: Gain,
 }
 
-/// What more is to be known of ramps.
+/// The additional matrices for ramps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ramped {
-    /// h² φ_2 Γ: what a slope does to the coordinates, and a force to their integral.
+    /// h² φ_2 Γ: the effect of a slope on the coordinates, and of a force on their integral.
     pub gain: Gain,
-    /// h (φ_1 − I): the integral of what the coordinates travel from where they were.
+    /// h (φ_1 − I): the integral of the coordinates' changes since the start of the step.
     pub integral: [[Lanes; 2]; 2],
     /// h³ φ_3 Γ.
     pub integral_gain: Gain,
@@ -57,7 +57,7 @@ impl Table {
         }
     }
 
-    /// Becomes the step of size h of these blocks, with what the forces do to each.
+    /// Fills the table for the step of size h of these blocks, with the effects of the forces on each.
     pub(super) fn fill(&mut self, h: f64, blocks: &[Block], gains: &[[[f64; FORCES]; 2]]) {
         self.h = h;
         for (i, (block, gain)) in blocks.iter().zip(gains).enumerate() {

@@ -68,10 +68,10 @@ fn plants() -> Vec<Parameters> {
     base.into_iter().chain(unequal).collect()
 }
 
-/// The largest difference between a modal and a dense step of size h, relative to the motion, and how large rounding makes it:
-/// the dense step turns its fastest motions by ‖𝒜‖h, the modal one has coordinates larger than the motion.
+/// The largest difference between a modal and a dense step of size h, relative to the motion, and its bound by rounding:
+/// the dense step rotates its fastest motions by ‖𝒜‖h, and modal coordinates are larger than the motion.
 fn difference(both: &mut Both, h: f64) -> (f64, f64) {
-    // A smooth motion: what a push has made of rest.
+    // A smooth motion: the motion after a push from rest.
     let n = both.dynamics.size();
     let (push, rates) = ([0.1, -0.07, 0.2], [3.0, 1.0, -2.0]);
     let x = both.dense(&vec![0.0; n], &push, &rates, h)[..n].to_vec();
@@ -101,7 +101,8 @@ fn modal_steps_are_the_dense_ones() {
     }
 }
 
-/// Plants of all kinds, each parameter within three decades: nearly all have a modal form, and it moves as the matrices do.
+/// Plants of all kinds, each parameter within three decades: nearly all have a modal form, and it moves like the dense
+/// matrices.
 #[test]
 fn odd_plants_move_as_their_matrices_do() {
     let mut seed = 12345u64;

@@ -1,7 +1,7 @@
 //! Numbers of twice the precision, as unevaluated sums of two, for the set-up of the modal plant.
 //!
-//! Plain additions and multiplications only: without fused ones the product's error comes from Dekker's splitting, and the bits
-//! are the same on every processor.
+//! Only plain additions and multiplications: without fused ones the product's error comes from Dekker's splitting, and the
+//! bits are the same on every processor.
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]

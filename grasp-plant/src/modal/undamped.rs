@@ -1,4 +1,4 @@
-//! The planes of a plant without built-in uncertainties: each pairs a left and a right singular vector of K.
+//! The invariant planes of a plant without built-in uncertainties: each pairs a left and a right singular vector of K.
 //!
 //! With K q = s p and Kᵀ p = s q the motion of (p, q) is a ↦ s b, b ↦ −s a − κ s² b. All planes together are orthonormal, for
 //! equal and for overdamped motions too.
@@ -85,7 +85,8 @@ fn rotate(matrix: &mut DMatrix<f64>, i: usize, j: usize, cosine: f64, sine: f64)
     }
 }
 
-/// The right singular vectors and their images, in twice the precision: rotated on until they are orthogonal to some 25 digits.
+/// The right singular vectors and their images, in twice the precision: rotated until they are orthogonal to some 25
+/// digits.
 fn refined(matrix: &DMatrix<f64>, right: &DMatrix<f64>) -> Vec<(Long, Long)> {
     let mut vectors: Vec<Long> = Vec::with_capacity(right.ncols());
     for column in right.column_iter() {

@@ -1,6 +1,6 @@
 //! The plant without its rigid motion, exactly as its matrices in plain precision define it.
 //!
-//! The rigid motion influences nothing. What is left are the moments a and the other velocity coordinates b,
+//! The rigid motion influences no other motion. The rest are the moments a and the other velocity coordinates b,
 //!
 //! ```text
 //! ȧ = K b,   ḃ = −Kᵀ (a + κ ȧ) + C (F ȧ + g),
@@ -26,7 +26,7 @@ pub(super) struct Vibration {
     pub viscosity: f64,
     /// C, shape 2k × 3.
     pub inputs: DMatrix<f64>,
-    /// What the forces do to the rigid velocity.
+    /// The effect of the forces on the rigid velocity.
     pub rigid_inputs: [f64; FORCES],
     /// F, shape 3 × 2k.
     pub builtin: DMatrix<f64>,
@@ -85,8 +85,8 @@ impl Vibration {
         rates
     }
 
-    /// What the built-in forces have done to the rigid velocity per moment: its row of C times F. With ζ the rigid velocity less
-    /// this, ζ̇ answers to g alone.
+    /// The effect of the built-in forces on the rigid velocity per moment: its row of C times F. With ζ the rigid velocity
+    /// minus this effect, ζ̇ depends on g alone.
     pub fn rigid_moments(&self) -> Vec<f64> {
         let gain =
             |column: usize| (0..FORCES).map(|force| self.rigid_inputs[force] * self.builtin[(force, column)]).sum();

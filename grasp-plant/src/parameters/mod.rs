@@ -27,8 +27,8 @@ impl Default for Arm {
     }
 }
 
-/// Saturation and dead zone of one kind of actuator, the constants of (18): levels and dead zone in the unit of the command,
-/// slopes without one. Names and ranges: [`Channel::TORQUE_PARAMETERS`], [`Channel::FORCE_PARAMETERS`].
+/// Saturation and dead zone of one kind of actuator, the constants of (18): levels and dead zone in the unit of the
+/// command, dimensionless slopes. Names and ranges: [`Channel::TORQUE_PARAMETERS`], [`Channel::FORCE_PARAMETERS`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Channel {
     /// Upper saturation level `k_M`, above `m_r`.
@@ -65,14 +65,14 @@ pub enum ActuatorModel {
     Raw,
 }
 
-/// What holds the tips to the object.
+/// How the tips and the object interact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ContactModel {
     /// The constraint (12), whatever the sign of the contact force: the paper's grasp.
     #[default]
     Bilateral,
-    /// Rigid faces that push and do not pull: a tip leaves the object when the force on it would become tensile, and comes back
-    /// with an impact.
+    /// Rigid faces that push and do not pull: a tip leaves the object when the force on it would become tensile, and every
+    /// new contact is an impact.
     Unilateral,
     /// Kelvin–Voigt faces that push and do not pull: a soft or fragile object.
     Compliant,
@@ -94,9 +94,9 @@ impl Default for Face {
     }
 }
 
-/// Start values. Any are consistent: the deflections start as the static cubics of (16) scaled to satisfy (12), and their
-/// rates as the same cubics scaled to satisfy its time derivative. Where the grasp can open, an arm that does not reach the
-/// object starts straight, with a gap. Names: [`Start::ANGLES`], [`Start::OBJECT`].
+/// Start values. Every choice is consistent: the deflections start as the static cubics of (16) scaled to satisfy (12), and
+/// their rates as the same cubics scaled to satisfy its time derivative. If the grasp can open, an arm that does not reach
+/// the object starts straight, with a gap. Names: [`Start::ANGLES`], [`Start::OBJECT`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Start {
     /// Hub angles θ_i(0) \[rad\].
@@ -148,13 +148,13 @@ pub struct Parameters {
     pub force_channel: Channel,
     /// Which actuator model turns commands into forces.
     pub actuator_model: ActuatorModel,
-    /// What holds the tips to the object.
+    /// How the tips and the object interact.
     pub contact_model: ContactModel,
     /// The object's faces, if compliant.
     pub faces: [Face; 2],
-    /// Newton's coefficient of restitution e of impacts on rigid faces: the gap opens with e times the speed at which it closed.
+    /// Newton's coefficient of restitution e of impacts on rigid faces: the gap opens with e times its closing speed.
     pub restitution: f64,
-    /// Impacts slower than this are plastic whatever the restitution \[m/s\]: here bounces that accumulate end in contact.
+    /// Impacts slower than this are plastic whatever the restitution \[m/s\], so that accumulating bounces end in contact.
     pub plastic_speed: f64,
     /// Polynomial degree k of the moment field, in [`ORDER_RANGE`].
     pub order: usize,

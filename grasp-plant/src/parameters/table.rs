@@ -1,4 +1,4 @@
-//! The parameters by name, with unit and range: what is declared and what is checked.
+//! The parameters by name, with unit and range. The same tables declare and check them.
 
 use super::{Arm, Channel, Face, ORDER_RANGE, Parameters, Start};
 use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};

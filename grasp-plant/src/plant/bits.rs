@@ -10,9 +10,10 @@ use crate::signals::Inputs;
 const STEP: f64 = 1e-3;
 const STEPS: usize = 200;
 
-/// Plants that take every branch of the set-up: skew and damped, equal and unequal arms, one panel of rows and several.
+/// Plants that take every branch of the set-up: skew-symmetric and damped, equal and unequal arms, one panel of rows and
+/// several.
 fn plants() -> [Parameters; 6] {
-    // No other test has plants like these, with which they would share what was computed in either way.
+    // No other test uses such plants, so none shares results that were computed in the other way.
     let default = Parameters { object_mass: 0.300_001, ..Parameters::default() };
     let conservative = Parameters { root_uncertainty: 0.0, tip_uncertainty: 0.0, ..default.clone() };
     let stiff = Arm { ei: 0.4, hub_inertia: 0.01, ..Arm::default() };
@@ -26,7 +27,7 @@ fn plants() -> [Parameters; 6] {
     ]
 }
 
-/// Every number of the set-up, then of a run whose commands depend on what is measured: strain feedback to a new angle.
+/// Every number of the set-up, then of a run whose commands depend on measurements: strain feedback to a new angle.
 fn numbers(parameters: &Parameters) -> Vec<u64> {
     let mut plant = Plant::new(parameters.clone()).unwrap();
     let model = plant.model.clone();
@@ -45,7 +46,7 @@ fn numbers(parameters: &Parameters) -> Vec<u64> {
         let torque = |i: usize| 0.6 * (0.1 - m.theta[i]) - 0.05 * m.theta_dot[i] + 0.5 * m.root_moment[i];
         let force = 2.0 * (0.02 - m.y_object) - 0.3 * m.y_object_dot + m.tip_shear[0] - m.tip_shear[1];
         let inputs = Inputs { torque_command: [torque(0), torque(1)], force_command: force, ..Inputs::ZERO };
-        // Ramps take the other half of the step matrix; every other step is held.
+        // Ramps use the other half of the step matrix; in every other step inputs are held.
         let rate = |now: f64, before: f64| if step % 2 == 0 { 0.0 } else { (now - before) / STEP };
         let rates = Inputs {
             torque_command: [0, 1].map(|i| rate(inputs.torque_command[i], before.torque_command[i])),

@@ -1,4 +1,4 @@
-//! The plant as an explicit system of ordinary differential equations, for a solver of one's own.
+//! The plant as an explicit system of ordinary differential equations, for an external solver.
 //!
 //! The states are minimal: the 4k + 1 energy coordinates x, the object's position `y_M`, and the work that was supplied. The
 //! hub angles are none, because (12) gives them,

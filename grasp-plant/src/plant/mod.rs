@@ -1,4 +1,4 @@
-//! The plant: parameters, state, and what was computed from them.
+//! The plant: parameters, state, and results computed from them.
 
 #[cfg(test)]
 mod bits;
@@ -24,12 +24,12 @@ use parameter_table::InvalidParameter;
 use std::sync::Arc;
 pub(crate) use step::{all_usable, at, flush};
 
-/// Into how many parts a step is divided at most, if it is too long for one piece: seconds of computing time.
+/// The largest number of parts of a step that is too long for one piece: seconds of computing time.
 const MOST_PARTS: u32 = 1 << 22;
 
 /// Two flexible arms grasping an object, (2)–(14), behind their actuators (18)–(20).
 ///
-/// Cloning is cheap: plants of equal parameters share all matrices, in the whole process.
+/// Cloning is cheap: plants with equal parameters share all matrices, in the whole process.
 ///
 /// ```
 /// use grasp_plant::{Inputs, Parameters, Plant};
@@ -51,11 +51,11 @@ pub struct Plant {
     signals: Signals,
     cache: Caches,
     work: Workspace,
-    /// What takes over where the grasp can open.
+    /// The contacts, if the grasp can open.
     contacts: Option<Box<Contacts>>,
 }
 
-/// What was made for the step sizes last used.
+/// Results for the step sizes last used.
 #[derive(Clone, Debug, Default)]
 struct Caches {
     tables: Cache<Table>,
@@ -127,7 +127,7 @@ impl Plant {
         &self.state
     }
 
-    /// Replaces the state by one that a plant of the same parameters had.
+    /// Replaces the state by that of a plant with the same parameters.
     ///
     /// # Errors
     /// If the state belongs to another order or holds a number that is not finite.
@@ -171,14 +171,14 @@ impl Plant {
         if self.state.basis == Basis::Modal { self.model.modal() } else { None }
     }
 
-    /// Energy coordinates x \[√J\], 4k + 1 of them: ½|x|² is the total energy. The last is the rigid motion's: its momentum,
-    /// turned back, over the root of its inertia. 4k + 5 where the grasp can open.
+    /// Energy coordinates x \[√J\], 4k + 1 of them: ½|x|² is the total energy. The last is that of the rigid motion: its
+    /// momentum, without the reflection, over the root of its inertia. There are 4k + 5 if the grasp can open.
     #[must_use]
     pub fn energy_coordinates(&self) -> Vec<f64> {
         self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]).to_vec()
     }
 
-    /// The energy coordinates, without allocation: they are the state's, or made in a buffer that has room for any order.
+    /// The energy coordinates, without allocation: those of the state, or computed in a buffer that has room for any order.
     fn energy_coordinates_in<'a>(&'a self, buffer: &'a mut [f64; MAX_COORDINATES]) -> &'a [f64] {
         let Some(modal) = self.modal_of_state() else { return &self.state.coordinates };
         let energy = &mut buffer[..self.model.dynamics.size()];
@@ -186,7 +186,7 @@ impl Plant {
         energy
     }
 
-    /// Returns to the start. What was computed for the step sizes in use is kept.
+    /// Returns to the start. Results for the step sizes in use are kept.
     pub fn reset(&mut self) {
         self.state = match &self.contacts {
             None => State::start(&self.parameters, &self.model.dynamics),

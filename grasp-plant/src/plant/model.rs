@@ -1,4 +1,4 @@
-//! What the parameters decide: matrices, actuators, and the maps from inputs and signals to forces and outputs.
+//! The consequences of the parameters: matrices, actuators, and the maps from inputs and signals to forces and outputs.
 
 use crate::actuator::Actuator;
 use crate::cache::Shared;
@@ -10,7 +10,7 @@ use crate::propagator::Propagator;
 use crate::signals::{Direct, Inputs};
 use std::sync::OnceLock;
 
-/// What follows from the parameters alone, start values aside.
+/// Everything that follows from the parameters alone, except the start values.
 #[derive(Debug)]
 pub(crate) struct Model {
     /// The parameters, with default start values.
@@ -18,7 +18,7 @@ pub(crate) struct Model {
     pub dynamics: Dynamics,
     pub extended: Extended,
     pub actuators: [Actuator; FORCES],
-    /// The modal form, once a step has asked for it; None if there is none.
+    /// The modal form, computed at the first step; `None` inside if there is none.
     modal: OnceLock<Option<Modal>>,
     /// Steps of the sizes last used: in modal coordinates, and by dense matrices.
     pub tables: Shared<Table>,

@@ -32,7 +32,7 @@ impl Plant {
         self.model.direct(&self.signals, &applied, &inputs.disturbances())
     }
 
-    /// The contact forces alone \[N\], as [`Self::direct`] has them: for whoever looks at them in every step.
+    /// The contact forces alone \[N\], as in [`Self::direct`], for callers that need them in every step.
     #[must_use]
     #[inline]
     pub fn contact_force(&self, inputs: &Inputs) -> [f64; 2] {
@@ -112,9 +112,9 @@ impl Plant {
     }
 
     /// Work done since the start by actuators and external disturbances \[J\], exact for every step. Without built-in
-    /// uncertainties and Kelvin–Voigt damping, energy − supplied energy is constant. Kelvin–Voigt damping only ever takes
-    /// energy; the built-in uncertainties mostly do, but ΔF answers to the rates of both arms and can do work on one of
-    /// them, most so if one is much stiffer than the other.
+    /// uncertainties and Kelvin–Voigt damping, energy − supplied energy is constant. Kelvin–Voigt damping only dissipates
+    /// energy. The built-in uncertainties mostly do too, but ΔF depends on the rates of both arms and can do work on one of
+    /// them, especially if one is much stiffer than the other.
     #[must_use]
     pub fn supplied_energy(&self) -> f64 {
         self.state.supplied_energy

@@ -1,7 +1,7 @@
-//! What plants of equal parameters share: one [`Model`] in the process.
+//! The data that plants with equal parameters share: one [`Model`] in the process.
 //!
-//! The registry keeps nothing alive: a model goes with the last plant that has it, and then nothing of the registry is left
-//! either, so that a library of plants can be unloaded without a trace.
+//! The registry keeps nothing alive: a model is freed with the last plant that uses it, and then the registry is empty too,
+//! so that a library of plants can be unloaded without a trace.
 
 use super::model::Model;
 use crate::parameters::{Parameters, Start};
@@ -29,7 +29,7 @@ pub(super) fn model(parameters: &Parameters) -> Arc<Model> {
 fn find(hash: u64, key: &Parameters) -> Option<Arc<Model>> {
     let alike: Vec<Arc<Model>> =
         lock().iter().filter(|(other, _)| *other == hash).filter_map(|(_, model)| model.upgrade()).collect();
-    // Compared, and dropped, without the lock: the last owner of a model asks for it.
+    // Compared and dropped without the lock, because dropping the last owner of a model takes the lock.
     alike.into_iter().find(|model| model.parameters == *key)
 }
 
@@ -43,12 +43,12 @@ impl Drop for Model {
     }
 }
 
-/// Locks; what a panicking thread left is consistent.
+/// Locks. The data stay consistent if a thread panics.
 fn lock() -> MutexGuard<'static, Vec<Entry>> {
     MODELS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A hash of what is printed of the parameters, and so of all of them, to the bit (FNV-1a).
+/// A hash of the printed parameters, and so of all their bits (FNV-1a).
 fn hash(parameters: &Parameters) -> u64 {
     struct Hash(u64);
     impl Write for Hash {

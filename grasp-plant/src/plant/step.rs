@@ -13,12 +13,13 @@ impl Plant {
     /// Advances by h seconds, exactly: commands and disturbances are `inputs` + `rates`·t for 0 ≤ t ≤ h. Zero rates hold
     /// the inputs.
     ///
-    /// A ramp that runs over kinks of an actuator is followed exactly too, piece by piece. The first step of a plant finds its
-    /// modes, and the first of a size the functions of each; the last eight sizes are remembered. A plant without modal form
-    /// has a matrix exponential for each size instead, and a series once more than eight new sizes come in a row.
+    /// A ramp that crosses kinks of an actuator is followed exactly too, piece by piece. The first step of a plant computes
+    /// its modes, and the first step of a size the functions of each mode; the last eight sizes are remembered. A plant
+    /// without modal form uses a matrix exponential for each size instead, and a series after more than eight new sizes in
+    /// a row.
     ///
     /// # Errors
-    /// See [`StepError`]; the plant is then as it was before.
+    /// See [`StepError`]; the plant is then unchanged.
     #[inline]
     pub fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         if !(h > 0.0 && h.is_finite()) {
@@ -48,7 +49,7 @@ impl Plant {
                 self.whole_step(h, &self.model.forces(inputs), None);
             }
         } else {
-            // Outputs change at these rates, whatever becomes of the state.
+            // Outputs change at these rates, whether or not the step succeeds.
             if !(all_usable(&rates.commands()) & all_usable(&rates.disturbances())) {
                 return Err(StepError::Overflow);
             }
@@ -169,19 +170,19 @@ impl Plant {
     }
 }
 
-/// Makes what is [`NEGLIGIBLE`] zero.
+/// Sets coordinates below [`NEGLIGIBLE`] to zero.
 pub(crate) fn flush(coordinates: &mut [f64]) {
     for x in coordinates {
         *x = if x.abs() < NEGLIGIBLE { 0.0 } else { *x };
     }
 }
 
-/// Times this, what is larger than some 1e100 is infinite: squares of it (energies), and its rates, would leave the range of
+/// Numbers above some 1e100 become infinite times this: their squares (energies) and their rates would leave the range of
 /// floating-point numbers.
 const REACH: f64 = 1e208;
 
-/// Whether all numbers are so far from the ends of the floating-point numbers that every output made of them is finite. Several
-/// at a time: what is infinite, or no number, stays so in a sum.
+/// Whether all numbers are so far inside the range of floating-point numbers that every output computed from them is
+/// finite. Several numbers are tested at a time: infinity and NaN persist in a sum.
 pub(crate) fn all_usable(numbers: &[f64]) -> bool {
     let (chunks, rest) = numbers.as_chunks::<4>();
     let mut sums = [0.0; 4];
