@@ -35,8 +35,8 @@ pub enum ControllerError {
 }
 
 impl Controller {
-    /// The law of an FMU (by its name without ending) with choices by name (`law`, `preset`, `rate_source`) and the numbers of
-    /// `settings`, which a preset replaces as it does in the FMU.
+    /// The law of an FMU (by its name without extension) with choices by name (`law`, `preset`, `rate_source`) and the
+    /// numbers of `settings`, which a preset replaces as in the FMU.
     ///
     /// # Errors
     /// An unknown name, a number out of its range.
@@ -141,7 +141,7 @@ impl Controller {
     /// Puts the law into its initial state at these inputs and gives its linear system there for steps of `h` \[s\].
     ///
     /// # Errors
-    /// The law refuses the step or can't be written down.
+    /// The law refuses the step or can't be serialised.
     pub fn linear(&mut self, inputs: &Inputs, h: f64) -> Result<SampledLaw, LawError> {
         self.law().initialize(inputs);
         match self {
@@ -160,7 +160,7 @@ fn scale<'a>(factor: f64, gains: impl IntoIterator<Item = &'a mut f64>) {
     }
 }
 
-/// What `law` of `NabfcController` is at first (`tests/test_linearise.py` compares).
+/// The default of `law` of `NabfcController` (`tests/test_linearise.py` compares).
 const DEFAULT_LAW: &str = "root_strain";
 
 #[cfg(test)]
@@ -174,7 +174,7 @@ mod tests {
         Controller::new(fmu, &choices, &Settings::default()).unwrap()
     }
 
-    /// PD has no state; the root-strain law's observers are the double pole e^{−ωh} that their equations say.
+    /// PD has no state; the root-strain law's observers have the double pole e^{−ωh} of their equations.
     #[test]
     fn states_are_found_and_named() {
         let (settings, h) = (Settings::default(), 1e-3);
@@ -186,8 +186,8 @@ mod tests {
         let linear = law.linear(&inputs, h).unwrap();
         let rate = linear.states.iter().position(|name| name == "observers.2.rate").expect("named");
         let learnt = linear.states.iter().position(|name| name == "observers.2.disturbance").expect("named");
-        // ξ(h) = ξ_p + e^{−ωh}(1 + N h)(ξ − ξ_p) with N of the observer: what Δ̂ of the instant does to itself, with the known
-        // force −Δ̂ of its own command, is the whole of it: e^{−ωh}(1 + ωh)(Δ̂ + F) − F with F = −Δ̂.
+        // ξ(h) = ξ_p + e^{−ωh}(1 + N h)(ξ − ξ_p) with N of the observer. The effect of the instant's Δ̂ on itself, with the
+        // known force −Δ̂ of its own command, is the whole of it: e^{−ωh}(1 + ωh)(Δ̂ + F) − F with F = −Δ̂.
         assert!((linear.a[(learnt, learnt)] - 1.0).abs() < 1e-8, "{}", linear.a[(learnt, learnt)]);
         let decay = (-settings.root_strain.object.observer * h).exp();
         assert!(linear.a[(rate, rate)] < decay, "the law's own command brakes what the observer sees");

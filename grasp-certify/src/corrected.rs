@@ -1,22 +1,22 @@
-//! The conditions with their signs put right: no gains satisfy them, and Theorem 3 is false for Δ = 0.
+//! The conditions with corrected signs: no gains satisfy them, and Theorem 3 is false for Δ = 0.
 //!
-//! On the surface s = 0 the object's loop has ṗ = −g z − S with g = μ̄ + c_1, z = z_1, S = Σq_i'''(l). There V̇_o gives
-//! −g z² − z S and, for equal arms, Ė gives b ṗ S with b = β_1 EI. Together, exactly,
+//! On the surface s = 0 the object's loop has ṗ = −g z − S with g = μ̄ + c_1, z = z_1, S = Σq_i'''(l). There V̇_o
+//! contributes −g z² − z S and, for equal arms, Ė contributes b ṗ S with b = β_1 EI. The sum is exactly
 //!
 //! ```text
 //! −g z² − (1 + b g) z S − b S²,     discriminant (1 + b g)² − 4 b g = (1 − b g)² ≥ 0.
 //! ```
 //!
-//! So the object's part is positive somewhere unless b g = 1, and then it is zero somewhere. The hubs' terms can mend that: a small
-//! ∫q''² forces e_i → p/l, and −Σg_3i z_3i² becomes −(Σg_3i/l²) z². What excludes all gains is the root moment: with
-//! e = p = ė = ṗ = 0, S = 0 (so s = s_i = 0), q_i''(0) = X and the integrals of q''² and ẏ² → 0, Ḣ → +½ β_2 l ΣEI_i X² > 0 for any
-//! β_2 > 0.
+//! So the object's part is positive somewhere unless b g = 1, and then it is zero somewhere. The hubs' terms can compensate
+//! this: a small ∫q''² forces e_i → p/l, and −Σg_3i z_3i² becomes −(Σg_3i/l²) z². The root moment excludes all gains: with
+//! e = p = ė = ṗ = 0, S = 0 (so s = s_i = 0), q_i''(0) = X and the integrals of q''² and ẏ² → 0, Ḣ → +½ β_2 l ΣEI_i X² > 0
+//! for any β_2 > 0.
 
 use crate::Grasp;
 use serde::Serialize;
 use std::f64::consts::PI;
 
-/// What the corrected conditions come to for given g and β_1.
+/// The object's form in the corrected conditions, for given g and β_1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Form {
     /// b = β_1 EI, in units that (34) leaves open (errata 10).
@@ -45,7 +45,7 @@ pub fn value(g: f64, b: f64, z: f64, shear: f64) -> f64 {
 
 /// Frequencies \[rad/s\] of the first `count` motions that the paper's law does not damp for Δ = 0, whatever its gains:
 /// q_1'''(l) = −q_2'''(l), both arms clamped at resting hubs and pinned at the resting object, so that s = s_1 = s_2 = 0.
-/// They exist if both arms have the same EI/ρ; none otherwise.
+/// They exist if both arms have the same EI/ρ; otherwise the list is empty.
 ///
 /// tan x = tanh x with x in (nπ, nπ + π/2), ω = x² √(EI/ρ)/l².
 #[must_use]

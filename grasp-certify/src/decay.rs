@@ -31,8 +31,8 @@ fn at_rest(parameters: &Parameters, theta: [f64; 2], y_object: f64) -> Result<DV
     Ok(DVector::from_vec(state))
 }
 
-/// The rate \[1/s\] at which amplitudes fall between a half and the whole of `duration` \[s\] after the start, commands
-/// at once every `h` \[s\]. Negative if they grow.
+/// The rate \[1/s\] at which amplitudes fall between the half and the whole of `duration` \[s\] after the start, with
+/// commands at once every `h` \[s\]. Negative if they grow.
 ///
 /// # Errors
 /// There is no such controller, or the plant does not exist.
@@ -67,7 +67,7 @@ fn rate(coupled: &Coupled, law: &SampledLaw, start: &DVector<f64>, h: f64, durat
     let mut state = DVector::zeros(matrix.nrows());
     state.rows_mut(0, start.len()).copy_from(start);
     let mut sizes = Vec::with_capacity(rows);
-    // What has grown or fallen is scaled back, so that no number leaves its range.
+    // Growing or falling states are rescaled, so that no number leaves its range.
     let mut scale = 0.0;
     for _ in 0..rows {
         state = &several * state;
@@ -100,8 +100,8 @@ fn power(matrix: &DMatrix<f64>, mut n: u32) -> DMatrix<f64> {
 mod tests {
     use super::*;
 
-    /// PD's run falls with the slowest exact eigenvalue, −0.0839 1/s (561 rad/s), once the rest is gone. Ten seconds leave 1 %
-    /// of modes that decay with 0.576 1/s.
+    /// PD's run falls with the slowest exact eigenvalue, −0.0839 1/s (561 rad/s), once the other modes have decayed. Ten
+    /// seconds leave 1 % of modes that decay with 0.576 1/s.
     #[test]
     fn pd_falls_with_its_slowest_mode() {
         let mut settings = Settings::default();

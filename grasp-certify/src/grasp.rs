@@ -13,7 +13,7 @@ pub struct Arm {
     pub hub_inertia: f64,
 }
 
-/// Two arms and what they hold.
+/// Two arms and the object between them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grasp {
     /// The arms.

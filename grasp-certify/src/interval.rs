@@ -1,7 +1,8 @@
-//! Intervals of real numbers with outward rounding: what is computed with them contains the exact result.
+//! Intervals of real numbers with outward rounding: a result computed with them contains the exact result.
 //!
 //! IEEE arithmetic rounds to the nearest number, so the exact result of one operation lies between the neighbours of the
-//! rounded one. Every operation here moves its lower end to the next number below and its upper end to the next above.
+//! rounded one. Every operation here moves its lower end to the next smaller number and its upper end to the next larger
+//! one.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -13,7 +14,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Everything: what is known of a quotient by an interval that contains zero.
+    /// All real numbers: the result of a division by an interval that contains zero.
     const ALL: Self = Self { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
 
     /// The interval of one number.
@@ -34,8 +35,8 @@ impl Interval {
         self.hi
     }
 
-    /// The smallest interval of representable numbers around ends that were rounded to nearest. What is no number
-    /// (∞ − ∞, 0·∞) says nothing.
+    /// The smallest interval of representable numbers around ends that were rounded to nearest. NaN (∞ − ∞, 0·∞) gives the
+    /// interval of all numbers.
     fn around(lo: f64, hi: f64) -> Self {
         if lo.is_nan() || hi.is_nan() { Self::ALL } else { Self { lo: lo.next_down(), hi: hi.next_up() } }
     }
@@ -91,7 +92,7 @@ impl Div for Interval {
     }
 }
 
-/// What the certificate's formulas are written in: floating point while searching, intervals for the proof.
+/// The number type of the certificate's formulas: floating point for the search, intervals for the proof.
 pub trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
@@ -129,7 +130,7 @@ impl Number for Interval {
     }
 }
 
-/// Whether a symmetric matrix is certainly positive definite: all pivots of its LDLᵀ factorisation are above zero.
+/// Whether a symmetric matrix is certainly positive definite: all pivots of its LDLᵀ factorisation are certainly positive.
 #[must_use]
 #[allow(clippy::needless_range_loop)] // Rows i and j of one matrix, with the indices of the formula.
 pub fn is_positive_definite<N: Number, const SIZE: usize>(matrix: &[[N; SIZE]; SIZE]) -> bool {
@@ -153,7 +154,7 @@ pub fn is_positive_definite<N: Number, const SIZE: usize>(matrix: &[[N; SIZE]; S
 mod tests {
     use super::*;
 
-    /// 0.1 + 0.2, 1/3, √2 are no floating-point numbers; their squares and products tell on which side an end lies.
+    /// 0.1 + 0.2, 1/3, √2 are not floating-point numbers; their squares and products show on which side an end lies.
     #[test]
     fn results_are_inside() {
         let third = Interval::exact(1.0) / Interval::exact(3.0);
@@ -170,7 +171,7 @@ mod tests {
         assert!(!(Interval::ALL - Interval::ALL).is_positive());
     }
 
-    /// The 3 × 3 Hilbert matrix less a shift is definite up to its smallest eigenvalue, 0.002687340355773529.
+    /// The 3 × 3 Hilbert matrix minus a shift is definite up to its smallest eigenvalue, 0.002687340355773529.
     #[test]
     fn definiteness_changes_at_the_smallest_eigenvalue() {
         let hilbert = |shift: f64| -> [[Interval; 3]; 3] {

@@ -4,9 +4,9 @@
 //! x⁺ = A x + B y,    u = C x + D y,
 //! ```
 //!
-//! where the inputs y are held over the step and the commands u are those of the same instant. What the law stores, it stores
-//! by name ([`serde`]); what a step changes of that is its state. A, B and C are central differences of the law's own step and
-//! commands, good to about 1e-9; D is exact.
+//! where the inputs y are held over the step and the commands u are those of the same instant. The law serialises its
+//! variables by name ([`serde`]); the variables that a step changes are its state. A, B and C are central differences of
+//! the law's own step and commands, accurate to about 1e-9; D is exact.
 
 use grasp_control::{INPUT_NAMES, INPUTS, Inputs, Law, StepError};
 use grasp_plant::nalgebra::{DMatrix, DVector};
@@ -76,10 +76,10 @@ fn nudge(value: f64) -> f64 {
 }
 
 impl SampledLaw {
-    /// The law as it is, with these inputs, for steps of `h` \[s\].
+    /// The law in its present state, with these inputs, for steps of `h` \[s\].
     ///
     /// # Errors
-    /// The law refuses the step or can't be written down.
+    /// The law refuses the step or can't be serialised.
     pub fn new<L: Law + Clone + Serialize + DeserializeOwned>(
         law: &L,
         inputs: &Inputs,
@@ -87,7 +87,8 @@ impl SampledLaw {
     ) -> Result<Self, LawError> {
         let here = serde_json::to_value(law)?;
         let point = inputs.to_array();
-        // Which numbers move: two steps with all inputs a little aside, for far away integrals may stand still at a limit.
+        // The numbers that move, found by two steps with all inputs slightly changed; with large changes integrals may
+        // stand still at a limit.
         let mut all = Vec::new();
         numbers(&here, "", &mut all);
         let mut moved = law.clone();
@@ -139,8 +140,8 @@ impl SampledLaw {
         Ok(Self { a, b, c, d, states: names })
     }
 
-    /// The part that the commands hear of, by the pattern of zeros: the others only listen (filters of estimates that at this point
-    /// move no command), and are stable by themselves.
+    /// The part that influences the commands, by the pattern of zeros. The other states (filters of estimates that at this
+    /// point do not influence a command) only receive signals, and are stable by themselves.
     fn heard(&self) -> Self {
         let n = self.a.nrows();
         let mut heard: Vec<usize> = (0..n).filter(|i| self.c.column(*i).iter().any(|share| *share != 0.0)).collect();
@@ -160,8 +161,9 @@ impl SampledLaw {
         }
     }
 
-    /// The part that the inputs move and that moves the commands. What they do not move to first order (estimates that learn from
-    /// squares, weights in directions in which nothing is learnt) has no effect on a loop's stability at this point.
+    /// The part that the inputs influence and that influences the commands. States that inputs do not change to first order
+    /// (estimates that learn from squares, weights in directions in which nothing is learnt) have no effect on a loop's
+    /// stability at this point.
     #[must_use]
     pub fn reachable(&self) -> Self {
         let heard = self.heard();

@@ -1,4 +1,4 @@
-//! Linear feedback of what is measured, in error coordinates.
+//! Linear feedback of the measured signals, in error coordinates.
 
 use crate::Grasp;
 use crate::root_strain::Port;
@@ -42,14 +42,15 @@ impl LinearLoop {
     /// PD, (97) and (98), or PDS, (95) and (96), with strain gains `ks` (0 for PD).
     #[must_use]
     pub fn pds(object: [f64; 2], angle: [f64; 2], rate: [f64; 2], ks: [f64; 2]) -> Self {
-        // The law's +EI q''(0) and +ΣEI q'''(l) cancel what acts on hub and object.
+        // The law's +EI q''(0) and +ΣEI q'''(l) cancel the loads on hub and object.
         let hub =
             |i: usize| HubFeedback { angle: angle[i], rate: rate[i], moment: ks[i] - 1.0, ..HubFeedback::default() };
         let object = ObjectFeedback { position: object[0], rate: object[1], shear: [-1.0; 2], shear_rate: [0.0; 2] };
         Self { hub: [hub(0), hub(1)], object }
     }
 
-    /// The root-strain law without observers, with unbent surface and unfiltered rates, and what the built-in uncertainties do.
+    /// The root-strain law without observers, with straight surface and unfiltered rates, and the effect of the built-in
+    /// uncertainties.
     #[must_use]
     pub fn root_strain(ports: &[Port; 3]) -> Self {
         let hub = |port: &Port| {

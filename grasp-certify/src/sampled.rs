@@ -1,8 +1,8 @@
 //! Loops whose commands are held over a step: the spectral radius of one coupled step.
 //!
-//! The plant's step is exact: ξ⁺ = e^{Ah} ξ + ∫e^{At}dt B g in energy coordinates of the order that the parameters ask for. The
-//! command of an instant uses the signals of the same instant ("at once"), or of `delay` steps before. θ_1 and θ_2 follow from
-//! (12), so the state is without the two invariants that would show as eigenvalues 1.
+//! The plant's step is exact: ξ⁺ = e^{Ah} ξ + ∫e^{At}dt B g in energy coordinates of the parameters' order. The command of
+//! an instant uses the signals of the same instant ("at once"), or of `delay` steps before. θ_1 and θ_2 follow from (12),
+//! so the state does not contain the two invariants, which would appear as eigenvalues 1.
 
 use crate::LinearLoop;
 use crate::law::SampledLaw;
@@ -12,8 +12,8 @@ use grasp_plant::{Plant, StateSpace, held_step};
 
 /// The plant over steps of one size, for loops with laws that have states.
 ///
-/// The law gets the signals of the instant, moves its state with them, and commands; the plant gets these commands, or those of
-/// `delay` steps before. That is a Gauss–Seidel master, and with one step of delay a Jacobi master.
+/// The law receives the signals of the instant, updates its state with them, and commands; the plant receives these
+/// commands, or those of `delay` steps before. That is a Gauss–Seidel master, and with one step of delay a Jacobi master.
 #[derive(Clone, Debug)]
 pub struct Coupled {
     step: DMatrix<f64>,
@@ -94,7 +94,7 @@ pub struct Reduced {
     pub c: DMatrix<f64>,
 }
 
-/// Names of the signals, as the plant's FMU has them: the measurements among the inputs of every controller.
+/// Names of the signals in the plant's FMU: the measurements among the inputs of every controller.
 pub const SIGNALS: [&str; 14] = *INPUT_NAMES.first_chunk().unwrap();
 
 impl Reduced {
@@ -154,11 +154,11 @@ impl SampledLoop {
         radius(&whole)
     }
 
-    /// The first step size \[s\] up to `longest` from which on the loop is unstable, `delay` steps late, on a grid of 1 % refined to 1e-6;
-    /// none if it is stable throughout.
+    /// The first unstable step size \[s\] up to `longest`, `delay` steps late, on a grid of 1 % refined to 1e-6; `None` if
+    /// the loop is stable at all of them.
     #[must_use]
     pub fn first_unstable_step(&self, delay: usize, shortest: f64, longest: f64) -> Option<f64> {
-        // A loop that the plant alone leaves undamped stands on the circle up to rounding.
+        // If the plant alone is undamped, the loop's eigenvalues are on the circle up to rounding.
         let unstable = |h: f64| self.spectral_radius(h, delay) > 1.0 + 1e-10;
         let mut low = shortest;
         if unstable(low) {
@@ -181,7 +181,7 @@ impl SampledLoop {
 }
 
 impl Signals {
-    /// Rows of the commands, without what the built-in uncertainties do.
+    /// Rows of the commands, without the built-in uncertainties.
     fn feedback(&self, law: &LinearLoop) -> DMatrix<f64> {
         let row = |parts: &[(usize, f64)]| {
             let mut sum = DMatrix::zeros(1, self.rows.ncols());
@@ -209,7 +209,8 @@ impl Signals {
     }
 }
 
-/// ‖Aᵐ‖ is a constant times the m-th power of the radius, times a power of m at most: after 40 squarings its logarithm errs by 1e-10.
+/// ‖Aᵐ‖ is a constant times the m-th power of the radius, times at most a power of m: after 40 squarings the error of its
+/// logarithm is 1e-10.
 const SQUARINGS: usize = 40;
 
 fn radius(matrix: &DMatrix<f64>) -> f64 {
@@ -246,7 +247,8 @@ mod tests {
         SampledLoop::new(&plant, &LinearLoop::pds([10.0, 9.0], [60.0; 2], [55.0; 2], [0.0; 2]))
     }
 
-    /// Powers and eigenvalues tell the same radius, near to and on the circle, within what each step of rounding adds to a power.
+    /// Powers and eigenvalues give the same radius, near and on the circle, within the rounding error that each step adds
+    /// to a power.
     #[test]
     fn powers_have_the_radius_of_the_eigenvalues() {
         let pd = pd();
@@ -270,7 +272,7 @@ mod tests {
         assert!((at_once - 2.0 * 0.0073 / 55.0).abs() < 0.02e-4, "{at_once:e}");
     }
 
-    /// PDS, as the importing guide says: 0.97 ms at once, 0.40 ms one step late.
+    /// PDS: 0.97 ms at once, 0.40 ms one step late, as in the importing guide.
     #[test]
     fn the_longest_steps_of_pds() {
         let plant = Plant::new(Parameters::default()).unwrap();

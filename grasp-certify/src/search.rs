@@ -1,5 +1,5 @@
-//! A search for good constants: (1+1)-CMA-ES (Igel, Suttorp, Hansen 2006, doi:10.1145/1143997.1144082). What it finds is
-//! checked elsewhere; what it does not find is no proof of anything. The same start gives the same result.
+//! A search for good constants: (1+1)-CMA-ES (Igel, Suttorp, Hansen 2006, doi:10.1145/1143997.1144082). Its results are
+//! checked elsewhere; if it finds nothing, that proves nothing. The same start gives the same result.
 
 /// Normally distributed numbers from SplitMix64 and the Box–Muller transform: repeatable, and good enough for a search.
 struct Normal(u64);

@@ -14,10 +14,10 @@ use grasp_control::{Arms, InvalidParameter, Parameter, References, Targets};
 use grasp_plant::{Admissible, Arm, Parameters, Start};
 use std::fmt;
 
-/// What is to be certified.
+/// The laws and the plant to be certified.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The plant. Its built-in uncertainties are off at first: the certificates are about the undamped plant.
+    /// The plant. Its built-in uncertainties are off by default: the certificates are about the undamped plant.
     pub plant: Parameters,
     /// Gains of the paper's law.
     pub paper: Gains,
@@ -27,7 +27,7 @@ pub struct Settings {
     pub pd: PdGains,
     /// Gains of PDS.
     pub pds: PdsGains,
-    /// What laws know of actuators and inertias; its hub inertias are those that the root-strain law reckons with.
+    /// The actuator limits and inertias that laws use; the root-strain law uses its hub inertias.
     pub actuation: Actuation,
     /// Bounds of disturbances from outside.
     pub disturbance: Disturbance,
@@ -208,8 +208,8 @@ impl Settings {
         }
     }
 
-    /// The paper's estimates of constants, with their ideal values: a network's weights and the bound of its error those of
-    /// the given disturbances, the inertias true.
+    /// The paper's estimates of constants, with their ideal values: a network's weights and error bound are those of the
+    /// given disturbances, the inertias are the true ones.
     #[must_use]
     pub fn estimators(&self) -> Vec<Estimator> {
         let (grasp, Gains { object: o, posture, .. }) = (self.grasp(), &self.paper);
@@ -232,9 +232,9 @@ impl Settings {
         all
     }
 
-    /// The three ends under the root-strain law: hub 1, hub 2, object, with the gains that its pure numbers become on these arms,
-    /// for the inertias that it is told. Built-in uncertainties are part of the ends. None where they can't
-    /// be: arms of different stiffness with `tip_uncertainty`, for which ΔF is no multiple of d/dt ΣQ_i.
+    /// The three ends under the root-strain law: hub 1, hub 2, object, with its dimensionless gains converted for these
+    /// arms and for the inertias that it is set to. Built-in uncertainties are part of the ends. `None` if this is
+    /// impossible: arms of different stiffness with `tip_uncertainty`, for which ΔF is no multiple of d/dt ΣQ_i.
     #[must_use]
     pub fn ports(&self) -> Option<[Port; 3]> {
         let (grasp, gains) = (self.grasp(), &self.root_strain);
@@ -272,7 +272,7 @@ impl Settings {
         Some([hub(0), hub(1), object])
     }
 
-    /// What these gains of the root-strain law have beside what the proof is about.
+    /// Features of these gains of the root-strain law that the proof does not cover.
     #[must_use]
     pub fn uncovered(&self) -> Vec<&'static str> {
         let gains = &self.root_strain;

@@ -50,7 +50,7 @@ impl Mirror {
         Inputs { hub_disturbance: [force[0], force[1]], object_disturbance: force[2], ..Inputs::ZERO }
     }
 
-    /// A step of `h` \[s\] at whose end hubs and object are as fast as in `sample`.
+    /// A step of `h` \[s\] at whose end hubs and object have the velocities of `sample`.
     ///
     /// # Errors
     /// The plant refuses the step.
@@ -89,7 +89,8 @@ impl Mirror {
         Ok(())
     }
 
-    /// How far the loads are from the recorded ones, relative to the largest of their kind. Small if the recorded plant is this one.
+    /// The difference between the loads and the recorded ones, relative to the largest of their kind. It is small if the
+    /// recorded plant is this one.
     #[must_use]
     pub fn deviation(&self) -> f64 {
         (self.worst[0] / self.largest[0]).max(self.worst[1] / self.largest[1])

@@ -1,8 +1,9 @@
 //! The Lyapunov functions along a run: H, E, C, V_o, V_Ii of (67)–(69) for the paper's law, H of the root-strain law, each
-//! with the bound that is claimed for it.
+//! with its claimed bound.
 //!
-//! Fields are no outputs of a plant. A [`Mirror`] has them: a plant of the same parameters whose hubs and object are forced,
-//! step by step, to have the velocities that were recorded. What it takes to do that are the forces that acted, from whatever.
+//! Fields are not outputs of a plant. A [`Mirror`] computes them: a plant with the same parameters whose hubs and object
+//! are forced, step by step, to have the recorded velocities. The forces that this takes are the forces that acted in the
+//! run, whatever their origin.
 
 mod mirror;
 mod paper;
@@ -12,8 +13,8 @@ pub use mirror::{Integrals, Mirror};
 pub use paper::PaperLaw;
 pub use root::RootLaw;
 
-/// Names of what is recorded, and units: H and its parts E, C, V_o, V_I1, V_I2, the drive D of the root-strain law, and what H may not
-/// exceed.
+/// Names and units of the recorded columns: H and its parts E, C, V_o, V_I1, V_I2, the drive D of the root-strain law, and
+/// the bound of H.
 pub const COLUMNS: [(&str, &str); 8] = [
     ("lyapunov_H", "J"),
     ("lyapunov_E", "J"),
@@ -25,7 +26,7 @@ pub const COLUMNS: [(&str, &str); 8] = [
     ("lyapunov_bound", "J"),
 ];
 
-/// What is known of an instant: true signals of the plant, target, and what the paper's law has learnt.
+/// The data of an instant: true signals of the plant, target, and the estimates of the paper's law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// θ̇_1, θ̇_2, ẏ_M.

@@ -4,7 +4,8 @@ use super::{Integrals, Sample};
 use crate::printed::{self, Verdict};
 use crate::settings::Settings;
 
-/// The paper's H, but for what the ideal values of the estimates add, which depend on disturbances known at the end.
+/// The paper's H without the contribution of the estimates' ideal values, which depends on disturbances known only at the
+/// end.
 #[derive(Clone, Debug)]
 pub struct PaperLaw {
     settings: Settings,
@@ -14,8 +15,8 @@ pub struct PaperLaw {
 }
 
 impl PaperLaw {
-    /// For these gains. Where the conditions have no solution, β_1 is the smallest that any gains allow and β_2 is such
-    /// that φ_1 as printed is ½.
+    /// For these gains. If the conditions have no solution, β_1 is the smallest that any gains allow and β_2 is such that
+    /// φ_1 as printed is ½.
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
         let (grasp, gains) = (settings.grasp(), settings.printed_gains());

@@ -4,8 +4,8 @@ use super::{COLUMNS, Mirror, Sample};
 use crate::root_strain::{Certificate, Port, certify};
 use crate::settings::Settings;
 
-/// H of the root-strain law without observers; all that the law does beyond is a disturbance D(t), and so are limits,
-/// sampling and noise.
+/// H of the root-strain law without observers. Everything else in the law is treated as a disturbance D(t), and so are
+/// limits, sampling and noise.
 #[derive(Clone, Debug)]
 pub struct RootLaw {
     ports: [Port; 3],
@@ -35,8 +35,8 @@ impl RootLaw {
         [m1 + sample.lambda[0] * length, m2 + sample.lambda[1] * length, q1 + q2 - sample.lambda[0] - sample.lambda[1]]
     }
 
-    /// D of the difference between the forces that acted and those of the law without observers, at an instant. Loads' rates are
-    /// `load_rate`.
+    /// D of the difference between the forces that acted and those of the law without observers, at an instant. `load_rate`
+    /// are the rates of the loads.
     fn drive(&self, sample: &Sample, loads: [f64; 3], load_rate: [f64; 3], force: [f64; 3]) -> f64 {
         let mut square = 0.0;
         for (end, port) in self.ports.iter().enumerate() {
@@ -65,7 +65,7 @@ impl RootLaw {
         let integrals = mirror.integrals(now);
         let c = &self.certificate.constants;
         let loads = Self::loads(now, length);
-        // Forces of statics (M^d, λ's sum) are part of what the actuators give: deviations only.
+        // The actuators' forces include the static ones (M^d, sum of λ); only deviations count here.
         let rest = [-now.lambda[0] * length, -now.lambda[1] * length, now.lambda[0] + now.lambda[1]];
         let force = std::array::from_fn(|i| mirror.force()[i] - rest[i]);
         let drive = [0, 1]

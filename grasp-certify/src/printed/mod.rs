@@ -4,11 +4,11 @@
 //!
 //! * (82), (86), (88): exactly if g < 1/8 and B > B_min(g), the positive root of B²(¼ − 2g) g − (3/2) g B − 1 = 0.
 //! * (83): B < 2k. So k > B_min(g)/2.
-//! * (85), (87), (88) of an arm, for k_i without bound: 2 β_1 g_3 (EI/(r l) + r l³ ρ) < 1, an interval of r; for some r if
-//!   4 β_1 l g_3 √(ρ EI) < 1.
+//! * (85), (87), (88) of an arm, for k_i without bound: 2 β_1 g_3 (EI/(r l) + r l³ ρ) < 1, an interval of r; it is not
+//!   empty if 4 β_1 l g_3 √(ρ EI) < 1.
 //! * (71): r < r_max.
-//! * with (83) for k_i: K_i(r) < k_i, where K_i(r) is a minimum over ϑ_7 alone; everything only gets harder as β_1 grows,
-//!   so β_1 is B_min(g)/(EI_1+EI_2).
+//! * with (83) for k_i: K_i(r) < k_i, where K_i(r) is a minimum over ϑ_7 alone. All conditions get harder as β_1 grows, so
+//!   β_1 is B_min(g)/(EI_1+EI_2).
 
 mod conditions;
 mod posture;
@@ -42,11 +42,11 @@ pub struct Conflict {
     pub quantity: String,
     /// Its value.
     pub value: f64,
-    /// What it has to stay below (or above, as `quantity` says).
+    /// Its limit from above (or from below, as `quantity` says).
     pub limit: f64,
 }
 
-/// What is known.
+/// The result of the analysis.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// These constants satisfy everything, checked in interval arithmetic.

@@ -1,14 +1,15 @@
 //! The conditions of the hubs' loops, (71), (83), (85), (87), (88), for the smallest β_1.
 //!
-//! For given r = β_2/β_1 and ϑ_7, (85) allows ϑ_5 down to β_1 EI/(1 − β_1 r l² ρ ϑ_7); with it (87) allows 1/ϑ_4 up to
-//! r l/2 − g_3 ϑ_5, and (88) allows ϑ_6 up to 1/(2l) − g_3/ϑ_7. So (83) asks for
+//! For given r = β_2/β_1 and ϑ_7, (85) allows ϑ_5 down to β_1 EI/(1 − β_1 r l² ρ ϑ_7). With it (87) allows 1/ϑ_4 up to r
+//! l/2 − g_3 ϑ_5, and (88) allows ϑ_6 up to 1/(2l) − g_3/ϑ_7. So (83) demands
 //!
 //! ```text
 //! k_i > K_i(r, ϑ_7) = β_1 EI/(r l/2 − g_3 ϑ_5) + β_1 l² ρ/(1/(2l) − g_3/ϑ_7).
 //! ```
 //!
-//! Between r_1 ≤ r ≤ r_2 and t_1 ≤ ϑ_7 ≤ t_2 it is at least what the formula gives with r_1 and t_1 in ϑ_5, r_2 and t_2
-//! elsewhere: so boxes can be excluded for good. All conditions are posynomials in (r, ϑ), hence K_i is unimodal in ln r.
+//! Between r_1 ≤ r ≤ r_2 and t_1 ≤ ϑ_7 ≤ t_2 it is at least the value of the formula with r_1 and t_1 in ϑ_5, and r_2 and
+//! t_2 elsewhere. So boxes can be excluded with certainty. All conditions are posynomials in (r, ϑ), hence K_i is unimodal
+//! in ln r.
 
 use super::{Constants, Gains, smallest_b};
 use crate::Grasp;
@@ -17,7 +18,7 @@ use crate::interval::{Interval, Number};
 /// Halvings of r and of ϑ_7 before a box is left undecided.
 const DEPTH: u32 = 40;
 
-/// K_i with r and ϑ_7 from different ends of a box; none where the formula has no positive value.
+/// K_i with r and ϑ_7 from different ends of a box; `None` if the formula has no positive value.
 fn gain<N: Number>(grasp: &Grasp, gains: &Gains, beta: f64, arm: usize, r: [f64; 2], theta: [f64; 2]) -> Option<N> {
     let n = N::exact;
     let (ei, rho, l, g3) = (n(grasp.arms[arm].ei), n(grasp.arms[arm].rho), n(grasp.length), n(gains.g3[arm]));
@@ -51,7 +52,7 @@ fn theta_range(grasp: &Grasp, gains: &Gains, beta: f64, arm: usize, r: f64) -> [
 /// Whether no r and no constants satisfy the conditions of both arms. Only a proof makes it true.
 pub(super) fn excluded(grasp: &Grasp, gains: &Gains, beta: f64) -> bool {
     let l = grasp.length;
-    // Below, even ϑ_5's least value β_1 EI exceeds what (87) leaves; above, (71) fails. Widened for rounding.
+    // Below this, even the smallest ϑ_5, β_1 EI, exceeds the limit of (87); above, (71) fails. Widened for rounding.
     let low = (0..2).map(|i| 2.0 * gains.g3[i] * beta * grasp.arms[i].ei / l).fold(0.0, f64::max);
     let (low, high) = (low * (1.0 - 1e-12), largest_ratio(grasp) * (1.0 + 1e-12));
     low >= high || excluded_between(grasp, gains, beta, [low, high], DEPTH)
@@ -96,7 +97,7 @@ fn least_gain(grasp: &Grasp, gains: &Gains, beta: f64, arm: usize, r: f64) -> (f
     })
 }
 
-/// The smallest value of a unimodal function, and where. Infinite values stand for "outside": a scan finds the inside.
+/// The smallest value of a unimodal function, and its place. Infinite values mean "outside"; a scan finds the inside.
 fn golden([low, high]: [f64; 2], f: impl Fn(f64) -> f64) -> (f64, f64) {
     const POINTS: u32 = 200;
     let at = |i: u32| low + (high - low) * f64::from(i) / f64::from(POINTS);
@@ -121,19 +122,19 @@ fn best_ratio(grasp: &Grasp, gains: &Gains, beta: f64) -> (f64, f64) {
     (value, x.exp())
 }
 
-/// The factor by which k_1 and k_2 have to grow, as the search finds it; infinite if no factor is enough.
+/// The factor by which k_1 and k_2 have to grow, as found by the search; infinite if no factor is enough.
 pub(super) fn needed_gain(grasp: &Grasp, gains: &Gains, beta: f64) -> f64 {
     best_ratio(grasp, gains, beta).0
 }
 
-/// Constants for the smallest β_1 that this module was given, slack spread evenly. None where the search finds none.
+/// Constants for the smallest β_1 of this module, with the slack spread evenly. `None` if the search finds none.
 pub(super) fn constants(grasp: &Grasp, gains: &Gains, beta: f64) -> Option<Constants> {
     let (value, r) = best_ratio(grasp, gains, beta);
     if value >= 1.0 {
         return None;
     }
     let (g, l) = (gains.g, grasp.length);
-    // A larger β_1 gives (82) and (86) room; the hubs' conditions tell how much there is.
+    // A larger β_1 gives (82) and (86) slack; the hubs' conditions limit it.
     let b = beta * (grasp.arms[0].ei + grasp.arms[1].ei);
     debug_assert!(b >= smallest_b(g).lo());
     let rest = 1.0 + 0.5 * b - 2.0 * b * g;
@@ -144,7 +145,7 @@ pub(super) fn constants(grasp: &Grasp, gains: &Gains, beta: f64) -> Option<Const
         return None;
     }
     let theta_1 = (low * room).sqrt();
-    // 1/ϑ_2 may exceed 2g by what (82) leaves.
+    // 1/ϑ_2 may exceed 2g by the slack of (82).
     let slack = (1.0 - theta_1 / g) / b + 0.5 - theta_3 - 2.0 * g;
     let theta_2 = 1.0 / (2.0 * g + 0.5 * slack);
     let arm = |i: usize| {

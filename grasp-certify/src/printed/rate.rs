@@ -23,7 +23,7 @@ pub struct Learning {
     pub inertia: [[f64; 2]; 2],
 }
 
-/// What the theorem would promise with the best constants that a search finds.
+/// The bounds that the theorem would guarantee with the best constants found by a search.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bounds {
     /// The constants.

@@ -1,4 +1,4 @@
-//! Two inequalities of a clamped beam, with their sharp constants.
+//! Two inequalities for a clamped beam, with their sharp constants.
 //!
 //! For q(0) = q'(0) = 0 on (0, l), with |·| the norm of L²:
 //!
@@ -32,9 +32,10 @@ mod tests {
     use super::*;
     use crate::interval::Interval;
 
-    /// Σ(−t)^k/(k! (3/4)_k), which is J_{−1/4}(2√t) up to a positive factor, is 1 at t = 0 and falls for 0 < t < 7/4: its
-    /// derivative is an alternating series with falling terms there. So a positive value at t means no zero before. An
-    /// alternating series with falling terms lies between its partial sums; twenty terms leave less than 1e-30.
+    /// Σ(−t)^k/(k! (3/4)_k), which is J_{−1/4}(2√t) up to a positive factor, is 1 at t = 0 and falls for 0 < t < 7/4,
+    /// because its derivative is an alternating series with falling terms there. So a positive value at t means that there
+    /// is no zero before. An alternating series with falling terms lies between its partial sums; the remainder after
+    /// twenty terms is below 1e-30.
     #[test]
     fn the_bessel_function_has_no_zero_before_the_bound() {
         let n = Interval::exact;

@@ -1,11 +1,11 @@
-//! What a certificate promises in metres, radians and newtons.
+//! The guarantees of a certificate in metres, radians and newtons.
 
 use super::{Certificate, Port, Storage};
 use crate::Grasp;
 use crate::interval::{Interval, Number};
 use serde::Serialize;
 
-/// What stays in the end, or follows from a value of W.
+/// Bounds in the end, or bounds that follow from a value of W.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bound {
     /// W \[J\].
@@ -18,12 +18,12 @@ pub struct Bound {
     pub force: [f64; 2],
 }
 
-/// What disturbs the ends: on hub 1, hub 2 \[N·m\], on the object \[N\].
+/// Bounds of the disturbances: on hub 1, hub 2 \[N·m\], on the object \[N\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Disturbance {
     /// Bounds of |Δ| of any shape. An observer may take a sudden one for the opposite for a while.
     pub size: [f64; 3],
-    /// Bounds of |Δ̇| of disturbances of any size, which observers learn \[1/s\]; without observer they count for nothing.
+    /// Bounds of |Δ̇| of disturbances of any size, which observers learn \[1/s\]; without observers they are not used.
     pub rate: [f64; 3],
 }
 
@@ -50,7 +50,7 @@ impl Storage {
 }
 
 impl Certificate {
-    /// What a value of W \[J\] implies.
+    /// The consequences of a value of W \[J\].
     #[must_use]
     pub fn implied(&self, grasp: &Grasp, energy: f64) -> Bound {
         if energy == 0.0 {
@@ -100,8 +100,8 @@ impl Certificate {
         self.implied(grasp, if drive == 0.0 { 0.0 } else { (n(2.0) * root * root).hi() })
     }
 
-    /// W at rest with these errors of the angles and of the position, the arms bent as at rest, observers that have learnt
-    /// the disturbances \[J\].
+    /// W at rest with these errors of the angles and of the position, with arms in static bending and observers that have
+    /// learnt the disturbances \[J\].
     #[must_use]
     pub fn energy_at_rest(&self, grasp: &Grasp, ports: &[Port; 3], angle: [f64; 2], position: f64) -> f64 {
         let l = grasp.length;
@@ -121,7 +121,8 @@ impl Certificate {
         energy
     }
 
-    /// Time after which both forces of bending certainly stay within `tolerance` \[N\] without disturbances, from W = `energy`.
+    /// Time after which both bending forces certainly stay within `tolerance` \[N\] without disturbances, from W =
+    /// `energy`.
     #[must_use]
     pub fn settling_time(&self, grasp: &Grasp, energy: f64, tolerance: f64) -> f64 {
         let allowed = (0..2).map(|i| 0.5 * tolerance.powi(2) / grasp.tip_stiffness(i)).fold(f64::INFINITY, f64::min);

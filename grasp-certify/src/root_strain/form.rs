@@ -22,9 +22,9 @@
 //! ```
 //!
 //! The fields enter as √EI q_i'' and √ρ ẏ_i, elements of L²(0, l). The first occurs only with its norm (by the sharp
-//! inequalities of [`beam`](super::beam), and (l e − p)² = q(l)² ≤ (l³/3EI) EI∫q''² with weight τ_i); the second with its
-//! norm and its inner products with the fixed functions x−l and x. Completing both squares leaves a form in the scalars
-//! of the ends whose signs are all kept: nothing has to be taken at its worst.
+//! inequalities of [`beam`](super::beam), and (l e − p)² = q(l)² ≤ (l³/3EI) EI∫q''² with weight τ_i). The second occurs
+//! with its norm and its inner products with the fixed functions x−l and x. Completing both squares leaves a form in the
+//! scalars of the ends that keeps all signs: no term is replaced by its worst case.
 
 use super::beam::{deflection_constant, slope_constant};
 use super::{Constants, Port, Storage};
@@ -128,7 +128,7 @@ fn add_end<N: Number>(matrix: &mut Matrix<N>, end: usize, port: &Port, storage: 
     load
 }
 
-/// A lower bound of −Ḣ − φH in the scalars, lower triangle. None where completing a square fails: then nothing is proved.
+/// A lower bound of −Ḣ − φH in the scalars, lower triangle. `None` if completing a square fails: then nothing is proved.
 pub(super) fn decay<N: Number>(grasp: &Grasp, ports: &[Port; 3], constants: &Constants, phi: f64) -> Option<Matrix<N>> {
     let n = N::exact;
     let (l, phi) = (n(grasp.length), n(phi));

@@ -1,8 +1,8 @@
-//! What the paper's way to learn would cost.
+//! The effect of the paper's adaptation on a certificate.
 //!
 //! An estimate x̂ of a constant x with x̂˙ = a(r y − b x̂), where y is the regressor of x and r = B(ζ + w p)/m (which is s
-//! where everything is fed forward), adds x̃²/2a to H and −½b x̃² + ½b x² to its rate. So φ falls to min(φ, a b), and
-//! W ≤ Σ½b x²/(φθ) in the end. Laws (37)–(39) and (55)–(57) are of this kind; a network's x is its ideal weights.
+//! with full feed-forward), adds x̃²/2a to H and −½b x̃² + ½b x² to its rate. So φ falls to min(φ, a b), and W ≤ Σ½b
+//! x²/(φθ) in the end. Laws (37)–(39) and (55)–(57) are of this kind; for a network x are its ideal weights.
 
 use super::{Bound, Certificate};
 use crate::Grasp;
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// One estimate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimator {
-    /// What is estimated.
+    /// The estimated quantity.
     pub name: String,
     /// Learning rate a.
     pub gain: f64,
@@ -21,7 +21,7 @@ pub struct Estimator {
     pub size: f64,
 }
 
-/// What estimates with leakage leave of a certificate.
+/// The part of a certificate that remains if estimates have leakage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Leakage {
     /// The estimates, those with a = 0 left out.

@@ -1,14 +1,14 @@
 //! The law with root strain in the posture surface: a certified decay rate and ultimate bounds.
 //!
-//! What is proved holds for the undiscretised, undamped beams in continuous time, without limits of the actuators, for
-//! fixed gains, observers included: constants ε_1, ε_2, τ_i and storage functions V exist for which H of `form` satisfies
+//! The proof holds for the undiscretised, undamped beams in continuous time, without limits of the actuators, for fixed
+//! gains, observers included: constants ε_1, ε_2, τ_i and storage functions V exist for which H of `form` satisfies
 //!
 //! ```text
 //! Ḣ ≤ −φ H + D √(2H/θ),   θ W ≤ H ≤ (2−θ) W,
 //! ```
 //!
-//! so W decays like e^{−φt} and ends below 2D²/(φθ)². The constants come from a search; that they do it is checked
-//! with intervals. [`obstacle`] says for which gains no constants can.
+//! so W decays like e^{−φt} and ends below 2D²/(φθ)². A search finds the constants, and interval arithmetic checks them.
+//! [`obstacle`] determines the gains for which no constants exist.
 
 mod beam;
 mod bound;
@@ -88,7 +88,8 @@ fn proves<N: Number>(grasp: &Grasp, ports: &[Port; 3], constants: &Constants, ph
     form::decay::<N>(grasp, ports, constants, phi).is_some_and(|matrix| is_positive_definite(&matrix))
 }
 
-/// The largest value up to `limit` for which `holds`, starting from `least`; `holds` is true up to it. None if not even `least`.
+/// The largest value up to `limit` for which `holds`, starting from `least`; `holds` is true up to it. `None` if it is
+/// false for `least`.
 fn largest(least: f64, limit: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
     let (mut low, mut high) = (least, 2.0 * least);
     if !holds(low) {
@@ -111,7 +112,8 @@ pub fn verify(grasp: &Grasp, ports: &[Port; 3], constants: &Constants, phi: f64)
     if !ports.iter().all(Port::is_usable) {
         return None;
     }
-    // Rounding costs a few parts in 1e12 of the largest entries; what fails a little below is no matter of rounding.
+    // The rounding error is a few parts in 1e12 of the largest entries; a failure slightly below this is not due to
+    // rounding.
     let below = [1e-7, 1e-5, 1e-3];
     let phi = below
         .iter()

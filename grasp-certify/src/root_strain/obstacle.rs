@@ -1,15 +1,15 @@
 //! Gains for which no H of this kind decreases, whatever its constants.
 //!
-//! Take e_1 = e_2 = p/l, everything at rest, and loads that make all three surfaces zero: M̃_i = −(G_i/c_i) e_i,
-//! S = −(G/c) p. Then no observer and no surface moves, V̇ = 0, and fields q_i with these boundary values and q_i(l) = 0 exist
-//! whose ∫q_i''² is as small as one likes. So Ḣ comes as near as one likes to
+//! Take e_1 = e_2 = p/l, everything at rest, and loads that make all three surfaces zero: M̃_i = −(G_i/c_i) e_i, S = −(G/c)
+//! p. Then no observer and no surface moves, V̇ = 0, and fields q_i with these boundary values and q_i(l) = 0 exist with
+//! arbitrarily small ∫q_i''². So Ḣ comes arbitrarily close to
 //!
 //! ```text
 //! ε_1 Σ(l/2EI_i) M̃_i² + ε_2 (Σ e_i M̃_i + p S)
 //! ```
 //!
-//! and must not be positive, while the motion of the arms alone asks for ε_2 < ½ε_1: with loads per p, K = Σ (l/2EI_i)(G_i/c_i l)² /
-//! (Σ G_i/(c_i l²) + G/c) has to be below ½.
+//! and must not be positive, while the motion of the arms alone demands ε_2 < ½ε_1. With loads per p, K = Σ
+//! (l/2EI_i)(G_i/c_i l)² / (Σ G_i/(c_i l²) + G/c) therefore has to be below ½.
 
 use super::Port;
 use crate::Grasp;
@@ -20,7 +20,7 @@ use serde::Serialize;
 pub struct Obstacle {
     /// K.
     pub value: f64,
-    /// What it has to stay below.
+    /// Its upper limit.
     pub limit: f64,
 }
 

@@ -6,8 +6,8 @@
 //! s = G p + v̂ + c S,    v = S − m̂ (k s + f (G v̂ + c Ṡ)) − v̂/c − Δ̂,    m p̈ = v − S − χ_u Ṡ + Δ.
 //! ```
 //!
-//! χ_u is what the built-in uncertainties of Section IV do to the end. Rate v̂ and disturbance Δ̂ come from an observer with both
-//! poles at −ω; without one (ω = 0), v̂ = ṗ and Δ̂ = 0.
+//! χ_u is the effect of the built-in uncertainties of Section IV on the end. Rate v̂ and disturbance Δ̂ come from an
+//! observer with both poles at −ω; without one (ω = 0), v̂ = ṗ and Δ̂ = 0.
 
 use serde::Serialize;
 
@@ -57,13 +57,13 @@ impl Port {
         (self.assumed_inertia * self.feedforward * self.strain + self.load_rate) / self.inertia
     }
 
-    /// The load's share ν in ṗ − v̂ + ν S, of whose rate the same is true.
+    /// The load's share ν in ṗ − v̂ + ν S, whose rate does not contain the load's rate either.
     pub(super) fn observed_crossing(&self) -> f64 {
         ((self.assumed_inertia / self.inertia - 1.0) * self.feedforward * self.strain) + self.load_rate / self.inertia
     }
 
-    /// A, B, w of V = ½A p² + ½B(ζ + w p)² for which −dV/dt − ṗS is ṗ²/χ + …, never negative, where such exist
-    /// (`docs/certificates.md`); a start for the search where not.
+    /// A, B, w of V = ½A p² + ½B(ζ + w p)² for which −dV/dt − ṗS is ṗ²/χ + …, never negative, if such values exist
+    /// (`docs/certificates.md`); otherwise a start for the search.
     pub(super) fn natural_storage(&self) -> [f64; 3] {
         let [_, rate, load, _] = self.feedback();
         let chi = self.crossing();

@@ -1,4 +1,4 @@
-//! The search for good constants. What it finds is checked by [`verify`]; what it does not find proves nothing.
+//! The search for good constants. [`verify`] checks its results; if it finds nothing, nothing is proved.
 
 use super::{Certificate, Constants, Port, Storage, form, largest, proves, verify};
 use crate::Grasp;
@@ -10,9 +10,9 @@ const OBSERVED: usize = 10;
 const PLAIN: usize = 3;
 const FIELDS: usize = 4;
 
-/// The best certificate that a search finds. None if it finds none, which proves nothing.
+/// The best certificate found by a search. `None` if it finds none, which proves nothing.
 ///
-/// Needs positive inertias and gains, and at each end feed-forward or a built-in uncertainty.
+/// Needs positive inertias and gains, and feed-forward or a built-in uncertainty at each end.
 #[must_use]
 pub fn certify(grasp: &Grasp, ports: &[Port; 3]) -> Option<Certificate> {
     if !ports.iter().all(Port::is_usable) {
@@ -55,7 +55,7 @@ fn search<const N: usize>(grasp: &Grasp, ports: &[Port; 3], evaluations: usize) 
     if rate > 0.0 { verify(grasp, ports, &unpack(&units, &found), rate) } else { None }
 }
 
-/// Logarithms of the constants; w, u and v in its natural unit, x, y and g as they are, h as its excess over g².
+/// Logarithms of the constants; w, u and v in their natural unit, x, y and g unchanged, h as its excess over g².
 fn unpack<const N: usize>(units: &[f64; 3], x: &[f64; N]) -> Constants {
     let per_end = (N - FIELDS) / 3;
     Constants {
@@ -83,8 +83,8 @@ fn unpack<const N: usize>(units: &[f64; 3], x: &[f64; N]) -> Constants {
 /// Nothing decays that slowly.
 const LOWEST: f64 = -1e7;
 
-/// The largest φ in floating point that the constants prove, also below zero: how far they are from proving something tells
-/// a search where to go. No more than `known` if not above it.
+/// The largest φ in floating point that the constants prove, also below zero: the distance from a proof guides the search.
+/// No more than `known` if it is not larger than that.
 fn rate(grasp: &Grasp, constants: &Constants, ports: &[Port; 3], known: f64) -> f64 {
     let holds = |phi: f64| proves::<f64>(grasp, ports, constants, phi);
     // H has to bound W from below.
@@ -105,8 +105,8 @@ fn rate(grasp: &Grasp, constants: &Constants, ports: &[Port; 3], known: f64) -> 
     low
 }
 
-/// Where the search begins: natural storage functions, and the best of a grid of ε_1, ε_2, τ and the observers' weight. None if
-/// no point of it proves any rate, however negative.
+/// The start of the search: natural storage functions, and the best point of a grid of ε_1, ε_2, τ and the observers'
+/// weight. `None` if no point of it proves any rate, however negative.
 fn start<const N: usize>(
     grasp: &Grasp,
     ports: &[Port; 3],
@@ -117,8 +117,8 @@ fn start<const N: usize>(
     let time = grasp.arms.iter().map(|arm| grasp.length.powi(2) * (arm.rho / arm.ei).sqrt()).fold(0.0, f64::max);
     let mut x = [0.0; N];
     let mut best = None;
-    // ζ + w p by itself, or ζ − a + w p = v̂ + f c S + w p, what the law works with: that is where a fast observer cancels the
-    // built-in uncertainties.
+    // ζ + w p by itself, or ζ − a + w p = v̂ + f c S + w p, which the law uses: that is the place where a fast observer
+    // cancels the built-in uncertainties.
     let weights = [0.01, 0.1, 1.0, 10.0].into_iter().flat_map(|weight| [(weight, 0.0), (weight, -1.0)]);
     let starts: Vec<_> = if per_end == OBSERVED { weights.collect() } else { vec![(1.0, 0.0)] };
     for (weight, error) in starts {

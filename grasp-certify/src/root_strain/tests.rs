@@ -31,8 +31,9 @@ fn size(size: [f64; 3]) -> Disturbance {
     Disturbance { size, rate: [0.0; 3] }
 }
 
-/// What a norm-wise 10 × 10 comparison gives with the same constants, 4.592 and 5.859 1/s (all sign patterns), and an independent
-/// mpmath evaluation of this form (`tests/test_certificates.py`): 4.9127 and 7.7327, for reach without bound.
+/// The results of a norm-wise 10 × 10 comparison with the same constants, 4.592 and 5.859 1/s (all sign patterns), and of
+/// an independent mpmath evaluation of this form (`tests/test_certificates.py`): 4.9127 and 7.7327, for reach without
+/// bound.
 #[test]
 fn the_notes_gains_are_certified() {
     let grasp = paper();
@@ -43,12 +44,12 @@ fn the_notes_gains_are_certified() {
         let constants = plain(&ports, constants.0, constants.1, constants.2);
         let certificate = verify(&grasp, &ports, &constants, least).expect("certified");
         assert!(certificate.phi > least * (1.0 - 1e-6) && certificate.theta > 0.1, "{certificate:?}");
-        // The limit is where it is said to be, not far below.
+        // The limit is at this place, not far below.
         assert!(verify(&grasp, &ports, &constants, 1.01 * least).is_none());
     }
 }
 
-/// The natural storage is the one of the notes where everything is fed forward and known.
+/// With full feed-forward and known inertias the natural storage is that of the notes.
 #[test]
 fn natural_storage_is_that_of_the_notes() {
     for port in ports(40.0, 50.0) {
@@ -59,8 +60,8 @@ fn natural_storage_is_that_of_the_notes() {
     }
 }
 
-/// The search does not fall behind the plain storage functions, also with less than everything fed forward, with a wrong
-/// inertia and with unequal arms.
+/// The search is at least as good as the plain storage functions, also with partial feed-forward, with a wrong inertia and
+/// with unequal arms.
 #[test]
 fn searches_find_certificates() {
     let mut grasp = paper();
@@ -75,12 +76,12 @@ fn searches_find_certificates() {
     assert!(certify(&grasp, &part).is_some());
     part[0].feedforward = 0.0;
     assert!(certify(&grasp, &part).is_none());
-    // What the feed-forward lacks the built-in uncertainty gives.
+    // The built-in uncertainty replaces the missing feed-forward.
     part[0].load_rate = 0.02;
     assert!(certify(&grasp, &part).is_some());
 }
 
-/// Bounds scale as they have to: W with the square of the disturbance, errors linearly; none without disturbance.
+/// Bounds scale correctly: W with the square of the disturbance, errors linearly; they are zero without disturbance.
 #[test]
 fn bounds_follow_the_disturbance() {
     let (grasp, ports) = (paper(), ports(40.0, 50.0));
@@ -98,7 +99,7 @@ fn bounds_follow_the_disturbance() {
     assert!(now.position >= 1e-3 && now.force[0] >= grasp.tip_stiffness(0) * 1e-3);
 }
 
-/// Leakage costs what its formula says, and without any nothing.
+/// Leakage lowers the rate as its formula says, and no leakage changes nothing.
 #[test]
 fn leakage_has_its_price() {
     let (grasp, ports) = (paper(), ports(40.0, 50.0));
@@ -110,8 +111,8 @@ fn leakage_has_its_price() {
     assert_eq!(certificate.with_leakage(&grasp, vec![]).ultimate.energy, 0.0);
 }
 
-/// The preset *certified* is proved as it is shipped: with its observers, with and without the uncertainties of Section IV,
-/// which no certificate of this kind can say of the preset *fast*.
+/// The shipped preset *certified* is proved: with its observers, with and without the uncertainties of Section IV. No
+/// certificate of this kind exists for the preset *fast*.
 #[test]
 fn presets_are_certified_or_cannot_be() {
     let grasp = paper();
@@ -123,7 +124,7 @@ fn presets_are_certified_or_cannot_be() {
         assert!(ports.iter().all(|port| port.observer > 0.0) && obstacle(&grasp, &ports).is_none());
         let certificate = certify(&grasp, &ports).expect("certified");
         assert!(certificate.phi > 1.0, "{uncertainties:?} {}", certificate.phi);
-        // What the observers learn leaves nothing; what changes leaves something.
+        // Observers remove constant disturbances completely, but not changing ones.
         let slow = Disturbance { size: [0.0; 3], rate: [0.0, 0.0, 0.01] };
         assert!(certificate.ultimate(&grasp, &ports, &slow).energy > 0.0);
     }
@@ -133,7 +134,8 @@ fn presets_are_certified_or_cannot_be() {
     assert!(obstacle.value > obstacle.limit && certify(&grasp, &ports).is_none());
 }
 
-/// Just beyond the obstacle's limit no search succeeds; well below it does, so it is not far from what is needed.
+/// Just beyond the obstacle's limit no search succeeds; well below it one does, so the condition is not far from necessary
+/// and sufficient.
 #[test]
 fn the_obstacle_is_real() {
     let grasp = paper();

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! and the object's equation is F = D N_1 N_2 − EI_1 R_1 S_1 N_2 − EI_2 R_2 S_2 N_1 = 0, D = m s² + …, R_i = 1 + κs + ….
-//! All are entire functions of s (but for s = −1/κ), so the argument principle counts zeros and nothing else.
+//! All are entire functions of s (except at s = −1/κ), so the argument principle counts only zeros.
 
 use super::complex::Complex;
 use crate::{Grasp, LinearLoop};
@@ -28,8 +28,8 @@ pub struct Characteristic {
 /// sin x sinh x/x², (sin x cosh x − sinh x cos x)/(2x³), (1 + cos x cosh x)/2 as functions of x⁴.
 fn beam_functions(fourth: Complex) -> [Complex; 3] {
     if fourth.abs() < 1.0 {
-        // Σ(−1)^n 2^{2n+1} x^{4n}/(4n+2)!, Σ(−1)^n 2^{2n+1} x^{4n}/(4n+3)!, ½ + ½Σ(−4)^n x^{4n}/(4n)!; five terms leave
-        // less than 1e-17.
+        // Σ(−1)^n 2^{2n+1} x^{4n}/(4n+2)!, Σ(−1)^n 2^{2n+1} x^{4n}/(4n+3)!, ½ + ½Σ(−4)^n x^{4n}/(4n)!; the remainder after
+        // five terms is below 1e-17.
         let mut power = Complex::from(1.0);
         let mut sums = [Complex::from(0.0); 3];
         let mut factorial = 1.0;

@@ -1,8 +1,8 @@
 //! Exact eigenvalues of linear loops in a rectangle, with a count that shows that none is missing.
 //!
 //! The number of zeros inside is the winding number of the [characteristic function](Characteristic) along the border,
-//! followed with steps on which it is nearly linear. Rectangles are halved until each holds one zero,
-//! which Newton's method finds. Floating point: the count is no interval proof, but an integer that rounding does not move.
+//! followed with steps on which it is nearly linear. Rectangles are halved until each contains one zero, which Newton's
+//! method finds. The count uses floating point: it is not an interval proof, but an integer that rounding does not change.
 
 mod characteristic;
 mod complex;
@@ -49,7 +49,7 @@ impl std::error::Error for BorderError {}
 pub struct Eigenvalue {
     /// Where \[1/s\].
     pub s: Complex,
-    /// Multiplicity; above 1 also for zeros closer than 1e-4 of the region, which rounding does not tell apart.
+    /// Multiplicity; above 1 also for zeros closer than 1e-4 of the region, which rounding makes indistinguishable.
     pub multiplicity: u32,
 }
 
@@ -104,7 +104,7 @@ pub fn count(function: &Characteristic, region: &Region) -> Result<u32, BorderEr
     }
     let number = turned / TAU;
     debug_assert!((number - number.round()).abs() < 1e-6, "{number}");
-    // A count: never negative, and far below what a u32 holds.
+    // A count: never negative, and far below the largest u32.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     Ok(number.round().max(0.0) as u32)
 }
@@ -123,8 +123,8 @@ fn turn(
         return Err(BorderError { near: middle });
     }
     let at_middle = function.value(middle);
-    // The function has to be nearly linear on the piece. A small turn alone is not enough: past a double zero close by it
-    // turns by a whole circle, which the ends do not show.
+    // The function has to be nearly linear on the piece. A small change of its argument at the ends is not enough: near a
+    // double zero the function turns by a whole circle, which the ends do not show.
     let size = at_middle.abs();
     if (at_b - at_a).abs() < 0.5 * size && (at_middle - (at_a + at_b) * 0.5).abs() < 0.1 * size {
         return Ok(angle(at_a, at_middle) + angle(at_middle, at_b));
@@ -137,7 +137,7 @@ fn angle(from: Complex, to: Complex) -> f64 {
     (to * Complex::new(from.re, -from.im)).arg()
 }
 
-/// All eigenvalues in the region, by falling real part: exactly as many as [`count`] says.
+/// All eigenvalues in the region, by falling real part. Their number is that of [`count`].
 ///
 /// # Errors
 /// A zero is on the region's border or very near.
@@ -181,7 +181,7 @@ fn search(
             _ => {}
         }
     }
-    // Near a multiple zero the function drowns in rounding, so that no border through its neighbourhood can be followed.
+    // Near a multiple zero rounding dominates the function, so that no border through its neighbourhood can be followed.
     if number > 1 && region.diameter() < 1e3 * smallest {
         found.push(multiple(function, region, number));
         return Ok(());
@@ -189,7 +189,7 @@ fn search(
     Err(failure.unwrap_or(BorderError { near: region.centre() }))
 }
 
-/// Zeros too close to be told apart.
+/// Zeros that are too close to be separated.
 fn multiple(function: &Characteristic, region: &Region, number: u32) -> Eigenvalue {
     Eigenvalue { s: newton(function, region, number).unwrap_or_else(|| region.centre()), multiplicity: number }
 }

@@ -73,8 +73,8 @@ fn the_free_grasp() {
     }
 }
 
-/// PD without uncertainties takes the arms' moments and shears off hubs and object, so both arms swing as if clamped and
-/// pinned: an undamped double eigenvalue at each frequency of `corrected::undamped_frequencies`.
+/// PD without uncertainties removes the arms' moments and shears from hubs and object, so both arms vibrate as if clamped
+/// and pinned: an undamped double eigenvalue at each frequency of `corrected::undamped_frequencies`.
 #[test]
 fn pd_leaves_the_beams_alone() {
     let pd = LinearLoop::pds([10.0, 9.0], [60.0; 2], [55.0; 2], [0.0; 2]);
