@@ -82,16 +82,15 @@ fn experiment(model: &Model) -> TokenStream {
 /// The builder's calls for one variable.
 fn declaration(model: &Model, field: &Field) -> TokenStream {
     let Field { ident, name, description, .. } = field;
-    let array = if field.is_array() { "_array" } else { "" };
     let role = match field.role {
         Role::Input => "input",
         Role::Output => "output",
         Role::Local => "local",
         Role::Parameter | Role::Tunable | Role::State => "parameter",
     };
-    let method = Ident::new(&format!("{role}{array}"), ident.span());
+    let method = Ident::new(&format!("{role}_field"), ident.span());
     let evaluation = field.role.is_computed().then(|| quote!(outputs,));
-    let place = lens(field, ident);
+    let place = quote!(::fmi2_export::field!(Self, #ident));
     let mut calls = Vec::new();
     calls.extend((field.role == Role::Tunable).then(|| quote!(.tunable())));
     calls.extend(field.unit.iter().map(|unit| quote!(.unit(#unit))));

@@ -1,24 +1,32 @@
-//! Typed access to the fields that variables live in.
-
-use std::sync::Arc;
+//! The types that variables can have, and how a value of each is read and written.
 
 use crate::enumeration::Enumeration;
+use crate::place::Place;
 
-/// The way from a model to a value in it.
-pub(crate) type Lens<M, T> = Arc<dyn Fn(&mut M) -> &mut T + Send + Sync>;
-
-type Getter<M, T> = Box<dyn Fn(&mut M) -> T + Send + Sync>;
 /// A value as FMI's 32-bit integer, or what is wrong with it: a model can compute what such an integer cannot hold.
-type Narrowed = Result<i32, String>;
-type Setter<M, T> = Box<dyn Fn(&mut M, T) -> bool + Send + Sync>;
+pub(crate) type Narrowed = Result<i32, String>;
 
-/// The way to a variable's value, by base type.
-pub(crate) enum Access<M> {
-    Real(Lens<M, f64>),
-    Integer { get: Getter<M, Narrowed>, set: Setter<M, i32>, fits: fn(i32) -> bool },
-    Boolean(Lens<M, bool>),
-    String(Lens<M, String>),
-    Enumeration { get: Getter<M, Narrowed>, set: Setter<M, i32>, kind: EnumerationKind },
+/// Where a variable's value is, by base type.
+pub(crate) enum Access {
+    /// Of an `f64`.
+    Real(Place),
+    /// Of an integer of some type.
+    Integer(Place, Whole),
+    /// Of a `bool`.
+    Boolean(Place),
+    /// Of a `String`.
+    String(Place),
+    /// Of an enumeration.
+    Enumeration(Place, Whole, EnumerationKind),
+}
+
+/// A type whose values are whole numbers to FMI. The pointers are to a value of that type, as references are.
+#[derive(Clone, Copy)]
+pub(crate) struct Whole {
+    pub get: unsafe fn(*const ()) -> Narrowed,
+    /// Whether it can have this value.
+    pub set: unsafe fn(*mut (), i32) -> bool,
+    pub fits: fn(i32) -> bool,
 }
 
 /// What `<TypeDefinitions>` says of an enumeration.
@@ -34,10 +42,30 @@ pub struct EnumerationKind {
 
 /// Types a variable can have: `f64`, integers, `bool`, `String` and enumerations made by
 /// [`enumeration!`](crate::enumeration).
-pub trait Scalar: Sized + sealed::Sealed {
+pub trait Scalar: Sized + sealed::Sealed + 'static {
+    /// What is at a place where a value of this type is.
     #[doc(hidden)]
     #[allow(private_interfaces)]
-    fn access<M: 'static>(field: impl Fn(&mut M) -> &mut Self + Send + Sync + 'static) -> Access<M>;
+    fn access(place: Place) -> Access;
+}
+
+/// What a [`Field`](crate::Field) can hold that is declared: one value, or an array of values, which becomes as many variables.
+pub trait Shape: sealed::Shaped {
+    #[doc(hidden)]
+    type Element: Scalar;
+    /// How many elements there are; `None` if it is no array.
+    #[doc(hidden)]
+    const LENGTH: Option<usize>;
+}
+
+impl<T: Scalar> Shape for T {
+    type Element = T;
+    const LENGTH: Option<usize> = None;
+}
+
+impl<T: Scalar, const N: usize> Shape for [T; N] {
+    type Element = T;
+    const LENGTH: Option<usize> = Some(N);
 }
 
 mod sealed {
@@ -46,14 +74,18 @@ mod sealed {
     impl Sealed for bool {}
     impl Sealed for String {}
     impl<E: crate::enumeration::Enumeration> Sealed for E {}
+
+    pub trait Shaped {}
+    impl<T: Sealed> Shaped for T {}
+    impl<T: Sealed, const N: usize> Shaped for [T; N] {}
 }
 
 macro_rules! scalar {
     ($type:ty, $access:ident) => {
         #[allow(private_interfaces)]
         impl Scalar for $type {
-            fn access<M: 'static>(field: impl Fn(&mut M) -> &mut Self + Send + Sync + 'static) -> Access<M> {
-                Access::$access(Arc::new(field))
+            fn access(place: Place) -> Access {
+                Access::$access(place)
             }
         }
     };
@@ -70,23 +102,21 @@ macro_rules! integer {
 
         #[allow(private_interfaces)]
         impl Scalar for $type {
-            fn access<M: 'static>(field: impl Fn(&mut M) -> &mut Self + Send + Sync + 'static) -> Access<M> {
-                let field = Arc::new(field);
-                let shared = Arc::clone(&field);
-                Access::Integer {
-                    get: Box::new(move |model| {
-                        let value = *field(model);
-                        i32::try_from(value).map_err(|_| format!("{value} does not fit into the 32 bits of FMI's integers"))
-                    }),
-                    set: Box::new(move |model, value| match Self::try_from(value) {
-                        Ok(value) => {
-                            *shared(model) = value;
-                            true
-                        }
-                        Err(_) => false,
-                    }),
-                    fits: |value| Self::try_from(value).is_ok(),
+            fn access(place: Place) -> Access {
+                unsafe fn get(value: *const ()) -> Narrowed {
+                    // SAFETY: the caller's promise.
+                    let value = unsafe { *value.cast::<$type>() };
+                    i32::try_from(value).map_err(|_| format!("{value} does not fit into the 32 bits of FMI's integers"))
                 }
+                unsafe fn set(place: *mut (), value: i32) -> bool {
+                    let value = <$type>::try_from(value).ok();
+                    if let Some(value) = value {
+                        // SAFETY: the caller's promise.
+                        unsafe { *place.cast::<$type>() = value };
+                    }
+                    value.is_some()
+                }
+                Access::Integer(place, Whole { get, set, fits: |value| <$type>::try_from(value).is_ok() })
             }
         }
     )* };
@@ -96,23 +126,28 @@ integer!(u8, i16, u16, i32, u32, i64, u64, usize);
 
 #[allow(private_interfaces)]
 impl<E: Enumeration> Scalar for E {
-    fn access<M: 'static>(field: impl Fn(&mut M) -> &mut Self + Send + Sync + 'static) -> Access<M> {
-        let field = Arc::new(field);
-        let shared = Arc::clone(&field);
-        Access::Enumeration {
-            get: Box::new(move |model| item_number(*field(model))),
-            set: Box::new(move |model, value| {
-                match value.checked_sub(1).and_then(|i| E::VALUES.get(usize::try_from(i).ok()?)) {
-                    Some(item) => {
-                        *shared(model) = *item;
-                        true
-                    }
-                    None => false,
-                }
-            }),
-            kind: EnumerationKind { name: E::NAME, description: E::DESCRIPTION, items: E::ITEMS },
+    fn access(place: Place) -> Access {
+        unsafe fn get<E: Enumeration>(value: *const ()) -> Narrowed {
+            // SAFETY: the caller's promise.
+            item_number(unsafe { *value.cast::<E>() })
         }
+        unsafe fn set<E: Enumeration>(place: *mut (), value: i32) -> bool {
+            let item = item::<E>(value);
+            if let Some(item) = item {
+                // SAFETY: the caller's promise.
+                unsafe { *place.cast::<E>() = item };
+            }
+            item.is_some()
+        }
+        let whole = Whole { get: get::<E>, set: set::<E>, fits: |value| item::<E>(value).is_some() };
+        let kind = EnumerationKind { name: E::NAME, description: E::DESCRIPTION, items: E::ITEMS };
+        Access::Enumeration(place, whole, kind)
     }
+}
+
+/// The item of this number.
+fn item<E: Enumeration>(number: i32) -> Option<E> {
+    E::VALUES.get(usize::try_from(number.checked_sub(1)?).ok()?).copied()
 }
 
 /// Position of an enumeration's value among its items, from 1 as FMI counts.

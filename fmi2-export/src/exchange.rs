@@ -1,7 +1,9 @@
 //! What the author of a model writes besides, if a host shall integrate it: model exchange (FMI 2.0.4, section 3).
 
 use std::fmt;
+use std::marker::PhantomData;
 
+use crate::any_model::{AnyModel, typed};
 use crate::model::{Experiment, Failure, Model};
 
 /// A model that can also be exported for model exchange: the host has the solver, the model gives time derivatives.
@@ -153,25 +155,32 @@ impl<'a> Moment<'a> {
     }
 }
 
-/// The functions of [`ModelExchange`], for code that knows a model only as [`Model`].
-pub(crate) struct Exchange<M> {
-    pub initialize: fn(&mut M, &Experiment) -> Result<(), Failure>,
-    pub states_set: fn(&mut M) -> Result<(), Failure>,
-    pub new_discrete_states: fn(&mut M, &mut Moment<'_>) -> Result<EventUpdate, Failure>,
-    pub step_completed: fn(&mut M, &mut Moment<'_>) -> Result<Completed, Failure>,
-    pub jacobian_product: fn(&mut M, &mut M),
+/// The functions of [`ModelExchange`], for code that does not know the model's type.
+pub(crate) struct Exchange {
+    pub initialize: fn(&mut dyn AnyModel, &Experiment) -> Result<(), Failure>,
+    pub states_set: fn(&mut dyn AnyModel) -> Result<(), Failure>,
+    pub new_discrete_states: fn(&mut dyn AnyModel, &mut Moment<'_>) -> Result<EventUpdate, Failure>,
+    pub step_completed: fn(&mut dyn AnyModel, &mut Moment<'_>) -> Result<Completed, Failure>,
+    pub jacobian_product: fn(&mut dyn AnyModel, &mut dyn AnyModel),
     pub completes_steps: bool,
 }
 
-impl<M: ModelExchange> Exchange<M> {
-    pub fn of() -> Self {
-        Self {
-            initialize: M::initialize_exchange,
-            states_set: M::states_set,
-            new_discrete_states: M::new_discrete_states,
-            step_completed: M::step_completed,
-            jacobian_product: M::jacobian_product,
-            completes_steps: M::COMPLETES_STEPS,
-        }
+/// The functions of a model.
+struct Of<M>(PhantomData<M>);
+
+impl<M: ModelExchange> Of<M> {
+    const EXCHANGE: &'static Exchange = &Exchange {
+        initialize: |model, experiment| typed::<M>(model).initialize_exchange(experiment),
+        states_set: |model| typed::<M>(model).states_set(),
+        new_discrete_states: |model, moment| typed::<M>(model).new_discrete_states(moment),
+        step_completed: |model, moment| typed::<M>(model).step_completed(moment),
+        jacobian_product: |model, direction| typed::<M>(model).jacobian_product(typed(direction)),
+        completes_steps: M::COMPLETES_STEPS,
+    };
+}
+
+impl Exchange {
+    pub fn of<M: ModelExchange>() -> &'static Self {
+        Of::<M>::EXCHANGE
     }
 }

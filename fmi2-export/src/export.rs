@@ -20,7 +20,7 @@ macro_rules! export {
         #[doc(hidden)]
         static FMUS_SERVED: $crate::Served = $crate::Served::new(&[
             $({
-                static EXPORTED: $crate::Exported<$model> = $crate::Exported::new($crate::fixed_guid(
+                static EXPORTED: $crate::Exported = $crate::Exported::of::<$model>($crate::fixed_guid(
                     // Set by the packaging: see `identity`.
                     ::core::option_env!("FMI2_EXPORT_GUIDS"),
                     <$model as $crate::Declare>::INFO.name,

@@ -2,20 +2,24 @@
 //!
 //! Hidden from the documentation, since only `fmi2-integrate` of the very same version uses it; it may change with any.
 
-use std::sync::Arc;
+use std::any::TypeId;
+use std::marker::PhantomData;
 
 use crate::exchange::{EventUpdate, ModelExchange, Moment};
 use crate::layout::{Continuous, Layout};
 use crate::model::{Failure, Step};
 
 /// A model as a system of differential equations.
-pub struct Equations<'a, M>(Source<'a, M>);
+pub struct Equations<'a, M> {
+    source: Source<'a>,
+    model: PhantomData<fn(&mut M)>,
+}
 
-enum Source<'a, M> {
+enum Source<'a> {
     /// Of the host's instance.
-    Host(&'a Layout<M>),
+    Host(&'a Layout),
     /// Made anew: in a test, outside of any host.
-    Own(Arc<Layout<M>>),
+    Own(Box<Layout>),
 }
 
 impl<'a, M: ModelExchange> Equations<'a, M> {
@@ -24,11 +28,11 @@ impl<'a, M: ModelExchange> Equations<'a, M> {
     /// # Errors
     /// If the model declares no states, or its declarations contradict themselves.
     pub fn of(step: &Step<'a>) -> Result<Self, Failure> {
-        let source = match step.layout.and_then(|layout| layout.downcast_ref()) {
+        let source = match step.layout.filter(|layout| layout.is_of(TypeId::of::<M>())) {
             Some(layout) => Source::Host(layout),
-            None => Source::Own(Arc::new(Layout::build().map_err(Failure::error)?)),
+            None => Source::Own(Box::new(Layout::build::<M>().map_err(Failure::error)?)),
         };
-        let equations = Self(source);
+        let equations = Self { source, model: PhantomData };
         if equations.layout().continuous.is_none() {
             return Err(Failure::error("the model declares no continuous states: there is nothing to integrate"));
         }
@@ -37,15 +41,15 @@ impl<'a, M: ModelExchange> Equations<'a, M> {
 }
 
 impl<M: ModelExchange> Equations<'_, M> {
-    fn layout(&self) -> &Layout<M> {
-        match &self.0 {
+    fn layout(&self) -> &Layout {
+        match &self.source {
             Source::Host(layout) => layout,
             Source::Own(layout) => layout,
         }
     }
 
     /// Checked when it was made.
-    fn continuous(&self) -> Option<&Continuous<M>> {
+    fn continuous(&self) -> Option<&Continuous> {
         self.layout().continuous.as_ref()
     }
 
@@ -70,20 +74,20 @@ impl<M: ModelExchange> Equations<'_, M> {
     /// The states of the model.
     pub fn states(&self, model: &mut M, states: &mut [f64]) {
         let Some(continuous) = self.continuous() else { return };
-        self.layout().evaluate(continuous.state_evaluations, model);
+        self.layout().view(model).evaluate(continuous.state_evaluations);
         states.iter_mut().zip(self.layout().states(model)).for_each(|(to, state)| *to = state);
     }
 
     /// Their time derivatives.
     pub fn derivatives(&self, model: &mut M, derivatives: &mut [f64]) {
         let Some(continuous) = self.continuous() else { return };
-        self.layout().evaluate(continuous.derivative_evaluations, model);
+        self.layout().view(model).evaluate(continuous.derivative_evaluations);
         derivatives.iter_mut().zip(self.layout().derivatives(model)).for_each(|(to, derivative)| *to = derivative);
     }
 
     /// The event indicators.
-    pub fn indicators<'m>(&self, model: &'m mut M) -> &'m [f64] {
-        self.layout().evaluate(self.continuous().map_or(0, Continuous::indicator_evaluations), model);
+    pub fn indicators<'m>(&'m self, model: &'m mut M) -> &'m [f64] {
+        self.layout().view(model).evaluate(self.continuous().map_or(0, Continuous::indicator_evaluations));
         self.layout().indicators(model)
     }
 

@@ -2,11 +2,13 @@
 //! documentation are both written from it.
 
 use crate::access::{Access, EnumerationKind};
+use crate::any_model::fresh;
 use crate::info::Info;
-use crate::layout::{Layout, Reference};
+use crate::layout::{DeclarationError, Layout, Reference};
 use crate::model::Model;
 use crate::unit::{DisplayUnit, Unit};
 use crate::variable::{Causality, DependencyKind, Variability, Variable};
+use crate::view::Value;
 
 /// A model's interface.
 #[derive(Debug)]
@@ -90,13 +92,17 @@ pub enum Kind {
 }
 
 impl Interface {
-    pub(crate) fn of<M: Model>(layout: &Layout<M>) -> Self {
-        let mut model = M::default();
-        let place = |reference: u32| layout.reals[reference as usize].slot.variable as usize;
-        let facts = |(variable, reference): (&Variable<M>, &Reference)| facts(variable, *reference, &mut model);
-        Self {
-            info: M::INFO,
-            variables: layout.variables.iter().zip(&layout.references).map(facts).collect(),
+    pub(crate) fn of<M: Model>() -> Result<Self, DeclarationError> {
+        let (layout, mut model) = (Layout::build::<M>()?, fresh::<M>());
+        let place = |reference: u32| layout.reals[reference as usize].variable as usize;
+        let mut defaults = layout.view(&mut *model);
+        let variables = layout.variables.iter().zip(&layout.references).enumerate();
+        let facts = |(i, (variable, reference)): (usize, (&Variable, &Reference))| {
+            facts(variable, *reference, defaults.value(i))
+        };
+        Ok(Self {
+            info: layout.info,
+            variables: variables.map(facts).collect(),
             enumerations: layout.enumerations.clone(),
             interpolates_inputs: !layout.ramps.is_empty(),
             has_rates: layout.has_rates(),
@@ -105,17 +111,23 @@ impl Interface {
                 event_indicators: continuous.indicator_count,
                 completed_step_not_needed: !continuous.exchange.completes_steps,
             }),
-        }
+        })
     }
 }
 
-fn facts<M>(variable: &Variable<M>, reference: Reference, model: &mut M) -> VariableFacts {
-    let (kind, start) = match &variable.access {
-        Access::Real(field) => (Kind::Real, number(*field(model))),
-        Access::Integer { get, .. } => (Kind::Integer, whole(get(model))),
-        Access::Enumeration { get, kind, .. } => (Kind::Enumeration(*kind), whole(get(model))),
-        Access::Boolean(field) => (Kind::Boolean, field(model).to_string()),
-        Access::String(field) => (Kind::String, field(model).clone()),
+fn facts(variable: &Variable, reference: Reference, start: Value<'_>) -> VariableFacts {
+    let kind = match &variable.access {
+        Access::Real(_) => Kind::Real,
+        Access::Integer(..) => Kind::Integer,
+        Access::Enumeration(.., kind) => Kind::Enumeration(*kind),
+        Access::Boolean(_) => Kind::Boolean,
+        Access::String(_) => Kind::String,
+    };
+    let start = match start {
+        Value::Real(value) => number(value),
+        Value::Integer(value) | Value::Enumeration(value) => whole(value),
+        Value::Boolean(value) => value.to_string(),
+        Value::String(value) => value.to_owned(),
     };
     let is_given = matches!(variable.causality, Causality::Input | Causality::Parameter);
     VariableFacts {

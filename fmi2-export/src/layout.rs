@@ -1,14 +1,19 @@
 //! The declared variables, checked and indexed by value reference.
 
+use std::any::TypeId;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::access::{Access, EnumerationKind, Lens};
+use crate::access::{Access, EnumerationKind};
+use crate::any_model::AnyModel;
+use crate::declarations::{Declarations, Indicators};
 use crate::exchange::Exchange;
+use crate::info::Info;
 use crate::model::Model;
+use crate::place::Place;
 use crate::problems::problems;
 use crate::variable::{Causality, Variability, Variable};
-use crate::variables::{Indicators, Variables};
+use crate::view::{Declared, Evaluate, NumbersOf, View};
 
 /// When the host may set a variable: one bit per phase.
 pub(crate) mod settable {
@@ -22,7 +27,7 @@ pub(crate) mod settable {
     pub const CONTINUOUS: u8 = 16;
 }
 
-/// What is the same for a variable of any base type.
+/// What setting and reading a variable of another base type takes.
 #[derive(Clone, Copy)]
 pub(crate) struct Slot {
     /// Index into [`Layout::variables`].
@@ -34,19 +39,37 @@ pub(crate) struct Slot {
     pub evaluation: u64,
 }
 
-pub(crate) struct RealSlot<M> {
-    pub lens: Lens<M, f64>,
-    pub slot: Slot,
+/// What setting and reading a real variable takes.
+#[derive(Clone, Copy)]
+pub(crate) struct RealSlot {
     /// The least value it may have, finite: [`f64::MIN`] where none is declared.
     pub min: f64,
     /// The greatest, likewise.
     pub max: f64,
-    pub ramp: Option<Lens<M, f64>>,
-    pub rate: Option<(Lens<M, f64>, u64)>,
+    /// The evaluation to run before reading it, as a bit; 0 if none.
+    pub evaluation: u64,
+    /// How many bytes behind the model's beginning it always is, or [`ELSEWHERE`](Self::ELSEWHERE).
+    pub offset: u32,
+    /// Index into [`Layout::variables`].
+    pub variable: u32,
+    /// Phases in which the host may set it.
+    pub settable: u8,
+    /// What it is, as far as setting and reading it go: a bit each.
+    pub kind: u8,
 }
 
-impl<M> RealSlot<M> {
+impl RealSlot {
+    /// No offset: the declared function leads to the variable.
+    pub const ELSEWHERE: u32 = u32::MAX;
+    /// Of [`kind`](Self::kind): it has no offset. The bits of the causalities are below.
+    pub const IS_ELSEWHERE: u8 = 1 << 7;
+
+    pub fn has(&self, causality: Causality) -> bool {
+        self.kind & causality.bit() != 0
+    }
+
     /// Whether the variable may have this value. NaN and infinities never are between two finite numbers.
+    #[inline]
     pub fn accepts(&self, value: f64) -> bool {
         self.min <= value && value <= self.max
     }
@@ -68,30 +91,33 @@ pub(crate) enum BaseType {
 }
 
 /// The variables of a model, by declaration order and by value reference.
-pub(crate) struct Layout<M> {
-    pub variables: Vec<Variable<M>>,
+pub(crate) struct Layout {
+    pub info: Info,
+    /// The model's type.
+    model: TypeId,
+    pub variables: Vec<Variable>,
     /// Base type and value reference of each variable.
     pub references: Vec<Reference>,
-    pub reals: Vec<RealSlot<M>>,
-    /// The other base types: the access stays in `variables`.
+    pub reals: Vec<RealSlot>,
+    /// The other base types.
     pub integers: Vec<Slot>,
     pub booleans: Vec<Slot>,
     pub strings: Vec<Slot>,
-    pub evaluations: Vec<fn(&mut M)>,
+    evaluations: Vec<Evaluate>,
     /// Evaluations that have to run again when an input has changed.
     pub input_dependent: u64,
     /// Value references of the inputs that can be ramps.
     pub ramps: Vec<u32>,
     pub enumerations: Vec<EnumerationKind>,
     /// What a host that integrates deals with, if the model offers it.
-    pub continuous: Option<Continuous<M>>,
+    pub continuous: Option<Continuous>,
     /// Where the model reads the time from.
-    pub time: Option<Lens<M, f64>>,
+    time: Option<Place>,
 }
 
 /// The continuous states and the event indicators of a model, and what is called for them.
-pub(crate) struct Continuous<M> {
-    pub exchange: Exchange<M>,
+pub(crate) struct Continuous {
+    pub exchange: &'static Exchange,
     /// In the order in which the host has them.
     pub states: Vec<StateSlot>,
     /// The evaluations that fill in the states.
@@ -99,12 +125,12 @@ pub(crate) struct Continuous<M> {
     /// Those that fill in their time derivatives.
     pub derivative_evaluations: u64,
     /// What fills in the event indicators, as a bit, and where they are.
-    pub indicators: Option<(u64, Lens<M, [f64]>)>,
+    indicators: Option<(u64, Arc<NumbersOf>)>,
     /// How many there are.
     pub indicator_count: usize,
 }
 
-impl<M> Continuous<M> {
+impl Continuous {
     /// What fills in the event indicators.
     pub fn indicator_evaluations(&self) -> u64 {
         self.indicators.as_ref().map_or(0, |(evaluation, _)| *evaluation)
@@ -130,29 +156,28 @@ pub struct DeclarationError {
     pub problems: Vec<String>,
 }
 
-impl<M: Model> Layout<M> {
-    /// Checks the declarations and builds the tables.
-    pub fn build() -> Result<Self, DeclarationError> {
-        let declared = declared::<M>();
-        let mut problems = problems(&M::INFO, &declared.list, declared.evaluations.len());
-        let evaluations = declared.evaluations.len();
-        if declared.indicators.as_ref().is_some_and(|indicators| indicators.evaluation.0 >= evaluations) {
-            problems.push("the event indicators name an evaluation of another model".into());
-        }
-        if !problems.is_empty() {
-            return Err(DeclarationError { model: M::INFO.name, problems });
-        }
-        Ok(Self::of(declared))
+impl Layout {
+    /// Checks the declarations of a model and builds the tables.
+    pub fn build<M: Model>() -> Result<Self, DeclarationError> {
+        Self::checked(Declarations::of::<M>())
     }
 
-    /// Builds the tables of declarations that were checked when the model was packaged.
-    pub fn of_packaged() -> Self {
-        Self::of(declared())
+    fn checked(mut declared: Declarations) -> Result<Self, DeclarationError> {
+        let problems = problems(&mut declared);
+        if problems.is_empty() {
+            Ok(Self::of(declared))
+        } else {
+            Err(DeclarationError { model: declared.info.name, problems })
+        }
     }
 
-    fn of(declared: Variables<M>) -> Self {
-        let Variables { list, evaluations, exchange, indicators, time } = declared;
+    /// Builds the tables of declarations that have been checked.
+    pub fn of(declared: Declarations) -> Self {
+        let Declarations { info, model, list, evaluations, exchange, indicators, time, sample } = declared;
+        drop(sample);
         let mut layout = Self {
+            info,
+            model,
             references: Vec::with_capacity(list.len()),
             variables: Vec::new(),
             reals: Vec::new(),
@@ -179,16 +204,14 @@ impl<M: Model> Layout<M> {
         layout
     }
 
-    fn add_continuous(&mut self, exchange: Exchange<M>, indicators: Option<Indicators<M>>) {
-        let indicators = indicators.map(|indicators| (1 << indicators.evaluation.0, indicators.lens));
-        let count = |(_, lens): &(u64, Lens<M, [f64]>)| lens(&mut M::default()).len();
+    fn add_continuous(&mut self, exchange: &'static Exchange, indicators: Option<Indicators>) {
         let mut continuous = Continuous {
             exchange,
             states: Vec::new(),
             state_evaluations: 0,
             derivative_evaluations: 0,
-            indicator_count: indicators.as_ref().map_or(0, count),
-            indicators,
+            indicator_count: indicators.as_ref().map_or(0, |indicators| indicators.count),
+            indicators: indicators.map(|indicators| (1 << indicators.evaluation.0, indicators.array)),
         };
         let derivatives: HashMap<&str, u32> = self
             .variables
@@ -205,8 +228,8 @@ impl<M: Model> Layout<M> {
                 derivative: *derivative,
                 nominal: variable.nominal.map_or(1.0, f64::abs),
             });
-            continuous.state_evaluations |= self.reals[state as usize].slot.evaluation;
-            continuous.derivative_evaluations |= self.reals[*derivative as usize].slot.evaluation;
+            continuous.state_evaluations |= self.reals[state as usize].evaluation;
+            continuous.derivative_evaluations |= self.reals[*derivative as usize].evaluation;
         }
         // Whatever an input is to them, it is not said for each.
         self.input_dependent |= continuous.derivative_evaluations;
@@ -214,33 +237,36 @@ impl<M: Model> Layout<M> {
         self.continuous = Some(continuous);
     }
 
-    fn add(&mut self, index: u32, variable: &Variable<M>) {
+    fn add(&mut self, index: u32, variable: &Variable) {
         let evaluation = variable.evaluation.map_or(0, |e| 1 << e.0);
         if !variable.depends_on.is_empty() {
             self.input_dependent |= evaluation;
         }
         // The time derivative of a state depends on the inputs even where the state itself does not.
         self.input_dependent |= variable.rate.as_ref().map_or(0, |(_, e)| 1 << e.0);
-        let slot =
-            Slot { variable: index, causality: variable.causality, settable: when_settable(variable), evaluation };
+        let (causality, settable) = (variable.causality, when_settable(variable));
+        let slot = Slot { variable: index, causality, settable, evaluation };
         let (base, count) = match &variable.access {
-            Access::Real(lens) => {
+            Access::Real(place) => {
                 let reference = length(&self.reals);
                 if variable.ramp.is_some() {
                     self.ramps.push(reference);
                 }
+                let offset = place.offset().and_then(|offset| offset.try_into().ok()).unwrap_or(RealSlot::ELSEWHERE);
+                let elsewhere = if offset == RealSlot::ELSEWHERE { RealSlot::IS_ELSEWHERE } else { 0 };
                 self.reals.push(RealSlot {
-                    lens: Arc::clone(lens),
-                    slot,
                     min: variable.min.unwrap_or(f64::MIN).max(f64::MIN),
                     max: variable.max.unwrap_or(f64::MAX).min(f64::MAX),
-                    ramp: variable.ramp.clone(),
-                    rate: variable.rate.as_ref().map(|(lens, e)| (Arc::clone(lens), 1 << e.0)),
+                    evaluation,
+                    offset,
+                    variable: index,
+                    settable,
+                    kind: causality.bit() | elsewhere,
                 });
                 (BaseType::Real, reference)
             }
-            access @ (Access::Integer { .. } | Access::Enumeration { .. }) => {
-                if let Access::Enumeration { kind, .. } = access
+            access @ (Access::Integer(..) | Access::Enumeration(..)) => {
+                if let Access::Enumeration(.., kind) = access
                     && !self.enumerations.contains(kind)
                 {
                     self.enumerations.push(*kind);
@@ -260,16 +286,34 @@ impl<M: Model> Layout<M> {
         self.references.push(Reference { base, index: count });
     }
 
-    /// Runs evaluations, a bit each.
+    /// Whether it is that of models of this type.
+    pub fn is_of(&self, model: TypeId) -> bool {
+        self.model == model
+    }
+
     #[inline]
-    pub fn evaluate(&self, mut todo: u64, model: &mut M) {
-        while todo != 0 {
-            let index = todo.trailing_zeros() as usize;
-            if let Some(evaluation) = self.evaluations.get(index) {
-                evaluation(model);
-            }
-            todo &= todo - 1;
-        }
+    fn declared(&self) -> Declared<'_> {
+        Declared { model: self.model, variables: &self.variables, evaluations: &self.evaluations, reals: &self.reals }
+    }
+
+    /// The variables of a model, which must be of this type.
+    pub fn view<'a>(&'a self, model: &'a mut dyn AnyModel) -> View<'a> {
+        View::of(self.declared(), model)
+    }
+
+    /// As [`view`](Self::view), for what is called at every step.
+    ///
+    /// # Safety
+    /// The model must be of the type that this layout is of.
+    #[inline]
+    pub unsafe fn view_unchecked<'a>(&'a self, model: &'a mut dyn AnyModel) -> View<'a> {
+        // SAFETY: the caller's promise.
+        unsafe { View::unchecked(self.declared(), model) }
+    }
+
+    /// Name of a variable, for messages.
+    pub fn name(&self, variable: u32) -> &str {
+        &self.variables[variable as usize].name
     }
 
     fn state_slots(&self) -> impl Iterator<Item = &StateSlot> {
@@ -277,20 +321,23 @@ impl<M: Model> Layout<M> {
     }
 
     /// The continuous states, as their fields have them.
-    pub fn states(&self, model: &mut M) -> impl Iterator<Item = f64> {
-        self.state_slots().map(|slot| *(self.reals[slot.state as usize].lens)(model))
+    pub fn states<'a>(&'a self, model: &'a mut dyn AnyModel) -> impl Iterator<Item = f64> + 'a {
+        let mut view = self.view(model);
+        self.state_slots().map(move |slot| view.real(slot.state))
     }
 
     /// Writes the fields of the continuous states.
-    pub fn write_states(&self, model: &mut M, values: &[f64]) {
+    pub fn write_states(&self, model: &mut dyn AnyModel, values: &[f64]) {
+        let mut view = self.view(model);
         for (slot, value) in self.state_slots().zip(values) {
-            *(self.reals[slot.state as usize].lens)(model) = *value;
+            view.set_real(slot.state, *value);
         }
     }
 
     /// The states' time derivatives, as their fields have them.
-    pub fn derivatives(&self, model: &mut M) -> impl Iterator<Item = f64> {
-        self.state_slots().map(|slot| *(self.reals[slot.derivative as usize].lens)(model))
+    pub fn derivatives<'a>(&'a self, model: &'a mut dyn AnyModel) -> impl Iterator<Item = f64> + 'a {
+        let mut view = self.view(model);
+        self.state_slots().map(move |slot| view.real(slot.derivative))
     }
 
     /// The states' nominal values.
@@ -299,31 +346,28 @@ impl<M: Model> Layout<M> {
     }
 
     /// The event indicators, as their field has them.
-    pub fn indicators<'m>(&self, model: &'m mut M) -> &'m [f64] {
+    pub fn indicators<'m>(&'m self, model: &'m mut dyn AnyModel) -> &'m [f64] {
         match self.continuous.as_ref().and_then(|continuous| continuous.indicators.as_ref()) {
-            Some((_, lens)) => lens(model),
+            // SAFETY: declared with these variables.
+            Some((_, array)) => unsafe { self.view(model).numbers(&**array) },
             None => &[],
         }
     }
 
     /// Tells the model the time, if it wants to know it; whether it does.
-    pub fn tell_time(&self, model: &mut M, time: f64) -> bool {
-        if let Some(lens) = &self.time {
-            *lens(model) = time;
+    pub fn tell_time(&self, model: &mut dyn AnyModel, time: f64) -> bool {
+        if let Some(place) = &self.time {
+            let mut view = self.view(model);
+            // SAFETY: declared with these variables.
+            *unsafe { view.number(place) } = time;
         }
         self.time.is_some()
     }
 
     /// Whether any output's time derivative can be asked for.
     pub fn has_rates(&self) -> bool {
-        self.reals.iter().any(|real| real.rate.is_some())
+        self.variables.iter().any(|variable| variable.rate.is_some())
     }
-}
-
-fn declared<M: Model>() -> Variables<M> {
-    let mut variables = Variables::new();
-    M::variables(&mut variables);
-    variables
 }
 
 fn length<T>(list: &[T]) -> u32 {
@@ -334,7 +378,7 @@ fn length<T>(list: &[T]) -> u32 {
 /// initialization: the standard's own example sets "all variable start values" there, and hosts do.
 ///
 /// In model exchange columns 1, 3, 4 and 5 of the table in section 3.2.3: in continuous-time mode nothing may jump.
-fn when_settable<M>(variable: &Variable<M>) -> u8 {
+fn when_settable(variable: &Variable) -> u8 {
     let before_stepping = settable::INSTANTIATED | settable::INITIALIZATION;
     let running = before_stepping | settable::STEPPING | settable::EVENT;
     match (variable.causality, variable.variability) {

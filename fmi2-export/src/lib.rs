@@ -5,8 +5,10 @@
 extern crate self as fmi2_export;
 
 mod access;
+mod any_model;
 mod builder;
 mod categories;
+mod declarations;
 mod difference;
 mod enumeration;
 mod exchange;
@@ -28,6 +30,7 @@ mod out;
 #[doc(hidden)]
 pub mod packaging;
 mod phase;
+mod place;
 mod problems;
 mod resources;
 mod served;
@@ -38,9 +41,10 @@ mod status;
 mod unit;
 mod variable;
 mod variables;
+mod view;
 mod xml;
 
-pub use access::Scalar;
+pub use access::{Scalar, Shape};
 pub use builder::VariableBuilder;
 pub use enumeration::Enumeration;
 pub use exchange::{Completed, EventUpdate, ModelExchange, Moment};
@@ -55,6 +59,7 @@ pub use library::{ExportedModel, Library};
 pub use model::{Conclusion, Declare, Experiment, Failure, Model, Step};
 /// Tables of parameters and states, which a crate of equations can have without this one.
 pub use parameter_table::{self, Owner, Parameter, Range, StateVariable, parameter};
+pub use place::Field;
 pub use resources::Resources;
 #[doc(hidden)]
 pub use serde;

@@ -6,13 +6,14 @@ use std::marker::PhantomData;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::any_model::fresh;
 use crate::interface::Interface;
 use crate::layout::{DeclarationError, Layout};
 use crate::model::Model;
 use crate::phase::Kind;
 use crate::resources::Resources;
 use crate::served::Served;
-use crate::slave::{AnySlave, Slave};
+use crate::slave::Slave;
 use crate::status::Refusal;
 use crate::xml::{Description, describe};
 
@@ -26,14 +27,14 @@ pub trait ExportedModel: Sync + sealed::Internal {
 }
 
 pub(crate) mod sealed {
-    use super::{AnySlave, DeclarationError, Interface, Refusal, Resources};
+    use super::{DeclarationError, Interface, Refusal, Resources, Slave};
 
     pub trait Internal {
         #[allow(private_interfaces)]
         fn interface(&self) -> Result<Interface, DeclarationError>;
         /// An instance that no host has.
         #[allow(private_interfaces)]
-        fn instantiate(&self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
+        fn instantiate(&self, resources: &Resources) -> Result<Slave, Refusal>;
     }
 }
 
@@ -54,14 +55,14 @@ impl<M: Model> ExportedModel for Described<M> {
 impl<M: Model> sealed::Internal for Described<M> {
     #[allow(private_interfaces)]
     fn interface(&self) -> Result<Interface, DeclarationError> {
-        Ok(Interface::of(&Layout::<M>::build()?))
+        Interface::of::<M>()
     }
 
     #[allow(private_interfaces)]
-    fn instantiate(&self, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
-        let layout = Layout::build().map_err(|error| Refusal::error(error.to_string()))?;
+    fn instantiate(&self, resources: &Resources) -> Result<Slave, Refusal> {
+        let layout = Layout::build::<M>().map_err(|error| Refusal::error(error.to_string()))?;
         // The GUID guards states that are read from bytes; the packaging reads none.
-        Ok(Box::new(Slave::<M>::new(Arc::new(layout), "", Kind::CoSimulation, resources.clone())?))
+        Slave::new(Arc::new(layout), fresh::<M>(), "", Kind::CoSimulation, resources.clone())
     }
 }
 

@@ -3,6 +3,7 @@
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::info::Info;
+use crate::layout::Layout;
 use crate::resources::Resources;
 use crate::variables::Variables;
 
@@ -143,7 +144,7 @@ pub struct Step<'a> {
     pub size: f64,
     pub(crate) warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>),
     /// The layout of the model's variables, if a host makes the step.
-    pub(crate) layout: Option<&'a dyn std::any::Any>,
+    pub(crate) layout: Option<&'a Layout>,
     /// Relative tolerance, if the host has named one.
     pub(crate) tolerance: Option<f64>,
 }

@@ -13,7 +13,7 @@ use crate::layout::{BaseType, DeclarationError};
 use crate::library::ExportedModel;
 use crate::model::Experiment;
 use crate::resources::Resources;
-use crate::slave::AnySlave;
+use crate::slave::Slave;
 use crate::status::Refusal;
 use crate::unit::Unit;
 
@@ -39,7 +39,7 @@ pub fn log_categories() -> impl Iterator<Item = &'static str> {
 /// An instance of a model that no host has: all rules of the standard hold for it, but nobody hears its warnings. Errors are
 /// what a host would be told.
 pub struct Instance {
-    slave: Box<dyn AnySlave>,
+    slave: Slave,
 }
 
 impl Instance {

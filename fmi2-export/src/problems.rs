@@ -4,23 +4,25 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::access::{Access, EnumerationKind};
+use crate::declarations::Declarations;
 use crate::info::Info;
-use crate::model::Model;
 use crate::variable::{Causality, Variability, Variable};
+use crate::view::Value;
 
 /// Everything that is wrong with the declarations.
-pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations: usize) -> Vec<String> {
+pub(crate) fn problems(declared: &mut Declarations) -> Vec<String> {
     let mut problems = Vec::new();
-    info_problems(info, &mut problems);
+    info_problems(&declared.info, &mut problems);
+    let starts = start_problems(declared);
+    let (list, evaluations) = (&declared.list, declared.evaluations.len());
     if list.is_empty() {
         problems.push("no variables are declared".into());
     }
     if evaluations > 64 {
         problems.push(format!("{evaluations} evaluations declared, at most 64 are possible"));
     }
-    let mut model = M::default();
     let mut seen = HashMap::new();
-    for variable in list {
+    for (variable, start) in list.iter().zip(starts) {
         let name = &variable.name;
         if name.is_empty() || name.chars().any(char::is_control) {
             problems.push(format!("variable name {name:?} is empty or has control characters"));
@@ -55,7 +57,8 @@ pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations:
             problems.push(format!("variable {name} is discrete: it can have no ramp or rate"));
         }
         problems.extend(variable.mistakes.iter().map(|mistake| format!("variable {name}: {mistake}")));
-        value_problems(variable, &mut model, &mut problems);
+        value_problems(variable, &mut problems);
+        problems.extend(start);
     }
     for variable in list {
         for input in variable.depends_on.iter().map(|(input, _)| input).chain(&variable.starts_from) {
@@ -67,6 +70,9 @@ pub(crate) fn problems<M: Model>(info: &Info, list: &[Variable<M>], evaluations:
     state_problems(list, &mut problems);
     unit_problems(list, &mut problems);
     enumeration_problems(list, &seen, &mut problems);
+    if declared.indicators.as_ref().is_some_and(|indicators| indicators.evaluation.0 >= evaluations) {
+        problems.push("the event indicators name an evaluation of another model".into());
+    }
     problems
 }
 
@@ -90,46 +96,77 @@ fn info_problems(info: &Info, problems: &mut Vec<String>) {
     }
 }
 
-/// Bounds, nominal and start value.
-fn value_problems<M>(variable: &Variable<M>, model: &mut M, problems: &mut Vec<String>) {
+/// Bounds and nominal value.
+fn value_problems(variable: &Variable, problems: &mut Vec<String>) {
     let name = &variable.name;
-    let (min, max) = (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY));
+    let (min, max) = range(variable);
     if !(min <= max && [variable.min, variable.max].iter().flatten().all(|bound| bound.is_finite())) {
         problems.push(format!("the range [{min}, {max}] of variable {name} is empty or not a number"));
     }
     let whole = |bound: &f64| bound.fract() == 0.0 && f64::from(i32::MIN) <= *bound && *bound <= f64::from(i32::MAX);
-    if matches!(variable.access, Access::Integer { .. }) && ![variable.min, variable.max].iter().flatten().all(whole) {
+    if matches!(variable.access, Access::Integer(..)) && ![variable.min, variable.max].iter().flatten().all(whole) {
         problems.push(format!("the range [{min}, {max}] of variable {name} is not one of 32-bit integers"));
     }
     if variable.nominal.is_some_and(|nominal| !(nominal.is_finite() && nominal != 0.0)) {
         problems.push(format!("the nominal value of variable {name} is zero or not finite"));
     }
-    if !matches!(variable.causality, Causality::Input | Causality::Parameter) {
-        return;
-    }
-    let start = match &variable.access {
-        Access::Real(lens) => *lens(model),
-        Access::Integer { get, .. } => match get(model) {
-            Ok(start) => f64::from(start),
-            Err(why) => return problems.push(format!("start value of variable {name}: {why}")),
-        },
-        Access::Enumeration { get, .. } => {
-            if let Err(why) = get(model) {
-                problems.push(format!("start value of variable {name}: {why}"));
-            }
-            return;
-        }
-        Access::String(field) => return text_problem("start value", field(model), problems),
-        Access::Boolean(_) => return,
+}
+
+fn range(variable: &Variable) -> (f64, f64) {
+    (variable.min.unwrap_or(f64::NEG_INFINITY), variable.max.unwrap_or(f64::INFINITY))
+}
+
+/// What is wrong with the start value of each variable that has one.
+fn start_problems(declared: &mut Declarations) -> Vec<Option<String>> {
+    let starts: Vec<Start> = {
+        let count = declared.list.len();
+        let mut defaults = declared.defaults();
+        (0..count).map(|i| Start::of(defaults.value(i))).collect()
     };
-    if !(start.is_finite() && min <= start && start <= max) {
-        problems.push(format!("start value {start} of variable {name} is not in [{min}, {max}]"));
+    declared.list.iter().zip(starts).map(|(variable, start)| start_problem(variable, start)).collect()
+}
+
+/// A start value, as far as it can be wrong.
+enum Start {
+    Number(f64),
+    Text(String),
+    Wrong(String),
+    Right,
+}
+
+impl Start {
+    fn of(value: Value<'_>) -> Self {
+        match value {
+            Value::Real(start) => Self::Number(start),
+            Value::Integer(start) => start.map_or_else(Self::Wrong, |start| Self::Number(start.into())),
+            Value::Enumeration(start) => start.map_or_else(Self::Wrong, |_| Self::Right),
+            Value::String(start) => Self::Text(start.to_owned()),
+            Value::Boolean(_) => Self::Right,
+        }
+    }
+}
+
+fn start_problem(variable: &Variable, start: Start) -> Option<String> {
+    let (name, (min, max)) = (&variable.name, range(variable));
+    if !matches!(variable.causality, Causality::Input | Causality::Parameter) {
+        return None;
+    }
+    match start {
+        Start::Number(start) => (!(start.is_finite() && min <= start && start <= max))
+            .then(|| format!("start value {start} of variable {name} is not in [{min}, {max}]")),
+        Start::Text(start) => {
+            let mut problems = Vec::new();
+            text_problem("start value", &start, &mut problems);
+            problems.pop()
+        }
+        Start::Wrong(why) => Some(format!("start value of variable {name}: {why}")),
+        Start::Right => None,
     }
 }
 
 /// Continuous states and their time derivatives.
-fn state_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
-    let states: HashMap<&str, &Variable<M>> =
+fn state_problems(list: &[Variable], problems: &mut Vec<String>) {
+    let states: HashMap<&str, &Variable> =
         list.iter().filter(|v| v.is_state).map(|variable| (variable.name.as_str(), variable)).collect();
     let mut derivatives: HashMap<&str, &str> = HashMap::new();
     for variable in list {
@@ -166,7 +203,7 @@ fn state_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
     }
 }
 
-fn unit_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
+fn unit_problems(list: &[Variable], problems: &mut Vec<String>) {
     let factor_is_wrong = |factor: f64| !(factor.is_finite() && factor != 0.0);
     let mut units = HashMap::new();
     let mut display_units = HashMap::new();
@@ -198,10 +235,10 @@ fn unit_problems<M>(list: &[Variable<M>], problems: &mut Vec<String>) {
     }
 }
 
-fn enumeration_problems<M>(list: &[Variable<M>], variables: &HashMap<&str, Causality>, problems: &mut Vec<String>) {
+fn enumeration_problems(list: &[Variable], variables: &HashMap<&str, Causality>, problems: &mut Vec<String>) {
     let mut kinds: HashMap<&str, EnumerationKind> = HashMap::new();
     for variable in list {
-        let Access::Enumeration { kind, .. } = &variable.access else { continue };
+        let Access::Enumeration(.., kind) = &variable.access else { continue };
         if let Some(known) = kinds.insert(kind.name, *kind) {
             if known != *kind {
                 problems.push(format!("enumeration {} is defined in two ways", kind.name));

@@ -9,70 +9,63 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
 
+use crate::any_model::{AnyModel, fresh};
+use crate::declarations::Declarations;
 use crate::handles::Handles;
 use crate::layout::{DeclarationError, Layout};
 use crate::model::Model;
 use crate::phase::Kind;
 use crate::resources::Resources;
-use crate::slave::{AnySlave, Slave};
+use crate::slave::Slave;
 use crate::snapshot::GUID_LENGTH;
 use crate::status::Refusal;
 use crate::xml::{Description, describe};
 
-/// A model as the C functions know it, whatever its type.
-pub trait Serve: Sync {
-    fn guid(&'static self) -> Result<&'static str, DeclarationError>;
-    #[allow(private_interfaces)]
-    fn instantiate(&'static self, kind: Kind, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal>;
-    /// Frees what only instances need, if there are none.
-    fn tidy(&self);
-}
-
-/// A model of a library: see [`export!`](crate::export).
-pub struct Exported<M> {
-    identity: Identity<M>,
-    layout: Mutex<Weak<Layout<M>>>,
+/// A model of a library, its type forgotten: see [`export!`](crate::export).
+pub struct Exported {
+    identity: Identity,
+    declared: fn() -> Declarations,
+    fresh: fn() -> Box<dyn AnyModel>,
+    layout: Mutex<Weak<Layout>>,
 }
 
 /// Where a model's GUID is from. A function is named only where it is needed, since what a static names is linked.
-enum Identity<M> {
+enum Identity {
     /// The packaging had it compiled in, and has checked the declarations.
     Fixed(&'static str),
     /// The library was built by itself: from the description, when it is first asked for.
     Computed {
-        layout: fn() -> Result<Layout<M>, DeclarationError>,
+        layout: fn() -> Result<Layout, DeclarationError>,
         describe: fn() -> Result<Description, DeclarationError>,
         guid: OnceLock<[u8; GUID_LENGTH]>,
     },
 }
 
-impl<M: Model> Exported<M> {
+impl Exported {
     /// For a static.
     #[must_use]
-    pub const fn new(guid: Option<&'static str>) -> Self {
+    pub const fn of<M: Model>(guid: Option<&'static str>) -> Self {
         let identity = match guid {
             Some(guid) => Identity::Fixed(guid),
-            None => Identity::Computed { layout: Layout::build, describe: describe::<M>, guid: OnceLock::new() },
+            None => Identity::Computed { layout: Layout::build::<M>, describe: describe::<M>, guid: OnceLock::new() },
         };
-        Self { identity, layout: Mutex::new(Weak::new()) }
+        Self { identity, declared: Declarations::of::<M>, fresh: fresh::<M>, layout: Mutex::new(Weak::new()) }
     }
 
-    fn layout(&self) -> Result<Arc<Layout<M>>, DeclarationError> {
+    fn layout(&self) -> Result<Arc<Layout>, DeclarationError> {
         let mut shared = lock(&self.layout);
         if let Some(layout) = shared.upgrade() {
             return Ok(layout);
         }
         let layout = Arc::new(match &self.identity {
-            Identity::Fixed(_) => Layout::of_packaged(),
+            Identity::Fixed(_) => Layout::of((self.declared)()),
             Identity::Computed { layout, .. } => layout()?,
         });
         *shared = Arc::downgrade(&layout);
         Ok(layout)
     }
-}
 
-impl<M: Model> Serve for Exported<M> {
-    fn guid(&'static self) -> Result<&'static str, DeclarationError> {
+    pub(crate) fn guid(&'static self) -> Result<&'static str, DeclarationError> {
         let (describe, guid) = match &self.identity {
             Identity::Fixed(guid) => return Ok(guid),
             Identity::Computed { describe, guid, .. } => (describe, guid),
@@ -87,16 +80,16 @@ impl<M: Model> Serve for Exported<M> {
         Ok(std::str::from_utf8(bytes).unwrap_or_default())
     }
 
-    #[allow(private_interfaces)]
-    fn instantiate(&'static self, kind: Kind, resources: &Resources) -> Result<Box<dyn AnySlave>, Refusal> {
+    pub(crate) fn instantiate(&'static self, kind: Kind, resources: &Resources) -> Result<Slave, Refusal> {
         let refused = |error: DeclarationError| Refusal::error(error.to_string());
         let (layout, guid) = (self.layout().map_err(refused)?, self.guid().map_err(refused)?);
-        let slave = Slave::<M>::new(layout, guid, kind, resources.clone());
+        let slave = Slave::new(layout, (self.fresh)(), guid, kind, resources.clone());
         // The layout was made before; without an instance nobody else would take it away.
-        Ok(Box::new(slave.inspect_err(|_| self.tidy())?))
+        slave.inspect_err(|_| self.tidy())
     }
 
-    fn tidy(&self) {
+    /// Frees what only instances need, if there are none.
+    pub(crate) fn tidy(&self) {
         let mut shared = lock(&self.layout);
         if shared.strong_count() == 0 {
             // Also frees the memory block that the weak reference kept.
@@ -107,7 +100,7 @@ impl<M: Model> Serve for Exported<M> {
 
 /// A loaded library: the models it serves and the states saved by `fmi2GetFMUstate`.
 pub struct Served {
-    pub(crate) models: &'static [&'static dyn Serve],
+    pub(crate) models: &'static [&'static Exported],
     pub(crate) states: Handles,
     /// A model has said that what all instances share is beyond repair.
     lost: AtomicBool,
@@ -116,7 +109,7 @@ pub struct Served {
 impl Served {
     /// For a static.
     #[must_use]
-    pub const fn new(models: &'static [&'static dyn Serve]) -> Self {
+    pub const fn new(models: &'static [&'static Exported]) -> Self {
         Self { models, states: Handles::new(), lost: AtomicBool::new(false) }
     }
 

@@ -9,6 +9,7 @@
 //! | n | the state, in `postcard` format |
 //! | 4 | CRC-32 of all that precedes, little endian |
 
+use postcard::ser_flavors::Flavor;
 use serde::{Serialize, de::DeserializeOwned};
 
 const MAGIC: &[u8; 8] = b"fmi2-exp";
@@ -54,14 +55,55 @@ pub enum SnapshotError {
     Content(String),
 }
 
-/// How many bytes a state becomes.
-pub(crate) fn encoded_size(state: &impl Serialize) -> Result<usize, SnapshotError> {
-    let payload = postcard::experimental::serialized_size(state).map_err(|e| SnapshotError::Content(e.to_string()))?;
-    Ok(HEADER + payload + TRAILER)
+/// Takes the bytes of a payload: counts them, and keeps those for which there is room.
+pub(crate) struct Sink<'b> {
+    room: &'b mut [u8],
+    count: usize,
 }
 
-pub(crate) fn encode(guid: &str, state: &impl Serialize) -> Result<Vec<u8>, SnapshotError> {
-    let size = encoded_size(state)?;
+impl<'b> Sink<'b> {
+    pub fn new(room: &'b mut [u8]) -> Self {
+        Self { room, count: 0 }
+    }
+
+    pub fn put(&mut self, value: &impl Serialize) -> postcard::Result<()> {
+        postcard::serialize_with_flavor(value, self)
+    }
+}
+
+impl Flavor for &mut Sink<'_> {
+    type Output = ();
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        self.try_extend(&[byte])
+    }
+
+    fn try_extend(&mut self, bytes: &[u8]) -> postcard::Result<()> {
+        let end = self.count.saturating_add(bytes.len());
+        if let Some(room) = self.room.get_mut(self.count..end) {
+            room.copy_from_slice(bytes);
+        }
+        self.count = end;
+        Ok(())
+    }
+
+    fn finalize(self) -> postcard::Result<()> {
+        Ok(())
+    }
+}
+
+/// Writes a payload.
+pub(crate) type Write<'w> = dyn Fn(&mut Sink<'_>) -> postcard::Result<()> + 'w;
+
+/// How many bytes a state becomes.
+pub(crate) fn encoded_size(payload: &Write<'_>) -> Result<usize, SnapshotError> {
+    let mut sink = Sink::new(&mut []);
+    payload(&mut sink).map_err(|e| SnapshotError::Content(e.to_string()))?;
+    Ok(HEADER + sink.count + TRAILER)
+}
+
+pub(crate) fn encode(guid: &str, payload: &Write<'_>) -> Result<Vec<u8>, SnapshotError> {
+    let size = encoded_size(payload)?;
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(size).map_err(|_| SnapshotError::Memory(size))?;
     bytes.extend_from_slice(MAGIC);
@@ -73,12 +115,17 @@ pub(crate) fn encode(guid: &str, state: &impl Serialize) -> Result<Vec<u8>, Snap
     bytes.extend_from_slice(&padded);
     bytes.extend_from_slice(&((size - HEADER - TRAILER) as u64).to_le_bytes());
     bytes.resize(size - TRAILER, 0);
-    postcard::to_slice(state, &mut bytes[HEADER..]).map_err(|e| SnapshotError::Content(e.to_string()))?;
+    let mut sink = Sink::new(&mut bytes[HEADER..]);
+    payload(&mut sink).map_err(|e| SnapshotError::Content(e.to_string()))?;
+    if sink.count != sink.room.len() {
+        return Err(SnapshotError::Content("it serialises differently each time".into()));
+    }
     bytes.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
     Ok(bytes)
 }
 
-pub(crate) fn decode<S: DeserializeOwned>(guid: &str, bytes: &[u8]) -> Result<S, SnapshotError> {
+/// The payload of what [`encode`] has made.
+pub(crate) fn payload<'b>(guid: &str, bytes: &'b [u8]) -> Result<&'b [u8], SnapshotError> {
     let (magic, rest) = bytes.split_first_chunk::<8>().ok_or(SnapshotError::Foreign)?;
     if magic != MAGIC {
         return Err(SnapshotError::Foreign);
@@ -108,12 +155,17 @@ pub(crate) fn decode<S: DeserializeOwned>(guid: &str, bytes: &[u8]) -> Result<S,
     if crc32fast::hash(&bytes[..covered]) != u32::from_le_bytes(*checksum) {
         return Err(SnapshotError::Checksum);
     }
-    let (state, unused) = postcard::take_from_bytes(payload).map_err(|e| SnapshotError::Content(e.to_string()))?;
-    if unused.is_empty() {
-        Ok(state)
-    } else {
-        Err(SnapshotError::Content(format!("{} bytes are left over", unused.len())))
-    }
+    Ok(payload)
+}
+
+/// A part of a payload, and what comes after it.
+pub(crate) fn part<T: DeserializeOwned>(payload: &[u8]) -> Result<(T, &[u8]), SnapshotError> {
+    postcard::take_from_bytes(payload).map_err(|e| SnapshotError::Content(e.to_string()))
+}
+
+/// Checks that nothing comes after a payload's last part.
+pub(crate) fn finish(rest: &[u8]) -> Result<(), SnapshotError> {
+    if rest.is_empty() { Ok(()) } else { Err(SnapshotError::Content(format!("{} bytes are left over", rest.len()))) }
 }
 
 #[cfg(test)]
@@ -121,6 +173,16 @@ mod tests {
     use super::*;
 
     const GUID: &str = "{00000000-0000-0000-0000-000000000000}";
+
+    fn encode(guid: &str, state: &impl Serialize) -> Result<Vec<u8>, SnapshotError> {
+        super::encode(guid, &|sink| sink.put(state))
+    }
+
+    fn decode<S: DeserializeOwned>(guid: &str, bytes: &[u8]) -> Result<S, SnapshotError> {
+        let (state, rest) = part(payload(guid, bytes)?)?;
+        finish(rest)?;
+        Ok(state)
+    }
 
     #[test]
     fn round_trip() {

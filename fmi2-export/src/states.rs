@@ -1,11 +1,13 @@
 //! Tables of continuous states, as crates of equations have them.
 
-use std::sync::Arc;
-
 use parameter_table::StateVariable;
 
-use crate::exchange::ModelExchange;
-use crate::variables::{Evaluation, Variables};
+use crate::access::Scalar;
+use crate::declarations::{Declarations, Role};
+use crate::exchange::{Exchange, ModelExchange};
+use crate::place::Place;
+use crate::variable::Causality;
+use crate::variables::{Evaluation, Variables, length};
 
 impl<M: ModelExchange> Variables<M> {
     /// Declares a table of continuous states as local variables, and after them their time derivatives, called `der(NAME)`.
@@ -19,25 +21,50 @@ impl<M: ModelExchange> Variables<M> {
         rate_evaluation: Evaluation,
         rates: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
     ) {
-        let (values, rates) = (Arc::new(values), Arc::new(rates));
-        let mut model = M::default();
-        let (found, expected) = ((values(&mut model).len(), rates(&mut model).len()), table.len());
+        let found = (length(&mut self.declared, &values), length(&mut self.declared, &rates));
+        let exchange = Exchange::of::<M>();
+        self.declared.states(
+            table,
+            exchange,
+            found,
+            [evaluation, rate_evaluation],
+            [&Place::array(values), &Place::array(rates)],
+        );
+    }
+}
+
+impl Declarations {
+    fn states(
+        &mut self,
+        table: &[StateVariable],
+        exchange: &'static Exchange,
+        found: (usize, usize),
+        [evaluation, rate_evaluation]: [Evaluation; 2],
+        [values, rates]: [&Place; 2],
+    ) {
+        let expected = table.len();
+        let number = |place: &Place, i: usize| f64::access(place.element(i, size_of::<f64>()));
         for (i, row) in table.iter().enumerate() {
-            let values = Arc::clone(&values);
-            let state = self.local(row.name.as_str(), evaluation, move |m| &mut values(m)[i]).state();
-            let state = state.nominal(row.nominal).description(&row.description);
-            let state = if has_unit(row) { state.unit(row.unit) } else { state };
+            let role = Role::computed(Causality::Local, evaluation);
+            let state = self.add(row.name.clone(), None, role, number(values, i));
+            self.state(state, exchange);
+            self.nominal(state, row.nominal);
+            self.description(state, &row.description);
+            if has_unit(row) {
+                self.unit(state, row.unit);
+            }
             if found != (expected, expected) {
                 let mistake = format!("the table has {expected} rows, but there are {found:?} values and rates");
-                state.variables[0].mistakes.push(mistake);
+                self.list[state].mistakes.push(mistake);
             }
         }
         for (i, row) in table.iter().enumerate() {
-            let rates = Arc::clone(&rates);
-            let rate = self.local(format!("der({})", row.name), rate_evaluation, move |m| &mut rates(m)[i]);
-            let rate = rate.derivative_of(&row.name).description(&format!("Time derivative of {}", row.name));
+            let role = Role::computed(Causality::Local, rate_evaluation);
+            let rate = self.add(format!("der({})", row.name), None, role, number(rates, i));
+            self.derivative_of(rate, &row.name);
+            self.description(rate, &format!("Time derivative of {}", row.name));
             if has_unit(row) {
-                rate.unit(&per_second(row.unit));
+                self.unit(rate, &per_second(row.unit));
             }
         }
     }

@@ -1,6 +1,7 @@
 //! What there is to say of one variable.
 
-use crate::access::{Access, Lens};
+use crate::access::Access;
+use crate::place::Place;
 use crate::unit::{DisplayUnit, Unit};
 use crate::variables::Evaluation;
 
@@ -15,6 +16,13 @@ pub enum Causality {
     Local,
     /// Set by the host before the simulation starts and, if tunable, between steps.
     Parameter,
+}
+
+impl Causality {
+    /// A bit of its own, below the seventh.
+    pub(crate) const fn bit(self) -> u8 {
+        1 << self as u8
+    }
 }
 
 /// When a variable may change (FMI 2.0.4, section 2.2.7).
@@ -39,14 +47,14 @@ pub enum DependencyKind {
     Fixed,
 }
 
-pub(crate) struct Variable<M> {
+pub(crate) struct Variable {
     pub name: String,
     /// Which element of an array it is, counted from 1.
     pub number: Option<usize>,
     pub description: String,
     pub causality: Causality,
     pub variability: Variability,
-    pub access: Access<M>,
+    pub access: Access,
     pub unit: Option<Unit>,
     pub display_unit: Option<DisplayUnit>,
     pub min: Option<f64>,
@@ -57,9 +65,9 @@ pub(crate) struct Variable<M> {
     pub starts_from: Vec<String>,
     pub evaluation: Option<Evaluation>,
     /// Where the model reads the slope of an input from.
-    pub ramp: Option<Lens<M, f64>>,
+    pub ramp: Option<Place>,
     /// Where the model writes the time derivative of an output, and what computes it.
-    pub rate: Option<(Lens<M, f64>, Evaluation)>,
+    pub rate: Option<(Place, Evaluation)>,
     /// It is a continuous state.
     pub is_state: bool,
     /// The state whose time derivative it is.

@@ -1,13 +1,17 @@
 //! Declaring variables: each once, by name and by the field of the model's struct it lives in.
 
+use std::marker::PhantomData;
+use std::ptr;
 use std::sync::Arc;
 
 use parameter_table::{Owner, Parameter};
 
-use crate::access::{Access, Lens, Scalar};
+use crate::access::{Access, Scalar, Shape};
 use crate::builder::VariableBuilder;
+use crate::declarations::{Declarations, Indicators, Role};
 use crate::exchange::{Exchange, ModelExchange};
-use crate::variable::{Causality, Variability, Variable};
+use crate::place::{Field, Place};
+use crate::variable::Causality;
 
 /// The variables of a model, as [`Declare::variables`](crate::Declare::variables) declares them.
 ///
@@ -42,46 +46,23 @@ use crate::variable::{Causality, Variability, Variable};
 ///     .description("Torque that actuator {} delivers");
 /// # }
 /// ```
+///
+/// # Fields
+/// A variable that always is at the same place in the struct, as most are, can also be declared by
+/// [`field!`](crate::field) instead of a function. It then is read and written without a call, which matters for what is exchanged at
+/// every step; the description of the model is the same. [`derive(Declare)`](macro@crate::Declare) does so.
 pub struct Variables<M> {
-    pub(crate) list: Vec<Variable<M>>,
-    pub(crate) evaluations: Vec<fn(&mut M)>,
-    /// What a host that integrates calls, once anything of it has been declared.
-    pub(crate) exchange: Option<Exchange<M>>,
-    pub(crate) indicators: Option<Indicators<M>>,
-    pub(crate) time: Option<Lens<M, f64>>,
-}
-
-/// What fills in the event indicators, and where they are.
-pub(crate) struct Indicators<M> {
-    pub evaluation: Evaluation,
-    pub lens: Lens<M, [f64]>,
+    pub(crate) declared: Declarations,
+    model: PhantomData<fn(&mut M)>,
 }
 
 /// A function of the model that fills in some of its outputs: see [`Variables::evaluation`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Evaluation(pub(crate) usize);
 
-/// What a variable is to the host, and what computes it.
-#[derive(Clone, Copy)]
-struct Role {
-    causality: Causality,
-    /// Of numbers; whatever is no number can only jump.
-    variability: Variability,
-    evaluation: Option<Evaluation>,
-}
-
-impl Role {
-    const INPUT: Self = Self { causality: Causality::Input, variability: Variability::Continuous, evaluation: None };
-    const PARAMETER: Self = Self { causality: Causality::Parameter, variability: Variability::Fixed, evaluation: None };
-
-    const fn computed(causality: Causality, evaluation: Evaluation) -> Self {
-        Self { causality, variability: Variability::Continuous, evaluation: Some(evaluation) }
-    }
-}
-
 impl<M: 'static> Variables<M> {
-    pub(crate) fn new() -> Self {
-        Self { list: Vec::new(), evaluations: Vec::new(), exchange: None, indicators: None, time: None }
+    pub(crate) fn new(declared: Declarations) -> Self {
+        Self { declared, model: PhantomData }
     }
 
     /// Declares a function that computes some of the outputs from the state, the parameters and the inputs.
@@ -90,8 +71,7 @@ impl<M: 'static> Variables<M> {
     /// are cheap and wanted every step should not share an evaluation with outputs that are expensive and rarely looked
     /// at. At most 64 evaluations.
     pub fn evaluation(&mut self, evaluation: fn(&mut M)) -> Evaluation {
-        self.evaluations.push(evaluation);
-        Evaluation(self.evaluations.len() - 1)
+        self.declared.evaluation(evaluation)
     }
 
     /// Declares the field from which the model reads the time \[s\]: for models whose derivatives, event indicators or outputs
@@ -99,7 +79,7 @@ impl<M: 'static> Variables<M> {
     /// model exchange it is always current; in co-simulation it is the start time at first, and the step moves it on, as
     /// that of `fmi2-integrate` does.
     pub fn time(&mut self, field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static) {
-        self.time = Some(Arc::new(field));
+        self.declared.time = Some(Place::by(field));
     }
 
     /// Declares an input. A number is continuous unless it is said to be [`discrete`](VariableBuilder::discrete),
@@ -109,7 +89,7 @@ impl<M: 'static> Variables<M> {
         name: impl Into<String>,
         field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        self.one(name, Role::INPUT, field)
+        self.one(Role::INPUT, text(name), Place::by(field), T::access)
     }
 
     /// Declares the elements of an array as inputs.
@@ -117,11 +97,13 @@ impl<M: 'static> Variables<M> {
         &mut self,
         name: &str,
         field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        self.array(name, Role::INPUT, field)
+    ) -> VariableBuilder<'_, M> {
+        self.array(Role::INPUT, name, field)
+    }
+
+    /// Declares a field as an input, or the elements of one that is an array.
+    pub fn input_field<T: Shape>(&mut self, name: &str, field: Field<M, T>) -> VariableBuilder<'_, M> {
+        self.field(Role::INPUT, name, field)
     }
 
     /// Declares an output that `evaluation` computes.
@@ -131,7 +113,7 @@ impl<M: 'static> Variables<M> {
         evaluation: Evaluation,
         field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        self.one(name, Role::computed(Causality::Output, evaluation), field)
+        self.one(Role::computed(Causality::Output, evaluation), text(name), Place::by(field), T::access)
     }
 
     /// Declares the elements of an array as outputs that `evaluation` computes.
@@ -140,11 +122,18 @@ impl<M: 'static> Variables<M> {
         name: &str,
         evaluation: Evaluation,
         field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        self.array(name, Role::computed(Causality::Output, evaluation), field)
+    ) -> VariableBuilder<'_, M> {
+        self.array(Role::computed(Causality::Output, evaluation), name, field)
+    }
+
+    /// Declares a field as an output that `evaluation` computes, or the elements of one that is an array.
+    pub fn output_field<T: Shape>(
+        &mut self,
+        name: &str,
+        evaluation: Evaluation,
+        field: Field<M, T>,
+    ) -> VariableBuilder<'_, M> {
+        self.field(Role::computed(Causality::Output, evaluation), name, field)
     }
 
     /// Declares a local variable that `evaluation` computes: visible, but not meant to be wired.
@@ -154,7 +143,7 @@ impl<M: 'static> Variables<M> {
         evaluation: Evaluation,
         field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        self.one(name, Role::computed(Causality::Local, evaluation), field)
+        self.one(Role::computed(Causality::Local, evaluation), text(name), Place::by(field), T::access)
     }
 
     /// Declares the elements of an array as local variables that `evaluation` computes.
@@ -163,11 +152,18 @@ impl<M: 'static> Variables<M> {
         name: &str,
         evaluation: Evaluation,
         field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        self.array(name, Role::computed(Causality::Local, evaluation), field)
+    ) -> VariableBuilder<'_, M> {
+        self.array(Role::computed(Causality::Local, evaluation), name, field)
+    }
+
+    /// Declares a field as a local variable that `evaluation` computes, or the elements of one that is an array.
+    pub fn local_field<T: Shape>(
+        &mut self,
+        name: &str,
+        evaluation: Evaluation,
+        field: Field<M, T>,
+    ) -> VariableBuilder<'_, M> {
+        self.field(Role::computed(Causality::Local, evaluation), name, field)
     }
 
     /// Declares a parameter. It is fixed once initialization mode has been left, unless it is said to be
@@ -177,7 +173,7 @@ impl<M: 'static> Variables<M> {
         name: impl Into<String>,
         field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        self.one(name, Role::PARAMETER, field)
+        self.one(Role::PARAMETER, text(name), Place::by(field), T::access)
     }
 
     /// Declares the elements of an array as parameters.
@@ -185,11 +181,13 @@ impl<M: 'static> Variables<M> {
         &mut self,
         name: &str,
         field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        self.array(name, Role::PARAMETER, field)
+    ) -> VariableBuilder<'_, M> {
+        self.array(Role::PARAMETER, name, field)
+    }
+
+    /// Declares a field as a parameter, or the elements of one that is an array.
+    pub fn parameter_field<T: Shape>(&mut self, name: &str, field: Field<M, T>) -> VariableBuilder<'_, M> {
+        self.field(Role::PARAMETER, name, field)
     }
 
     /// Declares a table of parameters of one part of the model.
@@ -208,12 +206,8 @@ impl<M: 'static> Variables<M> {
         table: impl IntoIterator<Item = Parameter<T>>,
         part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
-        let first = self.list.len();
-        let part = Arc::new(part);
-        for row in table {
-            let part = Arc::clone(&part);
-            self.row(&row, owner, None, f64::access(move |model| (row.field)(part(model))));
-        }
+        let first = self.declared.list.len();
+        self.declared.rows(table, owner, None, &Place::by(part));
         self.since(first)
     }
 
@@ -223,105 +217,45 @@ impl<M: 'static> Variables<M> {
         &mut self,
         table: impl IntoIterator<Item = Parameter<T>>,
         parts: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        let first = self.list.len();
-        let (table, parts): (Vec<_>, _) = (table.into_iter().collect(), Arc::new(parts));
-        for i in 0..parts(&mut M::default()).len() {
-            let number = (i + 1).to_string();
-            for row in table.iter().copied() {
-                let parts = Arc::clone(&parts);
-                let access = f64::access(move |model| (row.field)(&mut parts(model)[i]));
-                self.row(&row, Owner::named(&number), Some(i + 1), access);
-            }
+    ) -> VariableBuilder<'_, M> {
+        let first = self.declared.list.len();
+        let count = length(&mut self.declared, &parts);
+        let (table, parts): (Vec<_>, _) = (table.into_iter().collect(), Place::array(parts));
+        for i in 0..count {
+            let (number, part) = ((i + 1).to_string(), parts.element(i, size_of::<T>()));
+            self.declared.rows(table.iter().copied(), Owner::named(&number), Some(i + 1), &part);
         }
         self.since(first)
     }
 
-    fn one<T: Scalar>(
-        &mut self,
-        name: impl Into<String>,
-        role: Role,
-        field: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M> {
-        self.add(name, None, role, T::access(field))
+    fn one(&mut self, role: Role, name: String, place: Place, access: fn(Place) -> Access) -> VariableBuilder<'_, M> {
+        let first = self.declared.add(name, None, role, access(place));
+        self.since(first)
     }
 
     fn array<T: Scalar>(
         &mut self,
-        name: &str,
         role: Role,
+        name: &str,
         field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
-    ) -> VariableBuilder<'_, M>
-    where
-        M: Default,
-    {
-        let first = self.list.len();
-        let length = field(&mut M::default()).len();
-        let field = Arc::new(field);
-        let pattern = if name.contains("{}") { name.to_owned() } else { format!("{name}[{{}}]") };
-        for i in 0..length {
-            let field = Arc::clone(&field);
-            self.add(numbered(&pattern, i + 1), Some(i + 1), role, T::access(move |model| &mut field(model)[i]));
-        }
+    ) -> VariableBuilder<'_, M> {
+        let length = length(&mut self.declared, &field);
+        let first = self.declared.elements(name, role, &Place::array(field), length, size_of::<T>(), T::access);
         self.since(first)
     }
 
-    /// One row of a table, for one part of the model. Not inlined, and without the closure that leads to the field: the
-    /// declarations of a model are many such calls.
-    #[inline(never)]
-    fn row<T>(&mut self, row: &Parameter<T>, owner: Owner<'_>, number: Option<usize>, access: Access<M>) {
-        let builder = self.add(row.name_of(owner), number, Role::PARAMETER, access);
-        let builder = builder.range(row.range.min, row.range.max).description(&row.description_of(owner));
-        if !row.unit.is_empty() {
-            builder.unit(&row.unit_of(owner));
-        }
-    }
-
-    #[inline(never)]
-    fn add(
-        &mut self,
-        name: impl Into<String>,
-        number: Option<usize>,
-        role: Role,
-        access: Access<M>,
-    ) -> VariableBuilder<'_, M> {
-        let variability = match (role.variability, &access) {
-            (Variability::Continuous, Access::Real(_)) => Variability::Continuous,
-            (Variability::Continuous, _) => Variability::Discrete,
-            (other, _) => other,
+    fn field<T: Shape>(&mut self, role: Role, name: &str, field: Field<M, T>) -> VariableBuilder<'_, M> {
+        let (place, access) = (field.place(), T::Element::access);
+        let first = match T::LENGTH {
+            Some(length) => self.declared.elements(name, role, &place, length, size_of::<T::Element>(), access),
+            None => self.declared.add(name.to_owned(), None, role, access(place)),
         };
-        let first = self.list.len();
-        self.list.push(Variable {
-            name: name.into(),
-            number,
-            description: String::new(),
-            causality: role.causality,
-            variability,
-            access,
-            unit: None,
-            display_unit: None,
-            min: None,
-            max: None,
-            nominal: None,
-            depends_on: Vec::new(),
-            starts_from: Vec::new(),
-            evaluation: role.evaluation,
-            ramp: None,
-            rate: None,
-            is_state: false,
-            derivative_of: None,
-            depends_on_states: None,
-            mistakes: Vec::new(),
-        });
         self.since(first)
     }
 
     /// What has been declared since there were `first` variables.
     fn since(&mut self, first: usize) -> VariableBuilder<'_, M> {
-        VariableBuilder { variables: &mut self.list[first..], exchange: &mut self.exchange }
+        VariableBuilder { declared: &mut self.declared, first, model: PhantomData }
     }
 }
 
@@ -329,7 +263,7 @@ impl<M: ModelExchange> Variables<M> {
     /// Offers model exchange, also of a model without continuous states: declaring a [state](VariableBuilder::state) or
     /// [event indicators](Self::event_indicators) implies it.
     pub fn model_exchange(&mut self) {
-        self.exchange = Some(Exchange::of());
+        self.declared.exchange = Some(Exchange::of::<M>());
     }
 
     /// Declares the field in which `evaluation` leaves the event indicators, as many as it has elements in the model's default
@@ -341,11 +275,19 @@ impl<M: ModelExchange> Variables<M> {
         field: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
     ) {
         self.model_exchange();
-        self.indicators = Some(Indicators { evaluation, lens: Arc::new(field) });
+        let count = length(&mut self.declared, &field);
+        // SAFETY: it is called with models of this type only: see `View`.
+        let array = Arc::new(move |model: *mut ()| ptr::from_mut(field(unsafe { &mut *model.cast::<M>() })));
+        self.declared.indicators = Some(Indicators { evaluation, array, count });
     }
 }
 
-/// The text for one element of an array.
-pub(crate) fn numbered(text: &str, number: usize) -> String {
-    text.replace("{}", &number.to_string())
+/// How many elements an array has in the model's default value.
+pub(crate) fn length<M: 'static, T>(declared: &mut Declarations, field: &impl Fn(&mut M) -> &mut [T]) -> usize {
+    field(declared.sample::<M>()).len()
+}
+
+#[inline(never)]
+fn text(text: impl Into<String>) -> String {
+    text.into()
 }

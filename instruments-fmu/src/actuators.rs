@@ -1,6 +1,6 @@
 //! `GraspActuators.fmu`.
 
-use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables, field};
 use grasp_instruments::actuation::{COMMANDS, Commands};
 use grasp_instruments::dead_zone::DeadZone;
 use grasp_instruments::{Actuation, ActuationSettings, CommandSettings, profiles};
@@ -75,7 +75,7 @@ impl Declare for GraspActuators {
     fn variables(variables: &mut Variables<Self>) {
         for (i, command) in COMMANDS.iter().enumerate() {
             variables
-                .input(command.name, move |m| &mut m.inputs[i])
+                .input_field(command.name, field!(Self, inputs).element(i))
                 .ramp(move |m| &mut m.slopes[i])
                 .unit(command.unit)
                 .description(&format!("What the controller commands: {}", command.description));
@@ -83,7 +83,7 @@ impl Declare for GraspActuators {
         let (outputs, rates) = (variables.evaluation(Self::outputs), variables.evaluation(Self::rates));
         for (i, command) in COMMANDS.iter().enumerate() {
             variables
-                .output(format!("{}_sent", command.name), outputs, move |m| &mut m.outputs[i])
+                .output_field(&format!("{}_sent", command.name), outputs, field!(Self, outputs).element(i))
                 .rate(rates, move |m| &mut m.rates[i])
                 .unit(command.unit)
                 .depends_on([command.name])

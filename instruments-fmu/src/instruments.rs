@@ -1,7 +1,7 @@
 //! `GraspInstruments.fmu`.
 
 use fmi2_export::{
-    Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder, Variables,
+    Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, Step, VariableBuilder, Variables, field,
 };
 use grasp_instruments::{InstrumentSettings, Instruments, SIGNALS, SensorSettings, Signal, Signals, profiles};
 use serde::{Deserialize, Serialize};
@@ -84,7 +84,7 @@ impl Declare for GraspInstruments {
 
     fn variables(variables: &mut Variables<Self>) {
         for (i, signal) in SIGNALS.iter().enumerate() {
-            in_degrees(variables.input(signal.name, move |m| &mut m.inputs[i]).unit(signal.unit), signal)
+            in_degrees(variables.input_field(signal.name, field!(Self, inputs).element(i)).unit(signal.unit), signal)
                 .ramp(move |m| &mut m.slopes[i])
                 .nominal(signal.nominal)
                 .description(&format!("True {}", signal.description));
@@ -155,13 +155,16 @@ fn in_degrees<'a>(
 fn declare_outputs(variables: &mut Variables<GraspInstruments>, outputs: Evaluation, rates: Evaluation) {
     for (i, signal) in SIGNALS.iter().enumerate() {
         let name = format!("{}_measured", signal.name);
-        in_degrees(variables.output(name, outputs, move |m| &mut m.outputs[i]).unit(signal.unit), signal)
-            .rate(rates, move |m| &mut m.rates[i])
-            .nominal(signal.nominal)
-            .depends_on([signal.name])
-            .description(&format!("What a controller gets as {}", signal.name));
+        in_degrees(
+            variables.output_field(&name, outputs, field!(GraspInstruments, outputs).element(i)).unit(signal.unit),
+            signal,
+        )
+        .rate(rates, move |m| &mut m.rates[i])
+        .nominal(signal.nominal)
+        .depends_on([signal.name])
+        .description(&format!("What a controller gets as {}", signal.name));
     }
     variables
-        .output("measures_rates", outputs, |m| &mut m.measures_rates)
+        .output_field("measures_rates", outputs, field!(GraspInstruments, measures_rates))
         .description("Whether any rate is measured; if not, the controller has to estimate them");
 }

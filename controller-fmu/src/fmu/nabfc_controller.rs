@@ -1,6 +1,6 @@
 //! `NabfcController.fmu`.
 
-use fmi2_export::{Evaluation, StateVariable, Variables};
+use fmi2_export::{Evaluation, StateVariable, Variables, field};
 use grasp_control::continuous::{
     Continuous, Decision, Direction, NABFC_INDICATORS, Regimes, nabfc_state_variables, nabfc_states,
 };
@@ -327,14 +327,18 @@ impl FmuLaw for NabfcLaw {
 
 fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation, rates: Evaluation) {
     variables
-        .output("s", extra, |m| &mut m.outputs.extra.surfaces.object)
+        .output_field("s", extra, field!(NabfcController, outputs.extra.surfaces.object))
         .rate(rates, |m| &mut m.rates.extra.surfaces.object)
         .unit("m/s")
         .depends_on(["y_object", "y_object_dot", "tip_shear1", "tip_shear2", "lambda1_ref", "theta1_ref"])
         .description("Sliding variable of the object loop, eq. (33) or its counterpart of the root-strain law");
     for i in 0..2 {
         let n = i + 1;
-        let output = variables.output(format!("s{n}"), extra, move |m| &mut m.outputs.extra.surfaces.posture[i]);
+        let output = variables.output_field(
+            &format!("s{n}"),
+            extra,
+            field!(NabfcController, outputs.extra.surfaces.posture).element(i),
+        );
         output
             .unit("rad/s")
             .display_degrees()

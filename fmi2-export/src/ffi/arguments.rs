@@ -33,17 +33,25 @@ pub unsafe fn out<'a, T: Copy>(pointer: *mut T, length: usize, what: &str) -> Re
     Ok(Out::new(unsafe { std::slice::from_raw_parts_mut(pointer.cast::<MaybeUninit<T>>(), length) }))
 }
 
+#[inline]
 fn check<T>(pointer: *const T, length: usize, what: &str) -> Result<(), Refusal> {
-    if pointer.is_null() {
-        return Err(Refusal::error(format!("{what} is a null pointer")));
-    }
-    if !pointer.is_aligned() {
-        return Err(Refusal::error(format!("{what} is not aligned")));
-    }
-    if length > isize::MAX as usize / size_of::<T>() {
-        return Err(Refusal::error(format!("{what} cannot have {length} elements")));
+    if pointer.is_null() || !pointer.is_aligned() || length > isize::MAX as usize / size_of::<T>() {
+        return Err(unusable(pointer.is_null(), pointer.is_aligned(), length, what));
     }
     Ok(())
+}
+
+/// What is wrong with a pointer, once for all types.
+#[cold]
+#[inline(never)]
+fn unusable(is_null: bool, is_aligned: bool, length: usize, what: &str) -> Refusal {
+    Refusal::error(if is_null {
+        format!("{what} is a null pointer")
+    } else if is_aligned {
+        format!("{what} cannot have {length} elements")
+    } else {
+        format!("{what} is not aligned")
+    })
 }
 
 /// A variable of the host, which has a value already.
@@ -62,7 +70,7 @@ pub unsafe fn initialized<'a, T>(pointer: *mut T, what: &str) -> Result<&'a mut 
 /// If not null, `pointer` must point to a string that ends in a zero byte.
 pub unsafe fn string<'a>(pointer: *const c_char, what: &str) -> Result<&'a CStr, Refusal> {
     if pointer.is_null() {
-        return Err(Refusal::error(format!("{what} is a null pointer")));
+        return Err(unusable(true, true, 0, what));
     }
     // SAFETY: not null; the rest is the caller's promise.
     Ok(unsafe { CStr::from_ptr(pointer) })

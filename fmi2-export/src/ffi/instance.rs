@@ -9,7 +9,7 @@ use super::logger::Logger;
 use super::types::Component;
 use crate::categories::Category;
 use crate::served::Served;
-use crate::slave::AnySlave;
+use crate::slave::Slave;
 use crate::status::{Outcome, Refusal, Status};
 
 /// What an `fmi2Component` points to.
@@ -24,7 +24,7 @@ pub struct Instance {
     /// Which model of the library, for tidying up.
     pub model: usize,
     pub logger: Logger,
-    pub slave: Box<dyn AnySlave>,
+    pub slave: Slave,
 }
 
 impl Instance {
@@ -61,12 +61,12 @@ pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outc
     // SAFETY: `busy` was false, so this is the only reference until it is false again.
     let instance = unsafe { &mut *shared.instance.get() };
     let status = if instance.library.is_lost() {
-        refused(instance, &lost())
+        refused(instance, lost())
     } else {
-        match guarded(|| run(instance)) {
+        match catch_unwind(AssertUnwindSafe(|| run(instance))) {
             Ok(Ok(())) => Status::Ok,
-            Ok(Err(refusal)) => refused(instance, &refusal),
-            Err(message) => panicked(instance, &message),
+            Ok(Err(refusal)) => refused(instance, refusal),
+            Err(panic) => panicked(instance, panic),
         }
     };
     shared.busy.store(false, Ordering::Release);
@@ -75,6 +75,7 @@ pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outc
 
 /// Why nothing can be called any more.
 #[cold]
+#[inline(never)]
 pub fn lost() -> Refusal {
     let message = "fmi2Fatal has been returned: nothing can be called for any instance of this FMU but fmi2FreeInstance, until it is \
                    loaded anew";
@@ -82,7 +83,9 @@ pub fn lost() -> Refusal {
 }
 
 #[cold]
-fn refused(instance: &mut Instance, refusal: &Refusal) -> Status {
+#[inline(never)]
+#[allow(clippy::needless_pass_by_value)] // Dropped here, once, and not in each C function.
+fn refused(instance: &mut Instance, refusal: Refusal) -> Status {
     if refusal.status == Status::Fatal {
         instance.library.lose();
         instance.slave.poison();
@@ -92,7 +95,9 @@ fn refused(instance: &mut Instance, refusal: &Refusal) -> Status {
 }
 
 #[cold]
-fn panicked(instance: &mut Instance, message: &str) -> Status {
+#[inline(never)]
+fn panicked(instance: &mut Instance, panic: Box<dyn Any + Send>) -> Status {
+    let message = message(panic);
     instance.slave.poison();
     instance.logger.log(Status::Error, Category::Error, format_args!("internal error in the model: {message}"));
     Status::Error
@@ -100,16 +105,21 @@ fn panicked(instance: &mut Instance, message: &str) -> Status {
 
 /// Runs code that may panic; the message if it did.
 pub fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(run)).map_err(|panic| {
-        let message = panic
-            .downcast_ref::<&str>()
-            .copied()
-            .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
-            .unwrap_or("no message")
-            .to_owned();
-        dispose(panic);
-        message
-    })
+    catch_unwind(AssertUnwindSafe(run)).map_err(message)
+}
+
+/// What was said of a panic.
+#[cold]
+#[inline(never)]
+fn message(panic: Box<dyn Any + Send>) -> String {
+    let message = panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("no message")
+        .to_owned();
+    dispose(panic);
+    message
 }
 
 /// Drops what a panic has thrown: its destructor can panic, too, and throw something of the kind.

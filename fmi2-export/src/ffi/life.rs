@@ -16,7 +16,7 @@ use crate::model::Experiment;
 use crate::phase::Kind;
 use crate::resources::Resources;
 use crate::served::Served;
-use crate::slave::AnySlave;
+use crate::slave::Slave;
 use crate::status::{Refusal, Status};
 
 /// `fmi2GetTypesPlatform`: the C types are those of the standard header.
@@ -99,7 +99,7 @@ fn find_model(
     guid: &str,
     kind: Kind,
     resources: &Resources,
-) -> Result<(usize, Box<dyn AnySlave>), Refusal> {
+) -> Result<(usize, Slave), Refusal> {
     let mut known = Vec::new();
     for (index, model) in library.models.iter().enumerate() {
         let its = model.guid().map_err(|e| Refusal::error(e.to_string()))?;

@@ -6,7 +6,7 @@ use super::{Slave, all};
 use crate::exchange::{Completed, EventUpdate, Moment};
 use crate::exchange_phase::ExchangeCall;
 use crate::layout::Continuous;
-use crate::model::{Failure, Model};
+use crate::model::Failure;
 use crate::out::Out;
 use crate::phase::{Kind, Phase};
 use crate::status::{Outcome, Refusal};
@@ -19,35 +19,22 @@ pub(crate) struct EventInfo {
     pub states_changed: bool,
 }
 
-pub(crate) trait BeIntegrated {
-    fn enter_event_mode(&mut self) -> Outcome;
-    fn new_discrete_states(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<EventInfo, Refusal>;
-    fn enter_continuous_time_mode(&mut self) -> Outcome;
-    fn completed_integrator_step(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<Completed, Refusal>;
-    fn set_time(&mut self, time: f64) -> Outcome;
-    fn set_continuous_states(&mut self, values: &[f64]) -> Outcome;
-    fn get_derivatives(&mut self, values: Out<'_, f64>) -> Outcome;
-    fn get_event_indicators(&mut self, values: Out<'_, f64>) -> Outcome;
-    fn get_continuous_states(&mut self, values: Out<'_, f64>) -> Outcome;
-    fn get_nominals(&mut self, values: Out<'_, f64>) -> Outcome;
-}
-
-impl<M: Model> BeIntegrated for Slave<M> {
-    fn enter_event_mode(&mut self) -> Outcome {
+impl Slave {
+    pub fn enter_event_mode(&mut self) -> Outcome {
         self.check_exchange(ExchangeCall::EnterEventMode)?;
-        self.state.phase = Phase::EventMode;
+        self.frame.phase = Phase::EventMode;
         Ok(())
     }
 
-    fn new_discrete_states(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<EventInfo, Refusal> {
+    pub fn new_discrete_states(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<EventInfo, Refusal> {
         let continuous = self.check_exchange(ExchangeCall::NewDiscreteStates)?;
         let update = continuous.exchange.new_discrete_states;
         self.evaluate_states()?;
         let mut before = std::mem::take(&mut self.values);
         before.clear();
-        before.extend(self.layout.states(&mut self.state.model));
-        let result = update(&mut self.state.model, &mut Moment::new(self.state.time, warn));
-        self.state.stale = all();
+        before.extend(self.subject.states());
+        let result = update(self.subject.model_mut(), &mut Moment::new(self.frame.time, warn));
+        self.frame.stale = all();
         let result = match result {
             Ok(update) => {
                 self.evaluate_states()?;
@@ -59,100 +46,105 @@ impl<M: Model> BeIntegrated for Slave<M> {
         result.map_err(|failure| self.failed(&failure))
     }
 
-    fn enter_continuous_time_mode(&mut self) -> Outcome {
+    pub fn enter_continuous_time_mode(&mut self) -> Outcome {
         self.check_exchange(ExchangeCall::EnterContinuousTimeMode)?;
-        self.state.phase = Phase::ContinuousTimeMode;
+        self.frame.phase = Phase::ContinuousTimeMode;
         Ok(())
     }
 
-    fn completed_integrator_step(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<Completed, Refusal> {
+    pub fn completed_integrator_step(
+        &mut self,
+        warn: &mut dyn FnMut(fmt::Arguments<'_>),
+    ) -> Result<Completed, Refusal> {
         let continuous = self.check_exchange(ExchangeCall::CompletedIntegratorStep)?;
         let completed = continuous.exchange.step_completed;
-        let result = completed(&mut self.state.model, &mut Moment::new(self.state.time, warn));
-        self.state.stale = all();
+        let result = completed(self.subject.model_mut(), &mut Moment::new(self.frame.time, warn));
+        self.frame.stale = all();
         result.map_err(|failure| self.failed(&failure))
     }
 
-    fn set_time(&mut self, time: f64) -> Outcome {
+    pub fn set_time(&mut self, time: f64) -> Outcome {
         self.check_exchange(ExchangeCall::SetTime)?;
         if !time.is_finite() {
             return Err(Refusal::error(format!("time is {time:?}, it must be finite")));
         }
         // Past the stop time, too: solvers look ahead.
-        self.state.time = time;
+        self.frame.time = time;
         self.tell_time();
         Ok(())
     }
 
-    fn set_continuous_states(&mut self, values: &[f64]) -> Outcome {
+    pub fn set_continuous_states(&mut self, values: &[f64]) -> Outcome {
         let continuous = self.check_exchange(ExchangeCall::SetContinuousStates)?;
         check_count(ExchangeCall::SetContinuousStates, "continuous states", continuous.states.len(), values.len())?;
         if let Some((slot, value)) = continuous.states.iter().zip(values).find(|(_, value)| !value.is_finite()) {
-            let name = self.name(&self.layout.reals[slot.state as usize].slot);
+            let name = self.name(&self.layout().reals[slot.state as usize]);
             return Err(Refusal::discard(format!("the state {name} cannot be {value:?}: it must be finite")));
         }
         let states_set = continuous.exchange.states_set;
         let mut before = std::mem::take(&mut self.values);
         before.clear();
-        before.extend(self.layout.states(&mut self.state.model));
-        self.layout.write_states(&mut self.state.model, values);
-        let result = states_set(&mut self.state.model);
+        before.extend(self.subject.states());
+        self.subject.write_states(values);
+        let result = states_set(self.model());
         if result.is_err() {
-            self.layout.write_states(&mut self.state.model, &before);
+            self.subject.write_states(&before);
         }
         self.values = before;
-        self.state.stale = all();
+        self.frame.stale = all();
         result.map_err(|failure| match failure {
             Failure::Fatal(_) => Refusal::of(&failure),
             Failure::Discard(message) | Failure::Error(message) => Refusal::discard(message),
         })
     }
 
-    fn get_derivatives(&mut self, values: Out<'_, f64>) -> Outcome {
+    pub fn get_derivatives(&mut self, values: Out<'_, f64>) -> Outcome {
         let continuous = self.check_exchange(ExchangeCall::GetDerivatives)?;
         check_count(ExchangeCall::GetDerivatives, "continuous states", continuous.states.len(), values.len())?;
         let wanted = continuous.derivative_evaluations;
         self.evaluate(wanted)?;
         self.values.clear();
-        self.values.extend(self.layout.derivatives(&mut self.state.model));
+        let (layout, model) = self.subject.parts();
+        self.values.extend(layout.derivatives(model));
         self.give(values, |slave, i| {
-            let slot = slave.layout.continuous.as_ref()?.states.get(i)?;
-            Some(slave.name(&slave.layout.reals[slot.derivative as usize].slot).to_owned())
+            let slot = slave.layout().continuous.as_ref()?.states.get(i)?;
+            Some(slave.name(&slave.layout().reals[slot.derivative as usize]).to_owned())
         })
     }
 
-    fn get_event_indicators(&mut self, values: Out<'_, f64>) -> Outcome {
+    pub fn get_event_indicators(&mut self, values: Out<'_, f64>) -> Outcome {
         let continuous = self.check_exchange(ExchangeCall::GetEventIndicators)?;
         check_count(ExchangeCall::GetEventIndicators, "event indicators", continuous.indicator_count, values.len())?;
         let wanted = continuous.indicator_evaluations();
         self.evaluate(wanted)?;
         self.values.clear();
-        self.values.extend_from_slice(self.layout.indicators(&mut self.state.model));
+        let (layout, model) = self.subject.parts();
+        self.values.extend_from_slice(layout.indicators(model));
         self.give(values, |_, i| Some(format!("event indicator {}", i + 1)))
     }
 
-    fn get_continuous_states(&mut self, values: Out<'_, f64>) -> Outcome {
+    pub fn get_continuous_states(&mut self, values: Out<'_, f64>) -> Outcome {
         let continuous = self.check_exchange(ExchangeCall::GetContinuousStates)?;
         check_count(ExchangeCall::GetContinuousStates, "continuous states", continuous.states.len(), values.len())?;
         self.evaluate_states()?;
-        values.write(self.layout.states(&mut self.state.model));
+        values.write(self.subject.states());
         Ok(())
     }
 
-    fn get_nominals(&mut self, values: Out<'_, f64>) -> Outcome {
+    pub fn get_nominals(&mut self, values: Out<'_, f64>) -> Outcome {
         let continuous = self.check_exchange(ExchangeCall::GetNominals)?;
         check_count(ExchangeCall::GetNominals, "continuous states", continuous.states.len(), values.len())?;
-        values.write(self.layout.nominals());
+        values.write(self.layout().nominals());
         Ok(())
     }
 }
 
-impl<M: Model> Slave<M> {
+impl Slave {
     /// Checks that the instance is one for model exchange, and that the call is allowed now.
-    fn check_exchange(&self, call: ExchangeCall) -> Result<&Continuous<M>, Refusal> {
-        match &self.layout.continuous {
-            Some(continuous) if self.state.kind == Kind::ModelExchange => {
-                if call.allowed_in(self.state.phase) {
+    fn check_exchange(&self, call: ExchangeCall) -> Result<&Continuous, Refusal> {
+        match &self.layout().continuous {
+            Some(continuous) if self.frame.kind == Kind::ModelExchange => {
+                if call.allowed_in(self.frame.phase) {
                     Ok(continuous)
                 } else {
                     Err(self.out_of_order(call.name()))
@@ -161,28 +153,27 @@ impl<M: Model> Slave<M> {
             _ => Err(Refusal::error(format!(
                 "{} is for model exchange; this instance is for {}",
                 call.name(),
-                self.state.kind.name()
+                self.frame.kind.name()
             ))),
         }
     }
 
     /// Brings the fields of the continuous states up to date.
     fn evaluate_states(&mut self) -> Outcome {
-        let wanted = self.layout.continuous.as_ref().map_or(0, |continuous| continuous.state_evaluations);
+        let wanted = self.layout().continuous.as_ref().map_or(0, |continuous| continuous.state_evaluations);
         self.evaluate(wanted)
     }
 
     /// What the host is told after an event, if it can go on from there: no solver begins at NaN.
     fn after_event(&mut self, mut update: EventUpdate, before: &[f64]) -> Result<EventInfo, Failure> {
-        let now = self.layout.states(&mut self.state.model);
-        let states_changed = !now.map(f64::to_bits).eq(before.iter().map(|value| value.to_bits()));
-        let broken = self.layout.states(&mut self.state.model).enumerate().find(|(_, value)| !value.is_finite());
+        let states_changed = !self.subject.states().map(f64::to_bits).eq(before.iter().map(|value| value.to_bits()));
+        let broken = self.subject.states().enumerate().find(|(_, value)| !value.is_finite());
         if let Some((i, value)) = broken {
-            let slot = self.layout.continuous.as_ref().and_then(|continuous| continuous.states.get(i));
-            let name = slot.map_or("a state", |slot| self.name(&self.layout.reals[slot.state as usize].slot));
+            let slot = self.layout().continuous.as_ref().and_then(|continuous| continuous.states.get(i));
+            let name = slot.map_or("a state", |slot| self.name(&self.layout().reals[slot.state as usize]));
             return Err(Failure::error(format_args!(
                 "{name} is {value:?} after an event at t = {:?} s",
-                self.state.time
+                self.frame.time
             )));
         }
         match update.next_time {
@@ -198,18 +189,18 @@ impl<M: Model> Slave<M> {
 
     /// What a host hears when the model cannot go on: the instance is at its end.
     fn failed(&mut self, failure: &Failure) -> Refusal {
-        self.state.phase = Phase::Error;
+        self.frame.phase = Phase::Error;
         Refusal::of(failure)
     }
 
     /// Gives the host the numbers in `self.values`, if the model could compute them.
     fn give(&self, values: Out<'_, f64>, name: impl Fn(&Self, usize) -> Option<String>) -> Outcome {
-        let works = self.state.phase.is_running();
+        let works = self.frame.phase.is_running();
         if works && let Some(i) = self.values.iter().position(|value| !value.is_finite()) {
             let (name, value) = (name(self, i).unwrap_or_default(), self.values[i]);
             return Err(Refusal::discard(format!(
                 "{name} is {value:?} at t = {:?} s: a smaller step of the solver may help",
-                self.state.time
+                self.frame.time
             )));
         }
         values.write(self.values.iter().copied());

@@ -6,10 +6,17 @@
 use super::Slave;
 use crate::difference::derivative;
 use crate::layout::RealSlot;
-use crate::model::Model;
 use crate::status::Refusal;
 
-impl<M: Model> Slave<M> {
+/// A known along which is derived.
+struct Known<'l> {
+    real: &'l RealSlot,
+    reference: u32,
+    here: f64,
+    slope: f64,
+}
+
+impl Slave {
     /// Derivatives of the unknowns along the seed.
     pub(super) fn initial_derivative(
         &mut self,
@@ -17,46 +24,46 @@ impl<M: Model> Slave<M> {
         knowns: &[u32],
         seed: &[f64],
     ) -> Result<Vec<f64>, Refusal> {
-        let layout = &self.layout;
-        let reals = layout.reals.as_slice();
-        let mut model = self.state.model.clone();
+        let mut here = self.subject.copy();
+        let reals = self.layout().reals.as_slice();
         // The same known may be named twice: the directions add up.
-        let mut along: Vec<(&RealSlot<M>, u32, f64, f64)> = Vec::new();
+        let mut along: Vec<Known> = Vec::new();
         for (reference, value) in knowns.iter().zip(seed) {
-            if let Some((.., slope)) = along.iter_mut().find(|(_, known, ..)| known == reference) {
-                *slope += value;
+            if let Some(known) = along.iter_mut().find(|known| known.reference == *reference) {
+                known.slope += value;
             } else {
-                let real = &reals[*reference as usize];
-                along.push((real, *reference, *(real.lens)(&mut model), *value));
+                let (real, here) = (&reals[*reference as usize], here.view().1.real(*reference));
+                along.push(Known { real, reference: *reference, here, slope: *value });
             }
         }
-        along.retain(|(.., slope)| *slope != 0.0);
+        along.retain(|known| known.slope != 0.0);
         if along.is_empty() || unknowns.is_empty() {
             return Ok(vec![0.0; unknowns.len()]);
         }
         let (mut below, mut above, mut scale) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
-        for (real, _, here, slope) in &along {
+        for Known { real, here, slope, .. } in &along {
             let (down, up) = ((here - real.min) / slope.abs(), (real.max - here) / slope.abs());
             let (down, up) = if *slope > 0.0 { (down, up) } else { (up, down) };
             (below, above) = (below.min(down), above.min(up));
             scale = scale.min(self.size(real, *here) / slope.abs());
         }
-        let wanted = unknowns.iter().fold(0, |wanted, reference| wanted | reals[*reference as usize].slot.evaluation);
-        let experiment = self.state.experiment.unwrap_or_default();
+        let wanted = unknowns.iter().fold(0, |wanted, reference| wanted | reals[*reference as usize].evaluation);
+        let experiment = self.frame.experiment.unwrap_or_default();
         let initialize = self.initializer();
         let outputs = |s: f64| {
-            let mut beside = model.clone();
-            for (real, _, here, slope) in &along {
-                *(real.lens)(&mut beside) = (here + s * slope).clamp(real.min, real.max);
+            let mut beside = here.copy();
+            let (_, mut view) = beside.view();
+            for Known { real, reference, here, slope } in &along {
+                view.set_real(*reference, (here + s * slope).clamp(real.min, real.max));
             }
-            initialize(&mut beside, &experiment).ok()?;
-            layout.evaluate(wanted, &mut beside);
-            let values: Vec<f64> =
-                unknowns.iter().map(|reference| *(reals[*reference as usize].lens)(&mut beside)).collect();
+            initialize(beside.model_mut(), &experiment).ok()?;
+            let (_, mut view) = beside.view();
+            view.evaluate(wanted);
+            let values: Vec<f64> = unknowns.iter().map(|reference| view.real(*reference)).collect();
             values.iter().all(|value| value.is_finite()).then_some(values)
         };
         derivative(outputs, below, above, scale).ok_or_else(|| {
-            let names: Vec<&str> = along.iter().map(|(real, ..)| self.name(&real.slot)).collect();
+            let names: Vec<&str> = along.iter().map(|known| self.name(known.real)).collect();
             Refusal::error(format!(
                 "nothing can be derived by {} here: there is no initial state for neighbouring values",
                 names.join(", ")
@@ -65,8 +72,8 @@ impl<M: Model> Slave<M> {
     }
 
     /// By how much a variable changes notably.
-    fn size(&self, real: &RealSlot<M>, here: f64) -> f64 {
-        let nominal = self.layout.variables[real.slot.variable as usize].nominal.map(f64::abs);
+    fn size(&self, real: &RealSlot, here: f64) -> f64 {
+        let nominal = self.layout().variables[real.variable as usize].nominal.map(f64::abs);
         if here.abs() > 1e-9 {
             here.abs().max(nominal.unwrap_or(0.0))
         } else {

@@ -2,104 +2,95 @@
 
 use std::fmt;
 
-use super::{Slave, State, all};
-use crate::model::{Conclusion, Experiment, Failure, Model};
+use super::{Frame, Slave, all};
+use crate::any_model::AnyModel;
+use crate::model::{Conclusion, Experiment, Failure};
 use crate::phase::{Call, Kind, Phase};
 use crate::status::{Outcome, Refusal};
 
-pub(crate) trait Live {
-    fn kind(&self) -> Kind;
-    fn phase(&self) -> Phase;
+impl Slave {
+    pub fn kind(&self) -> Kind {
+        self.frame.kind
+    }
+
+    pub fn phase(&self) -> Phase {
+        self.frame.phase
+    }
+
     /// After a panic: nothing but reset, restore and free is possible.
-    fn poison(&mut self);
-    fn setup_experiment(&mut self, experiment: Experiment) -> Outcome;
-    fn enter_initialization(&mut self) -> Outcome;
-    fn exit_initialization(&mut self) -> Outcome;
-    /// Ends the run. What the model says of it goes to `warn`.
-    fn terminate(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome;
-    fn reset(&mut self) -> Outcome;
-}
-
-impl<M: Model> Live for Slave<M> {
-    fn kind(&self) -> Kind {
-        self.state.kind
+    pub fn poison(&mut self) {
+        self.frame.phase = Phase::Error;
     }
 
-    fn phase(&self) -> Phase {
-        self.state.phase
-    }
-
-    fn poison(&mut self) {
-        self.state.phase = Phase::Error;
-    }
-
-    fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
+    pub fn setup_experiment(&mut self, experiment: Experiment) -> Outcome {
         self.check(Call::SetupExperiment, "fmi2SetupExperiment")?;
         check_experiment(&experiment).map_err(Refusal::error)?;
-        self.state.experiment = Some(experiment);
-        self.state.time = experiment.start_time;
+        self.frame.experiment = Some(experiment);
+        self.frame.time = experiment.start_time;
         self.tell_time();
         Ok(())
     }
 
-    fn enter_initialization(&mut self) -> Outcome {
+    pub fn enter_initialization(&mut self) -> Outcome {
         self.check(Call::EnterInitializationMode, "fmi2EnterInitializationMode")?;
-        if self.state.experiment.is_none() {
+        if self.frame.experiment.is_none() {
             return Err(Refusal::error("fmi2SetupExperiment must be called before fmi2EnterInitializationMode"));
         }
         self.initialize()?;
-        self.state.phase = Phase::Initialization;
+        self.frame.phase = Phase::Initialization;
         Ok(())
     }
 
-    fn exit_initialization(&mut self) -> Outcome {
+    pub fn exit_initialization(&mut self) -> Outcome {
         self.check(Call::ExitInitializationMode, "fmi2ExitInitializationMode")?;
-        if self.state.uninitialized {
+        if self.frame.uninitialized {
             self.initialize()?;
         }
-        self.state.phase = self.state.kind.initialized();
+        self.frame.phase = self.frame.kind.initialized();
         Ok(())
     }
 
-    fn terminate(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
+    /// Ends the run. What the model says of it goes to `warn`.
+    pub fn terminate(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
         self.check(Call::Terminate, "fmi2Terminate")?;
-        self.state.model.conclude(&mut Conclusion { time: self.state.time, warn });
-        self.state.phase = Phase::Terminated;
+        let mut conclusion = Conclusion { time: self.frame.time, warn };
+        self.model().conclude(&mut conclusion);
+        self.frame.phase = Phase::Terminated;
         Ok(())
     }
 
-    fn reset(&mut self) -> Outcome {
-        let fresh = State::new(self.state.kind, &self.resources)?;
-        let old = std::mem::replace(&mut self.state, fresh);
-        // A failed model may have left anything there.
-        self.direction = None;
+    pub fn reset(&mut self) -> Outcome {
         self.strings.clear();
-        if old.phase != Phase::Error {
-            self.state.model.inherit(old.model);
-        }
+        // A failed model may have left anything there, and in itself.
+        self.direction = None;
+        let inherits = self.frame.phase != Phase::Error;
+        let renewed = self.subject.model_mut().renew(&self.resources, inherits);
+        renewed.map_err(|failure| Refusal::of(&failure))?;
+        self.frame = Frame::new(self.frame.kind);
         Ok(())
     }
 }
 
-impl<M: Model> Slave<M> {
+impl Slave {
     pub(super) fn initialize(&mut self) -> Outcome {
-        let experiment = self.state.experiment.unwrap_or_default();
-        let before = self.state.model.clone();
+        let experiment = self.frame.experiment.unwrap_or_default();
+        let before = self.model().copy();
         let initialize = self.initializer();
-        if let Err(failure) = initialize(&mut self.state.model, &experiment) {
-            self.state.model = before;
+        let model = self.model();
+        if let Err(failure) = initialize(model, &experiment) {
+            model.assign(&*before);
             return Err(Refusal::of(&failure));
         }
-        self.state.uninitialized = false;
-        self.state.stale = all();
+        self.frame.uninitialized = false;
+        self.frame.stale = all();
         Ok(())
     }
 
     /// The function that computes the initial state: a model may offer less where the host integrates.
-    pub(super) fn initializer(&self) -> fn(&mut M, &Experiment) -> Result<(), Failure> {
-        match (&self.layout.continuous, self.state.kind) {
+    pub(super) fn initializer(&self) -> fn(&mut dyn AnyModel, &Experiment) -> Result<(), Failure> {
+        match (&self.layout().continuous, self.frame.kind) {
             (Some(continuous), Kind::ModelExchange) => continuous.exchange.initialize,
-            _ => M::initialize,
+            _ => |model, experiment| model.initialize(experiment),
         }
     }
 }

@@ -1,5 +1,7 @@
 //! An instance of a model: its variables, its place in the calling sequence, its clock. What a call demands and does is in
 //! the module of its kind; here is what they share.
+//!
+//! None of this knows the model's type: it is compiled once for all models of a library.
 
 mod derivatives;
 mod exchange;
@@ -9,35 +11,26 @@ mod life;
 mod set;
 mod states;
 mod step;
+mod subject;
 
 use std::ffi::CString;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-pub(crate) use derivatives::Derive;
-pub(crate) use exchange::BeIntegrated;
-pub(crate) use get::Get;
-pub(crate) use life::Live;
-pub(crate) use set::Set;
-pub(crate) use states::{Remember, Snapshot};
-pub(crate) use step::Advance;
+pub(crate) use states::Snapshot;
+use subject::Subject;
 
+use crate::any_model::AnyModel;
 use crate::layout::{Layout, RealSlot, Slot};
-use crate::model::{Experiment, Model};
+use crate::model::Experiment;
 use crate::phase::{Call, Kind, Phase};
 use crate::resources::Resources;
 use crate::status::Refusal;
 
-/// An instance, whatever its model: the C interface calls these.
-pub(crate) trait AnySlave: Live + Get + Set + Derive + Advance + BeIntegrated + Remember + Send {}
-
-impl<M: Model> AnySlave for Slave<M> {}
-
-/// All that a saved state holds.
-#[derive(Clone, Serialize, Deserialize)]
-#[serde(bound = "")]
-struct State<M: Model> {
+/// What a saved state holds besides the model.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Frame {
     kind: Kind,
     phase: Phase,
     /// As `fmi2SetupExperiment` gave it, once it has.
@@ -51,7 +44,6 @@ struct State<M: Model> {
     uninitialized: bool,
     /// An input has a slope for the next step.
     ramped: bool,
-    model: M,
 }
 
 /// Every evaluation.
@@ -59,97 +51,127 @@ fn all() -> u64 {
     u64::MAX
 }
 
-impl<M: Model> State<M> {
-    /// The model has been told where its files are.
-    fn new(kind: Kind, resources: &Resources) -> Result<Self, Refusal> {
-        let mut model = M::default();
-        model.resources(resources).map_err(|failure| Refusal::of(&failure))?;
-        Ok(Self {
+impl Frame {
+    const fn new(kind: Kind) -> Self {
+        Self {
             kind,
             phase: Phase::Instantiated,
             experiment: None,
             time: 0.0,
-            stale: all(),
+            stale: u64::MAX,
             uninitialized: true,
             ramped: false,
-            model,
-        })
+        }
     }
 }
 
-pub(crate) struct Slave<M: Model> {
-    layout: Arc<Layout<M>>,
+pub(crate) struct Slave {
     guid: &'static str,
     resources: Resources,
-    state: State<M>,
+    frame: Frame,
+    subject: Subject,
     /// Scratch for directional derivatives: a model all of whose real inputs and outputs are zero.
-    direction: Option<Box<M>>,
+    direction: Option<Box<dyn AnyModel>>,
     /// What the last `fmi2GetString` returned.
     strings: Vec<CString>,
     /// Scratch for values that are checked before the host gets them.
     values: Vec<f64>,
 }
 
-impl<M: Model> Slave<M> {
-    pub fn new(layout: Arc<Layout<M>>, guid: &'static str, kind: Kind, resources: Resources) -> Result<Self, Refusal> {
+impl Slave {
+    /// An instance of a model with its default values.
+    pub fn new(
+        layout: Arc<Layout>,
+        mut model: Box<dyn AnyModel>,
+        guid: &'static str,
+        kind: Kind,
+        resources: Resources,
+    ) -> Result<Self, Refusal> {
         if kind == Kind::ModelExchange && layout.continuous.is_none() {
             return Err(Refusal::error(format!("this FMU is for {} only", Kind::CoSimulation.name())));
         }
-        let state = State::new(kind, &resources)?;
-        Ok(Self { layout, guid, resources, state, direction: None, strings: Vec::new(), values: Vec::new() })
+        model.resources(&resources).map_err(|failure| Refusal::of(&failure))?;
+        Ok(Self {
+            guid,
+            resources,
+            frame: Frame::new(kind),
+            subject: Subject::new(layout, model),
+            direction: None,
+            strings: Vec::new(),
+            values: Vec::new(),
+        })
     }
 
-    /// Name of a variable, for messages.
-    fn name(&self, slot: &Slot) -> &str {
-        &self.layout.variables[slot.variable as usize].name
+    fn layout(&self) -> &Layout {
+        self.subject.layout()
     }
 
-    fn real(&self, reference: u32) -> Result<&RealSlot<M>, Refusal> {
-        self.layout.reals.get(reference as usize).ok_or_else(|| no_such(reference))
+    fn model(&mut self) -> &mut dyn AnyModel {
+        self.subject.model_mut()
     }
 
+    fn real(&self, reference: u32) -> Result<&RealSlot, Refusal> {
+        self.layout().reals.get(reference as usize).ok_or_else(|| no_such(reference))
+    }
+
+    /// Name of a real variable, for messages.
+    fn name(&self, slot: &RealSlot) -> &str {
+        self.layout().name(slot.variable)
+    }
+
+    #[inline]
     fn check(&self, call: Call, what: &str) -> Result<(), Refusal> {
-        if self.state.phase.allows(call) { Ok(()) } else { Err(self.out_of_order(what)) }
+        if self.frame.phase.allows(call) { Ok(()) } else { Err(self.out_of_order(what)) }
     }
 
     /// As [`check`](Self::check), of a call that only co-simulation has.
     fn check_co_simulation(&self, call: Call, what: &str) -> Result<(), Refusal> {
-        if self.state.kind == Kind::CoSimulation {
+        if self.frame.kind == Kind::CoSimulation {
             self.check(call, what)
         } else {
-            Err(Refusal::error(format!("{what} is for co-simulation; this instance is for {}", self.state.kind.name())))
+            Err(Refusal::error(format!("{what} is for co-simulation; this instance is for {}", self.frame.kind.name())))
         }
     }
 
     /// Tells the model the time, if it wants to know it.
     fn tell_time(&mut self) {
-        if self.layout.tell_time(&mut self.state.model, self.state.time) {
-            self.state.stale = all();
+        let (layout, model) = self.subject.parts();
+        if layout.tell_time(model, self.frame.time) {
+            self.frame.stale = all();
         }
     }
 
     #[cold]
+    #[inline(never)]
     fn out_of_order(&self, what: &str) -> Refusal {
-        let hint = match self.state.phase {
+        let hint = match self.frame.phase {
             Phase::Error | Phase::StepFailed => "; fmi2SetFMUstate or fmi2Reset lead on",
             Phase::Terminated => "; fmi2Reset starts anew",
             _ => "",
         };
-        Refusal::error(format!("{what} is not allowed {}{hint}", self.state.phase.name()))
+        Refusal::error(format!("{what} is not allowed {}{hint}", self.frame.phase.name()))
     }
 
     /// Brings the results of these evaluations up to date.
+    #[inline]
     fn evaluate(&mut self, wanted: u64) -> Result<(), Refusal> {
-        if self.state.phase == Phase::Error {
+        if wanted & self.frame.stale == 0 && !self.frame.uninitialized {
+            return Ok(());
+        }
+        self.evaluate_stale(wanted)
+    }
+
+    fn evaluate_stale(&mut self, wanted: u64) -> Result<(), Refusal> {
+        if self.frame.phase == Phase::Error {
             // What there is may be looked at, but a failed model is not asked to compute.
             return Ok(());
         }
-        if self.state.phase == Phase::Initialization && self.state.uninitialized {
+        if self.frame.phase == Phase::Initialization && self.frame.uninitialized {
             self.initialize()?;
         }
-        let todo = wanted & self.state.stale;
-        self.state.stale &= !todo;
-        self.layout.evaluate(todo, &mut self.state.model);
+        let todo = wanted & self.frame.stale;
+        self.frame.stale &= !todo;
+        self.subject.view().1.evaluate(todo);
         Ok(())
     }
 }
@@ -159,11 +181,13 @@ fn find(slots: &[Slot], reference: u32) -> Result<&Slot, Refusal> {
 }
 
 #[cold]
+#[inline(never)]
 fn no_such(reference: u32) -> Refusal {
     Refusal::error(format!("there is no variable of this type with value reference {reference}"))
 }
 
 #[cold]
+#[inline(never)]
 fn out_of_range(name: &str, value: f64, min: f64, max: f64) -> Refusal {
     let range = match (min > f64::MIN, max < f64::MAX) {
         (true, true) => format!("it must be between {min:?} and {max:?}"),

@@ -1,178 +1,156 @@
 //! Setting variables.
 
-use std::sync::Arc;
-
 use super::{Slave, all, find, out_of_range};
 use crate::access::Access;
-use crate::layout::{Layout, Slot};
-use crate::model::Model;
+use crate::any_model::AnyModel;
+use crate::layout::{Layout, RealSlot, Slot};
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::variable::{Causality, Variable};
+use crate::view::View;
 
-pub(crate) trait Set {
-    fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome;
-    fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Outcome;
-    fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Outcome;
-    fn set_string(&mut self, references: &[u32], values: &[&str]) -> Outcome;
-}
-
-impl<M: Model> Set for Slave<M> {
-    fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
+impl Slave {
+    pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check(Call::Set, "fmi2SetReal")?;
         let mut changed = Changed::default();
-        let now = self.state.phase.settable_bit();
+        let now = self.frame.phase.settable_bit();
+        let reals = self.layout().reals.as_slice();
         for (reference, value) in references.iter().zip(values) {
-            match self.layout.reals.get(*reference as usize) {
-                Some(real) if real.slot.settable & now != 0 && real.accepts(*value) => {
-                    changed.add(real.slot.causality);
-                }
+            match reals.get(*reference as usize) {
+                Some(real) if real.settable & now != 0 && real.accepts(*value) => changed.0 |= real.kind,
                 _ => return Err(self.no_real_to_set(*reference, *value)),
             }
         }
         let old = self.before_tuning(changed);
-        let (reals, model) = (self.layout.reals.as_slice(), &mut self.state.model);
-        for (reference, value) in references.iter().zip(values) {
-            if let Some(real) = reals.get(*reference as usize) {
-                let place = (real.lens)(model);
-                *place = *value;
-            }
+        let (_, mut view) = self.subject.view();
+        if changed.0 & RealSlot::IS_ELSEWHERE == 0 {
+            // SAFETY: all are there, and none is elsewhere.
+            unsafe { view.set_near(references, values) };
+        } else {
+            references.iter().zip(values).for_each(|(reference, value)| view.set_real(*reference, *value));
         }
         self.after_set(changed, old)
     }
 
-    fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Outcome {
-        let accept = |variable: &Variable<M>, value: &i32| accept_integer(variable, *value);
-        self.set_each(
-            |l| &l.integers,
-            "fmi2SetInteger",
-            references,
-            values,
-            accept,
-            |access, model, value| match access {
-                Access::Integer { set, .. } | Access::Enumeration { set, .. } => _ = set(model, value),
-                _ => {}
-            },
-        )
+    pub fn set_integer(&mut self, references: &[u32], values: &[i32]) -> Outcome {
+        let accept = |variable: &Variable, i: usize| accept_integer(variable, values[i]);
+        self.set_each(|l| &l.integers, "fmi2SetInteger", references, &accept, &|view, variable, i| {
+            view.set_integer(variable, values[i]);
+        })
     }
 
-    fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Outcome {
-        let accept = |_: &Variable<M>, value: &i32| match value {
+    pub fn set_boolean(&mut self, references: &[u32], values: &[i32]) -> Outcome {
+        let accept = |_: &Variable, i: usize| match values[i] {
             0 | 1 => Ok(()),
-            _ => Err(format!("{value} is no fmi2Boolean, which is 0 or 1")),
+            value => Err(format!("{value} is no fmi2Boolean, which is 0 or 1")),
         };
-        self.set_each(
-            |l| &l.booleans,
-            "fmi2SetBoolean",
-            references,
-            values,
-            accept,
-            |access, model, value| {
-                if let Access::Boolean(field) = access {
-                    *field(model) = value != 0;
-                }
-            },
-        )
+        self.set_each(|l| &l.booleans, "fmi2SetBoolean", references, &accept, &|view, variable, i| {
+            view.set_boolean(variable, values[i] != 0);
+        })
     }
 
-    fn set_string(&mut self, references: &[u32], values: &[&str]) -> Outcome {
-        self.set_each(
-            |l| &l.strings,
-            "fmi2SetString",
-            references,
-            values,
-            |_, _| Ok(()),
-            |access, model, value| {
-                if let Access::String(field) = access {
-                    value.clone_into(field(model));
-                }
-            },
-        )
+    pub fn set_string(&mut self, references: &[u32], values: &[&str]) -> Outcome {
+        self.set_each(|l| &l.strings, "fmi2SetString", references, &|_, _| Ok(()), &|view, variable, i| {
+            view.set_string(variable, values[i]);
+        })
     }
-}
 
-impl<M: Model> Slave<M> {
-    /// For variables that live in `Access`es: integers, Booleans and strings. All are checked before one is set.
-    fn set_each<T: Copy>(
+    /// For variables that are no numbers, whose values are told by their places. All are checked before one is set.
+    fn set_each(
         &mut self,
-        slots: impl Fn(&Layout<M>) -> &[Slot],
+        slots: fn(&Layout) -> &[Slot],
         what: &str,
         references: &[u32],
-        values: &[T],
-        accept: impl Fn(&Variable<M>, &T) -> Result<(), String>,
-        write: impl Fn(&Access<M>, &mut M, T),
+        accept: &dyn Fn(&Variable, usize) -> Result<(), String>,
+        write: &dyn Fn(&mut View<'_>, usize, usize),
     ) -> Outcome {
         self.check(Call::SetDiscrete, what)?;
-        let layout = Arc::clone(&self.layout);
+        let layout = self.layout();
         let mut changed = Changed::default();
-        for (reference, value) in references.iter().zip(values) {
-            let slot = find(slots(&layout), *reference)?;
-            self.check_settable(slot)?;
+        for (i, reference) in references.iter().enumerate() {
+            let slot = find(slots(layout), *reference)?;
+            if slot.settable & self.frame.phase.settable_bit() == 0 {
+                return Err(self.not_settable(slot.variable));
+            }
             let variable = &layout.variables[slot.variable as usize];
-            accept(variable, value).map_err(|why| Refusal::error(format!("{}: {why}", variable.name)))?;
+            accept(variable, i).map_err(|why| Refusal::error(format!("{}: {why}", variable.name)))?;
             changed.add(slot.causality);
         }
         let old = self.before_tuning(changed);
-        for (reference, value) in references.iter().zip(values) {
-            let slot = find(slots(&layout), *reference)?;
-            write(&layout.variables[slot.variable as usize].access, &mut self.state.model, *value);
+        let (layout, mut view) = self.subject.view();
+        for (i, reference) in references.iter().enumerate() {
+            let slot = find(slots(layout), *reference)?;
+            write(&mut view, slot.variable as usize, i);
         }
         self.after_set(changed, old)
     }
 
     /// What to go back to if the model does not accept new values of tunable parameters. Not on the way of a step, where
-    /// only inputs are set; boxed, so that nothing is moved about there.
-    fn before_tuning(&self, changed: Changed) -> Option<Box<M>> {
-        (changed.parameters() && self.state.phase.is_running()).then(|| Box::new(self.state.model.clone()))
+    /// only inputs are set.
+    #[inline]
+    fn before_tuning(&self, changed: Changed) -> Option<Box<dyn AnyModel>> {
+        if changed.parameters() { self.copy_if_running() } else { None }
+    }
+
+    #[inline(never)]
+    fn copy_if_running(&self) -> Option<Box<dyn AnyModel>> {
+        self.frame.phase.is_running().then(|| self.subject.model().copy())
     }
 
     /// Concludes setting variables that have all been checked: inputs make the outputs stale that depend on them;
     /// parameters make the model initialize again, or retune.
-    fn after_set(&mut self, changed: Changed, old: Option<Box<M>>) -> Outcome {
-        if !self.state.phase.is_running() {
-            // The initial state may depend on both.
-            self.state.uninitialized |= changed.inputs() | changed.parameters();
-            return Ok(());
-        }
+    #[inline(always)]
+    fn after_set(&mut self, changed: Changed, old: Option<Box<dyn AnyModel>>) -> Outcome {
         if changed.parameters() {
-            if let Err(failure) = self.state.model.retuned() {
-                if let Some(old) = old {
-                    self.state.model = *old;
-                }
-                let undone = self.state.model.retuned();
-                return Err(Refusal::of(&undone.err().unwrap_or(failure)));
-            }
-            self.state.stale = all();
-        } else if changed.inputs() {
-            self.state.stale |= self.layout.input_dependent;
+            return self.after_parameters(old);
+        }
+        if changed.inputs() {
+            self.frame.stale |= self.layout().input_dependent;
+            // Before there is a state, it may depend on them. Afterwards, nobody asks.
+            self.frame.uninitialized |= !self.frame.phase.is_running();
         }
         Ok(())
     }
 
-    /// Checks that the host may set this variable now.
-    fn check_settable(&self, slot: &Slot) -> Result<(), Refusal> {
-        if slot.settable & self.state.phase.settable_bit() == 0 { Err(self.not_settable(slot)) } else { Ok(()) }
+    #[inline(never)]
+    fn after_parameters(&mut self, old: Option<Box<dyn AnyModel>>) -> Outcome {
+        if !self.frame.phase.is_running() {
+            self.frame.uninitialized = true;
+            return Ok(());
+        }
+        let model = self.model();
+        if let Err(failure) = model.retuned() {
+            if let Some(old) = old {
+                model.assign(&*old);
+            }
+            let undone = model.retuned();
+            return Err(Refusal::of(&undone.err().unwrap_or(failure)));
+        }
+        self.frame.stale = all();
+        Ok(())
     }
 
     #[cold]
-    fn not_settable(&self, slot: &Slot) -> Refusal {
-        let what = match slot.causality {
+    #[inline(never)]
+    fn not_settable(&self, variable: u32) -> Refusal {
+        let what = match self.layout().variables[variable as usize].causality {
             Causality::Output | Causality::Local => "it is computed by the model",
-            Causality::Input | Causality::Parameter if self.state.phase == Phase::ContinuousTimeMode => {
+            Causality::Input | Causality::Parameter if self.frame.phase == Phase::ContinuousTimeMode => {
                 "what jumps is set in event mode"
             }
             Causality::Input => "inputs can be set before and between steps",
             Causality::Parameter => "it is fixed once initialization mode has been left",
         };
-        Refusal::error(format!("{} cannot be set {}: {what}", self.name(slot), self.state.phase.name()))
+        Refusal::error(format!("{} cannot be set {}: {what}", self.layout().name(variable), self.frame.phase.name()))
     }
 
     /// Why a real variable cannot have a value. Apart from the loop that checks, which is on the way of every step.
     #[cold]
+    #[inline(never)]
     fn no_real_to_set(&self, reference: u32, value: f64) -> Refusal {
         match self.real(reference) {
-            Ok(real) if real.slot.settable & self.state.phase.settable_bit() == 0 => self.not_settable(&real.slot),
-            Ok(real) => out_of_range(self.name(&real.slot), value, real.min, real.max),
+            Ok(real) if real.settable & self.frame.phase.settable_bit() == 0 => self.not_settable(real.variable),
+            Ok(real) => out_of_range(self.name(real), value, real.min, real.max),
             Err(refusal) => refusal,
         }
     }
@@ -184,11 +162,11 @@ struct Changed(u8);
 
 impl Changed {
     fn add(&mut self, causality: Causality) {
-        self.0 |= 1 << causality as u8;
+        self.0 |= causality.bit();
     }
 
     fn has(self, causality: Causality) -> bool {
-        self.0 & (1 << causality as u8) != 0
+        self.0 & causality.bit() != 0
     }
 
     fn inputs(self) -> bool {
@@ -201,9 +179,9 @@ impl Changed {
 }
 
 /// Checks the value of an integer or an enumeration.
-pub(super) fn accept_integer<M>(variable: &Variable<M>, value: i32) -> Result<(), String> {
+pub(super) fn accept_integer(variable: &Variable, value: i32) -> Result<(), String> {
     match &variable.access {
-        Access::Enumeration { kind, .. } => {
+        Access::Enumeration(.., kind) => {
             if usize::try_from(value).is_ok_and(|v| (1..=kind.items.len()).contains(&v)) {
                 Ok(())
             } else {
@@ -213,7 +191,7 @@ pub(super) fn accept_integer<M>(variable: &Variable<M>, value: i32) -> Result<()
         access => {
             let (min, max) = (variable.min, variable.max);
             let number = f64::from(value);
-            let fits = matches!(access, Access::Integer { fits, .. } if fits(value));
+            let fits = matches!(access, Access::Integer(_, whole) if (whole.fits)(value));
             if fits && min.is_none_or(|min| min <= number) && max.is_none_or(|max| number <= max) {
                 Ok(())
             } else {

@@ -5,24 +5,23 @@ use std::sync::Arc;
 
 use super::life::check_experiment;
 use super::set::accept_integer;
-use super::{Slave, State, out_of_range};
-use crate::access::Access;
-use crate::model::{Failure, Model};
+use super::subject::Subject;
+use super::{Frame, Slave, out_of_range};
+use crate::any_model::AnyModel;
+use crate::model::Failure;
 use crate::phase::Phase;
-use crate::snapshot::{self, SnapshotError};
+use crate::snapshot::{self, Sink, SnapshotError};
 use crate::status::{Outcome, Refusal};
+use crate::view::Value;
 
-/// A state, whatever its model.
-pub(crate) type Snapshot = Arc<dyn Any + Send + Sync>;
-
-pub(crate) trait Remember {
-    fn save(&self) -> Snapshot;
-    fn restore(&mut self, snapshot: &Snapshot) -> Outcome;
-    fn encode(&self, snapshot: &Snapshot) -> Result<Vec<u8>, Refusal>;
-    /// How many bytes [`encode`](Self::encode) gives.
-    fn encoded_size(&self, snapshot: &Snapshot) -> Result<usize, Refusal>;
-    fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal>;
+/// All that a saved state holds.
+pub(crate) struct Saved {
+    frame: Frame,
+    model: Box<dyn AnyModel>,
 }
+
+/// A saved state.
+pub(crate) type Snapshot = Arc<Saved>;
 
 impl From<SnapshotError> for Refusal {
     fn from(error: SnapshotError) -> Self {
@@ -30,87 +29,107 @@ impl From<SnapshotError> for Refusal {
     }
 }
 
-impl<M: Model> Remember for Slave<M> {
-    fn save(&self) -> Snapshot {
-        Arc::new(self.state.clone())
+impl Slave {
+    pub fn save(&self) -> Snapshot {
+        Arc::new(Saved { frame: self.frame, model: self.subject.model().copy() })
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Outcome {
-        let saved = Self::own(snapshot)?;
-        self.check_kind(saved)?;
-        self.state = saved.clone();
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Outcome {
+        self.check_own(snapshot)?;
+        self.check_kind(&snapshot.frame)?;
+        self.model().assign(&*snapshot.model);
+        self.frame = snapshot.frame;
         self.strings.clear();
         Ok(())
     }
 
-    fn encode(&self, snapshot: &Snapshot) -> Result<Vec<u8>, Refusal> {
-        Ok(snapshot::encode(self.guid, Self::own(snapshot)?)?)
+    pub fn encode(&self, snapshot: &Snapshot) -> Result<Vec<u8>, Refusal> {
+        self.check_own(snapshot)?;
+        Ok(snapshot::encode(self.guid, &|sink| snapshot.write(sink))?)
     }
 
-    fn encoded_size(&self, snapshot: &Snapshot) -> Result<usize, Refusal> {
-        Ok(snapshot::encoded_size(Self::own(snapshot)?)?)
+    /// How many bytes [`encode`](Self::encode) gives.
+    pub fn encoded_size(&self, snapshot: &Snapshot) -> Result<usize, Refusal> {
+        self.check_own(snapshot)?;
+        Ok(snapshot::encoded_size(&|sink| snapshot.write(sink))?)
     }
 
-    fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal> {
-        let mut state: State<M> = snapshot::decode(self.guid, bytes)?;
-        self.check_kind(&state)?;
-        self.check_decoded(&mut state).map_err(SnapshotError::Content)?;
+    pub fn decode(&self, bytes: &[u8]) -> Result<Snapshot, Refusal> {
+        let payload = snapshot::payload(self.guid, bytes)?;
+        let (mut frame, rest): (Frame, _) = snapshot::part(payload)?;
+        let own = self.subject.model();
+        let (model, rest) = own.decode(rest).map_err(|error| SnapshotError::Content(error.to_string()))?;
+        snapshot::finish(rest)?;
+        self.check_kind(&frame)?;
+        let mut subject = self.subject.with(model);
+        check_decoded(&mut frame, &mut subject).map_err(SnapshotError::Content)?;
         let content = |failure: Failure| SnapshotError::Content(failure.to_string());
-        state.model.resources(&self.resources).map_err(content)?;
-        state.model.restored().map_err(content)?;
-        Ok(Arc::new(state))
+        let mut model = subject.into_model();
+        model.resources(&self.resources).map_err(content)?;
+        model.restored().map_err(content)?;
+        Ok(Arc::new(Saved { frame, model }))
     }
-}
 
-impl<M: Model> Slave<M> {
     /// Checks that a state is of an instance that was made for the same as this one: what the host may do with it differs.
-    fn check_kind(&self, state: &State<M>) -> Outcome {
-        if state.kind == self.state.kind {
+    fn check_kind(&self, frame: &Frame) -> Outcome {
+        if frame.kind == self.frame.kind {
             return Ok(());
         }
-        let (its, own) = (state.kind.name(), self.state.kind.name());
+        let (its, own) = (frame.kind.name(), self.frame.kind.name());
         Err(Refusal::error(format!("this FMU state is of an instance for {its}, this instance is for {own}")))
     }
 
-    /// Checks what a host could not have brought about: a checksum is no proof of where bytes come from. The state of the
-    /// model itself is the model's to check, in `restored`.
-    fn check_decoded(&self, state: &mut State<M>) -> Result<(), String> {
-        if !state.time.is_finite() {
-            return Err("its time is not finite".into());
+    fn check_own(&self, snapshot: &Snapshot) -> Outcome {
+        let model: &dyn Any = &*snapshot.model;
+        if self.layout().is_of(model.type_id()) {
+            Ok(())
+        } else {
+            Err(Refusal::error("this FMU state belongs to another model"))
         }
-        if !state.phase.is_of(state.kind) {
-            return Err(format!("an instance for {} is never {}", state.kind.name(), state.phase.name()));
-        }
-        match &state.experiment {
-            Some(experiment) => check_experiment(experiment)?,
-            None if matches!(state.phase, Phase::Instantiated | Phase::Error) => {}
-            None => return Err("it has been initialized without an experiment".into()),
-        }
-        for real in &self.layout.reals {
-            let value = *(real.lens)(&mut state.model);
-            if real.slot.settable != 0 && !real.accepts(value) {
-                return Err(out_of_range(self.name(&real.slot), value, real.min, real.max).message);
-            }
-            if let Some(ramp) = &real.ramp {
-                let slope = *ramp(&mut state.model);
-                if !slope.is_finite() {
-                    return Err(format!("the slope of {} is {slope:?}", self.name(&real.slot)));
-                }
-                state.ramped |= slope != 0.0;
-            }
-        }
-        for slot in self.layout.integers.iter().filter(|slot| slot.settable != 0) {
-            let variable = &self.layout.variables[slot.variable as usize];
-            if let Access::Integer { get, .. } = &variable.access {
-                get(&mut state.model)
-                    .and_then(|value| accept_integer(variable, value))
-                    .map_err(|why| format!("{}: {why}", variable.name))?;
-            }
-        }
-        Ok(())
     }
+}
 
-    fn own(snapshot: &Snapshot) -> Result<&State<M>, Refusal> {
-        snapshot.downcast_ref().ok_or_else(|| Refusal::error("this FMU state belongs to another model"))
+impl Saved {
+    fn write(&self, sink: &mut Sink<'_>) -> postcard::Result<()> {
+        sink.put(&self.frame)?;
+        self.model.encode(sink)
     }
+}
+
+/// Checks what a host could not have brought about: a checksum is no proof of where bytes come from. The state of the
+/// model itself is the model's to check, in `restored`.
+fn check_decoded(frame: &mut Frame, subject: &mut Subject) -> Result<(), String> {
+    if !frame.time.is_finite() {
+        return Err("its time is not finite".into());
+    }
+    if !frame.phase.is_of(frame.kind) {
+        return Err(format!("an instance for {} is never {}", frame.kind.name(), frame.phase.name()));
+    }
+    match &frame.experiment {
+        Some(experiment) => check_experiment(experiment)?,
+        None if matches!(frame.phase, Phase::Instantiated | Phase::Error) => {}
+        None => return Err("it has been initialized without an experiment".into()),
+    }
+    let (layout, mut view) = subject.view();
+    for (reference, real) in (0..).zip(&layout.reals) {
+        let value = view.real(reference);
+        if real.settable != 0 && !real.accepts(value) {
+            return Err(out_of_range(layout.name(real.variable), value, real.min, real.max).message);
+        }
+        if let Some(slope) = view.ramp(reference) {
+            if !slope.is_finite() {
+                return Err(format!("the slope of {} is {slope:?}", layout.name(real.variable)));
+            }
+            frame.ramped |= *slope != 0.0;
+        }
+    }
+    for slot in layout.integers.iter().filter(|slot| slot.settable != 0) {
+        let variable = &layout.variables[slot.variable as usize];
+        if let Value::Integer(value) = view.value(slot.variable as usize) {
+            value
+                .and_then(|value| accept_integer(variable, value))
+                .map_err(|why| format!("{}: {why}", variable.name))?;
+        }
+    }
+    Ok(())
 }

@@ -3,50 +3,45 @@
 use std::fmt;
 
 use super::{Slave, all, out_of_range};
-use crate::model::{Failure, Model, Step};
+use crate::model::{Failure, Step};
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 
-pub(crate) trait Advance {
+impl Slave {
     /// Makes a step. What the model says of it meanwhile goes to `warn` and does not change how the call went: the step was
     /// done, and hosts stop at any status but OK.
-    fn do_step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome;
-    fn last_successful_time(&self) -> f64;
-}
-
-impl<M: Model> Advance for Slave<M> {
-    fn do_step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
+    pub fn do_step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
         self.check(Call::DoStep, "fmi2DoStep")?;
         self.check_step(time, size)?;
-        if self.state.ramped {
+        if self.frame.ramped {
             self.check_ramps(size)?;
         }
-        let tolerance = self.state.experiment.as_ref().and_then(|experiment| experiment.tolerance);
-        let mut step = Step { time, size, warn, layout: Some(&*self.layout), tolerance };
-        let result = self.state.model.step(&mut step);
-        self.state.stale = all();
+        let tolerance = self.frame.experiment.as_ref().and_then(|experiment| experiment.tolerance);
+        let (layout, model) = self.subject.parts();
+        let result = model.step(&mut Step { time, size, warn, layout: Some(layout), tolerance });
+        self.frame.stale = all();
         match result {
             Ok(()) => {
-                self.state.time = time + size;
-                if self.state.ramped {
+                self.frame.time = time + size;
+                if self.frame.ramped {
                     self.finish_ramps(size);
                 }
                 Ok(())
             }
             // Only a step can be discarded.
             Err(Failure::Discard(message)) => {
-                self.state.phase = Phase::StepFailed;
+                self.frame.phase = Phase::StepFailed;
                 Err(Refusal::discard(message))
             }
             Err(failure) => {
-                self.state.phase = Phase::Error;
+                self.frame.phase = Phase::Error;
                 Err(Refusal::of(&failure))
             }
         }
     }
 
-    fn last_successful_time(&self) -> f64 {
-        self.state.time
+    pub fn last_successful_time(&self) -> f64 {
+        self.frame.time
     }
 }
 
@@ -61,7 +56,7 @@ fn rounding(time: f64, size: f64) -> f64 {
     clocks.min(0.25 * size) + 16.0 * f64::EPSILON * time.abs()
 }
 
-impl<M: Model> Slave<M> {
+impl Slave {
     /// Checks a step's start and size against the clock.
     fn check_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
         if !(size.is_finite() && size > 0.0) {
@@ -70,7 +65,7 @@ impl<M: Model> Slave<M> {
         if !time.is_finite() {
             return Err(Refusal::error(format!("currentCommunicationPoint is {time:?}, it must be finite")));
         }
-        let now = self.state.time;
+        let now = self.frame.time;
         // Most hosts tell our own time: no need to know then what rounding would be.
         if time != now && (time - now).abs() > rounding(now, size) {
             return Err(Refusal::error(format!(
@@ -89,7 +84,7 @@ impl<M: Model> Slave<M> {
                 "communicationStepSize {size:?} is too large: the step from {time:?} has no finite end"
             )));
         }
-        if let Some(stop) = self.state.experiment.and_then(|e| e.stop_time)
+        if let Some(stop) = self.frame.experiment.and_then(|e| e.stop_time)
             && end > stop
             && end > stop + rounding(stop, size)
         {
@@ -100,13 +95,13 @@ impl<M: Model> Slave<M> {
 
     /// Checks that no input leaves its range on its ramp.
     fn check_ramps(&mut self, size: f64) -> Result<(), Refusal> {
-        for reference in &self.layout.ramps {
-            let real = &self.layout.reals[*reference as usize];
-            let Some(ramp) = &real.ramp else { continue };
-            let slope = *ramp(&mut self.state.model);
-            let end = *(real.lens)(&mut self.state.model) + slope * size;
+        let (layout, mut view) = self.subject.view();
+        for reference in &layout.ramps {
+            let real = &layout.reals[*reference as usize];
+            let Some(slope) = view.ramp(*reference).copied() else { continue };
+            let end = view.real(*reference) + slope * size;
             if !real.accepts(end) {
-                let refusal = out_of_range(self.name(&real.slot), end, real.min, real.max);
+                let refusal = out_of_range(layout.name(real.variable), end, real.min, real.max);
                 let end = format!("; it would be at the end of this step, rising by {slope:?} per second");
                 return Err(Refusal::error(refusal.message + &end));
             }
@@ -116,16 +111,15 @@ impl<M: Model> Slave<M> {
 
     /// The inputs' ramps have been used: the inputs stand at their ends.
     fn finish_ramps(&mut self, size: f64) {
-        for reference in &self.layout.ramps {
-            let real = &self.layout.reals[*reference as usize];
-            if let Some(ramp) = &real.ramp {
-                let slope = std::mem::take(ramp(&mut self.state.model));
-                // Adding zero would turn −0 into +0.
-                if slope != 0.0 {
-                    *(real.lens)(&mut self.state.model) += slope * size;
-                }
+        let (layout, mut view) = self.subject.view();
+        for reference in &layout.ramps {
+            let slope = view.ramp(*reference).map_or(0.0, std::mem::take);
+            // Adding zero would turn −0 into +0.
+            if slope != 0.0 {
+                let begin = view.real(*reference);
+                view.set_real(*reference, begin + slope * size);
             }
         }
-        self.state.ramped = false;
+        self.frame.ramped = false;
     }
 }

@@ -10,7 +10,7 @@ use uuid::Uuid;
 
 use crate::categories::CATEGORIES;
 use crate::interface::{Interface, Kind, VariableFacts, number};
-use crate::layout::{DeclarationError, Layout};
+use crate::layout::DeclarationError;
 use crate::model::Model;
 use crate::naming::is_structured;
 use crate::unit::{BASE_UNITS, Unit};
@@ -36,7 +36,7 @@ pub struct Description {
 /// # Errors
 /// If the declarations contradict themselves; all problems are listed.
 pub fn describe<M: Model>() -> Result<Description, DeclarationError> {
-    Ok(describe_interface(&Interface::of(&Layout::<M>::build()?)))
+    Ok(describe_interface(&Interface::of::<M>()?))
 }
 
 pub(crate) fn describe_interface(interface: &Interface) -> Description {

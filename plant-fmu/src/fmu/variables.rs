@@ -1,6 +1,6 @@
 //! Names, units and dependencies of the variables.
 
-use fmi2_export::{Enumeration, Evaluation, Variables};
+use fmi2_export::{Enumeration, Evaluation, Variables, field};
 use grasp_plant::{ActuatorModel, Arm, Channel, ContactModel, DEFLECTION_POINTS, Face, ORDER_RANGE, Parameters, Start};
 use serde::{Deserialize, Serialize};
 
@@ -20,25 +20,25 @@ pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
 
 fn inputs(variables: &mut Variables<DualArmPlant>) {
     variables
-        .input_array("tau{}_cmd", |m| &mut m.inputs.torque_command)
+        .input_field("tau{}_cmd", field!(DualArmPlant, inputs.torque_command))
         .ramp_array(|m| &mut m.input_rates.torque_command)
         .unit("N.m")
         .nominal(1.0)
         .description("Commanded torque on hub {}, before the actuator's limits");
     variables
-        .input("u_cmd", |m| &mut m.inputs.force_command)
+        .input_field("u_cmd", field!(DualArmPlant, inputs.force_command))
         .ramp(|m| &mut m.input_rates.force_command)
         .unit("N")
         .nominal(0.1)
         .description("Commanded force on the object, before the actuator's limits");
     variables
-        .input_array("delta_f{}", |m| &mut m.inputs.hub_disturbance)
+        .input_field("delta_f{}", field!(DualArmPlant, inputs.hub_disturbance))
         .ramp_array(|m| &mut m.input_rates.hub_disturbance)
         .unit("N.m")
         .nominal(0.1)
         .description("External disturbance torque on hub {}, added to the built-in one");
     variables
-        .input("delta_F", |m| &mut m.inputs.object_disturbance)
+        .input_field("delta_F", field!(DualArmPlant, inputs.object_disturbance))
         .ramp(|m| &mut m.input_rates.object_disturbance)
         .unit("N")
         .nominal(0.1)
@@ -48,20 +48,20 @@ fn inputs(variables: &mut Variables<DualArmPlant>) {
 fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let measured = variables.evaluation(DualArmPlant::measured);
     variables
-        .output_array("theta{}", measured, |m| &mut m.outputs.measured.theta)
+        .output_field("theta{}", measured, field!(DualArmPlant, outputs.measured.theta))
         .rate_array(rates, |m| &mut m.outputs.rates.measured.theta)
         .unit("rad")
         .display_degrees()
         .nominal(0.1)
         .description("Angle of hub {}, counter-clockwise");
     variables
-        .output_array("theta{}_dot", measured, |m| &mut m.outputs.measured.theta_dot)
+        .output_field("theta{}_dot", measured, field!(DualArmPlant, outputs.measured.theta_dot))
         .rate_array(rates, |m| &mut m.outputs.rates.measured.theta_dot)
         .unit("rad/s")
         .display_degrees()
         .description("Angular velocity of hub {}");
     variables
-        .output("y_object", measured, |m| &mut m.outputs.measured.y_object)
+        .output_field("y_object", measured, field!(DualArmPlant, outputs.measured.y_object))
         .rate(rates, |m| &mut m.outputs.rates.measured.y_object)
         .state()
         .depends_on_states(["y_object"])
@@ -69,7 +69,7 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
         .nominal(0.05)
         .description("Position y_M of the object's centre above hub 1; L/2 when straight arms just touch it");
     variables
-        .output("y_object_dot", measured, |m| &mut m.outputs.measured.y_object_dot)
+        .output_field("y_object_dot", measured, field!(DualArmPlant, outputs.measured.y_object_dot))
         .rate(rates, |m| &mut m.outputs.rates.measured.y_object_dot)
         .derivative_of("y_object")
         .depends_on_states(exchange::coordinate_names())
@@ -77,18 +77,18 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
         .nominal(0.1)
         .description("Velocity of the object");
     variables
-        .output_array("root_moment{}", measured, |m| &mut m.outputs.measured.root_moment)
+        .output_field("root_moment{}", measured, field!(DualArmPlant, outputs.measured.root_moment))
         .rate_array(rates, |m| &mut m.outputs.rates.measured.root_moment)
         .unit("N.m")
         .nominal(0.1)
         .description("Elastic bending moment EI w''(0) at the root of arm {}");
     variables
-        .output_array("tip_shear{}", measured, |m| &mut m.outputs.measured.tip_shear)
+        .output_field("tip_shear{}", measured, field!(DualArmPlant, outputs.measured.tip_shear))
         .rate_array(rates, |m| &mut m.outputs.rates.measured.tip_shear)
         .unit("N")
         .description("Elastic shear force EI w'''(l) at the tip of arm {}");
     variables
-        .output_array("tip_shear{}_dot", measured, |m| &mut m.outputs.measured.tip_shear_dot)
+        .output_field("tip_shear{}_dot", measured, field!(DualArmPlant, outputs.measured.tip_shear_dot))
         .rate_array(rates, |m| &mut m.outputs.rates.measured.tip_shear_dot)
         .unit("N/s")
         .nominal(10.0)
@@ -98,7 +98,7 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
 fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let direct = variables.evaluation(DualArmPlant::direct);
     variables
-        .output_array("lambda{}", direct, |m| &mut m.outputs.direct.lambda)
+        .output_field("lambda{}", direct, field!(DualArmPlant, outputs.direct.lambda))
         .rate_array(rates, |m| &mut m.outputs.rates.direct.lambda)
         .unit("N")
         .depends_on(["u_cmd", "delta_F"])
@@ -106,26 +106,26 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
             "Lagrange multiplier of constraint {}, eqs. (13) and (14): contact_force1 = -lambda1, contact_force2 = lambda2",
         );
     variables
-        .output_array("contact_force{}", direct, |m| &mut m.outputs.direct.contact_force)
+        .output_field("contact_force{}", direct, field!(DualArmPlant, outputs.direct.contact_force))
         .rate_array(rates, |m| &mut m.outputs.rates.direct.contact_force)
         .unit("N")
         .depends_on(["u_cmd", "delta_F"])
         .description("Force between tip {} and the object, positive in compression; zero where they do not touch");
     variables
-        .output_array("tau{}", direct, |m| &mut m.outputs.direct.torque)
+        .output_field("tau{}", direct, field!(DualArmPlant, outputs.direct.torque))
         .rate_array(rates, |m| &mut m.outputs.rates.direct.torque)
         .unit("N.m")
         .depends_on(["tau{}_cmd"])
         .description("Torque that actuator {} delivers, within its limits");
     variables
-        .output("u", direct, |m| &mut m.outputs.direct.force)
+        .output_field("u", direct, field!(DualArmPlant, outputs.direct.force))
         .rate(rates, |m| &mut m.outputs.rates.direct.force)
         .unit("N")
         .nominal(0.1)
         .depends_on(["u_cmd"])
         .description("Force that the object's actuator delivers, within its limits");
     variables
-        .output("in_contact", direct, |m| &mut m.outputs.in_contact)
+        .output_field("in_contact", direct, field!(DualArmPlant, outputs.in_contact))
         .depends_on(["u_cmd", "delta_F"])
         .description("Whether both contact forces are compressive; with contact_model = bilateral the arms stay on the object anyway");
 }
@@ -136,11 +136,11 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let pressing = variables.evaluation(DualArmPlant::pressing);
     let contact = variables.evaluation(DualArmPlant::contact);
     variables
-        .output_array("in_contact{}", pressing, |m| &mut m.outputs.pressing)
+        .output_field("in_contact{}", pressing, field!(DualArmPlant, outputs.pressing))
         .depends_on(["u_cmd", "delta_F"])
         .description("Whether the contact force at tip {} is compressive");
     variables
-        .output_array("gap{}", contact, |m| &mut m.outputs.contact.gap)
+        .output_field("gap{}", contact, field!(DualArmPlant, outputs.contact.gap))
         .rate_array(rates, |m| &mut m.outputs.rates.contact.gap)
         .depends_on_states(NONE)
         .unit("m")
@@ -149,21 +149,21 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
             "Distance between tip {} and the object, zero while they touch and with contact_model = bilateral",
         );
     variables
-        .output_array("indentation{}", contact, |m| &mut m.outputs.contact.indentation)
+        .output_field("indentation{}", contact, field!(DualArmPlant, outputs.contact.indentation))
         .rate_array(rates, |m| &mut m.outputs.rates.contact.indentation)
         .depends_on_states(NONE)
         .unit("m")
         .nominal(1e-3)
         .description("How far the object's face at tip {} is pressed in, with contact_model = compliant");
     variables
-        .output("impact_loss", contact, |m| &mut m.outputs.contact.loss)
+        .output_field("impact_loss", contact, field!(DualArmPlant, outputs.contact.loss))
         .rate(rates, |m| &mut m.outputs.rates.contact.loss)
         .depends_on_states(NONE)
         .unit("J")
         .nominal(1e-3)
         .description("Energy lost in impacts and in the object's faces since the start");
     variables
-        .output_array("impacts{}", contact, |m| &mut m.outputs.impacts)
+        .output_field("impacts{}", contact, field!(DualArmPlant, outputs.impacts))
         .depends_on_states(NONE)
         .description("How often tip {} has come onto the object since the start");
     variables
@@ -178,42 +178,42 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let shape = variables.evaluation(DualArmPlant::shape);
     let deflection = variables.evaluation(DualArmPlant::deflection);
     variables
-        .output_array("tip_deflection{}", shape, |m| &mut m.outputs.shape.tip_deflection)
+        .output_field("tip_deflection{}", shape, field!(DualArmPlant, outputs.shape.tip_deflection))
         .rate_array(rates, |m| &mut m.outputs.rates.tip_deflection)
         .unit("m")
         .nominal(0.01)
         .description("Deflection w(l) of the tip of arm {}, back from the line that turns with the hub");
     variables
-        .output_array("constraint{}", shape, |m| &mut m.outputs.shape.constraint)
+        .output_field("constraint{}", shape, field!(DualArmPlant, outputs.shape.constraint))
         .rate_array(rates, |m| &mut m.outputs.rates.constraint)
         .unit("m")
         .nominal(1e-12)
         .description("Residual of the geometric constraint (12) of arm {}, zero up to rounding");
     variables
-        .output_array("root_moment{}_dot", uncertainty, |m| &mut m.outputs.uncertainty.root_moment_dot)
+        .output_field("root_moment{}_dot", uncertainty, field!(DualArmPlant, outputs.uncertainty.root_moment_dot))
         .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.root_moment_dot)
         .unit("N.m/s")
         .description("Rate of the elastic bending moment at the root of arm {}");
     variables
-        .output_array("hub_uncertainty{}", uncertainty, |m| &mut m.outputs.uncertainty.delta_f)
+        .output_field("hub_uncertainty{}", uncertainty, field!(DualArmPlant, outputs.uncertainty.delta_f))
         .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.delta_f)
         .unit("N.m")
         .nominal(0.1)
         .description("Built-in disturbance torque on hub {}: -root_uncertainty times the rate of its root moment");
     variables
-        .output("object_uncertainty", uncertainty, |m| &mut m.outputs.uncertainty.delta_force)
+        .output_field("object_uncertainty", uncertainty, field!(DualArmPlant, outputs.uncertainty.delta_force))
         .rate(rates, |m| &mut m.outputs.rates.uncertainty.delta_force)
         .unit("N")
         .nominal(0.1)
         .description("Built-in disturbance force on the object, from the rates of the tip shears");
     variables
-        .output("energy", shape, |m| &mut m.outputs.shape.energy)
+        .output_field("energy", shape, field!(DualArmPlant, outputs.shape.energy))
         .rate(rates, |m| &mut m.outputs.rates.energy)
         .unit("J")
         .nominal(0.01)
         .description("Kinetic and strain energy");
     variables
-        .output("supplied_energy", shape, |m| &mut m.outputs.shape.supplied_energy)
+        .output_field("supplied_energy", shape, field!(DualArmPlant, outputs.shape.supplied_energy))
         .rate(rates, |m| &mut m.outputs.rates.supplied_energy)
         .state()
         .unit("J")
@@ -221,7 +221,11 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .description("Work done by the actuators and the external disturbances since the start");
     for arm in 0..2 {
         variables
-            .output_array(&format!("deflection{}", arm + 1), deflection, move |m| &mut m.outputs.deflection[arm])
+            .output_field(
+                &format!("deflection{}", arm + 1),
+                deflection,
+                field!(DualArmPlant, outputs.deflection).element(arm),
+            )
             .rate_array(rates, move |m| &mut m.outputs.rates.deflection[arm])
             .unit("m")
             .nominal(0.01)

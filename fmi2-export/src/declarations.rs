@@ -1,0 +1,340 @@
+//! What has been declared of a model, its type forgotten: what [`Variables`](crate::Variables) and
+//! [`VariableBuilder`](crate::VariableBuilder) fill in.
+//!
+//! Declarations are long lists of calls, run once for a library, of which there is one for each of its models. So what the calls do
+//! is here, compiled once, and a call is no more than that.
+
+use std::any::TypeId;
+use std::mem;
+use std::sync::Arc;
+
+use parameter_table::{Owner, Parameter, Range};
+
+use crate::access::Access;
+use crate::any_model::{AnyModel, fresh, typed};
+use crate::exchange::Exchange;
+use crate::info::Info;
+use crate::model::Model;
+use crate::place::Place;
+use crate::unit::{DisplayUnit, Unit};
+use crate::variable::{Causality, DependencyKind, Variability, Variable};
+use crate::variables::{Evaluation, Variables};
+use crate::view::{Declared, Evaluate, NumbersOf, View};
+
+/// What has been declared of a model.
+pub(crate) struct Declarations {
+    pub info: Info,
+    pub model: TypeId,
+    pub list: Vec<Variable>,
+    pub evaluations: Vec<Evaluate>,
+    /// What a host that integrates calls, once anything of it has been declared.
+    pub exchange: Option<&'static Exchange>,
+    pub indicators: Option<Indicators>,
+    pub time: Option<Place>,
+    /// A model with its default values.
+    pub sample: Box<dyn AnyModel>,
+}
+
+/// What fills in the event indicators, and where they are.
+pub(crate) struct Indicators {
+    pub evaluation: Evaluation,
+    pub array: Arc<NumbersOf>,
+    /// How many there are.
+    pub count: usize,
+}
+
+/// What a variable is to the host, and what computes it.
+#[derive(Clone, Copy)]
+pub(crate) struct Role {
+    pub causality: Causality,
+    /// Of numbers; whatever is no number can only jump.
+    pub variability: Variability,
+    pub evaluation: Option<Evaluation>,
+}
+
+impl Role {
+    pub const INPUT: Self =
+        Self { causality: Causality::Input, variability: Variability::Continuous, evaluation: None };
+    pub const PARAMETER: Self =
+        Self { causality: Causality::Parameter, variability: Variability::Fixed, evaluation: None };
+
+    pub const fn computed(causality: Causality, evaluation: Evaluation) -> Self {
+        Self { causality, variability: Variability::Continuous, evaluation: Some(evaluation) }
+    }
+}
+
+impl Declarations {
+    pub fn of<M: Model>() -> Self {
+        let mut variables = Variables::<M>::new(Self::none(M::INFO, TypeId::of::<M>(), fresh::<M>()));
+        M::variables(&mut variables);
+        variables.declared
+    }
+
+    fn none(info: Info, model: TypeId, sample: Box<dyn AnyModel>) -> Self {
+        let (list, evaluations) = (Vec::new(), Vec::new());
+        Self { info, model, list, evaluations, exchange: None, indicators: None, time: None, sample }
+    }
+
+    /// The values that variables have by default.
+    pub fn defaults(&mut self) -> View<'_> {
+        let (variables, evaluations) = (self.list.as_slice(), self.evaluations.as_slice());
+        View::of(Declared { model: self.model, variables, evaluations, reals: &[] }, &mut *self.sample)
+    }
+
+    /// A model with its default values.
+    pub fn sample<M: 'static>(&mut self) -> &mut M {
+        typed(&mut *self.sample)
+    }
+
+    pub fn evaluation<M>(&mut self, evaluation: fn(&mut M)) -> Evaluation {
+        // SAFETY: references and pointers to types with a size are passed alike. It is called with models of this type only:
+        // see `View`.
+        self.evaluations.push(unsafe { mem::transmute::<fn(&mut M), Evaluate>(evaluation) });
+        Evaluation(self.evaluations.len() - 1)
+    }
+
+    /// Declares the elements of an array, each of so many bytes; where the first is in the list.
+    #[inline(never)]
+    pub fn elements(
+        &mut self,
+        name: &str,
+        role: Role,
+        array: &Place,
+        length: usize,
+        size: usize,
+        access: fn(Place) -> Access,
+    ) -> usize {
+        let first = self.list.len();
+        let pattern = if name.contains("{}") { name.to_owned() } else { format!("{name}[{{}}]") };
+        for i in 0..length {
+            self.add(numbered(&pattern, i + 1), Some(i + 1), role, access(array.element(i, size)));
+        }
+        first
+    }
+
+    /// Declares a table of parameters of a part of the model, which is at this place.
+    pub fn rows<T>(
+        &mut self,
+        table: impl IntoIterator<Item = Parameter<T>>,
+        owner: Owner<'_>,
+        number: Option<usize>,
+        part: &Place,
+    ) {
+        for row in table {
+            let unit = (!row.unit.is_empty()).then(|| row.unit_of(owner));
+            let texts = [row.name_of(owner), row.description_of(owner)];
+            self.row(texts, unit.as_deref(), row.range, number, part.then(row.field));
+        }
+    }
+
+    #[inline(never)]
+    fn row(
+        &mut self,
+        [name, description]: [String; 2],
+        unit: Option<&str>,
+        range: Range,
+        number: Option<usize>,
+        place: Place,
+    ) {
+        let first = self.add(name, number, Role::PARAMETER, Access::Real(place));
+        self.range(first, range.min, range.max);
+        self.description(first, &description);
+        if let Some(unit) = unit {
+            self.unit(first, unit);
+        }
+    }
+
+    /// Declares one variable; where it is in the list.
+    #[inline(never)]
+    pub fn add(&mut self, name: String, number: Option<usize>, role: Role, access: Access) -> usize {
+        let variability = match (role.variability, &access) {
+            (Variability::Continuous, Access::Real(_)) => Variability::Continuous,
+            (Variability::Continuous, _) => Variability::Discrete,
+            (other, _) => other,
+        };
+        let first = self.list.len();
+        self.list.push(Variable {
+            name,
+            number,
+            description: String::new(),
+            causality: role.causality,
+            variability,
+            access,
+            unit: None,
+            display_unit: None,
+            min: None,
+            max: None,
+            nominal: None,
+            depends_on: Vec::new(),
+            starts_from: Vec::new(),
+            evaluation: role.evaluation,
+            ramp: None,
+            rate: None,
+            is_state: false,
+            derivative_of: None,
+            depends_on_states: None,
+            mistakes: Vec::new(),
+        });
+        first
+    }
+
+    /// Changes the variables from the `first` on.
+    fn each(&mut self, first: usize, change: &mut dyn FnMut(&mut Variable)) {
+        self.list[first..].iter_mut().for_each(change);
+    }
+
+    #[inline(never)]
+    pub fn description(&mut self, first: usize, text: &str) {
+        self.each(first, &mut |v| v.description = v.numbered(text));
+    }
+
+    #[inline(never)]
+    pub fn unit(&mut self, first: usize, expression: &str) {
+        self.each(first, &mut |v| match expression.parse() {
+            Ok(unit) => v.unit = Some(unit),
+            Err(error) => v.mistakes.push(error.to_string()),
+        });
+    }
+
+    #[inline(never)]
+    pub fn other_unit(&mut self, first: usize, unit: &Unit) {
+        self.each(first, &mut |v| v.unit = Some(unit.clone()));
+    }
+
+    #[inline(never)]
+    pub fn display_unit(&mut self, first: usize, name: &str, factor: f64) {
+        self.each(first, &mut |v| v.display_unit = Some(DisplayUnit { name: name.to_owned(), factor }));
+    }
+
+    #[inline(never)]
+    pub fn display_degrees(&mut self, first: usize) {
+        self.each(first, &mut |v| match v.unit.as_ref().and_then(DisplayUnit::degrees) {
+            Some(degrees) => v.display_unit = Some(degrees),
+            None => v
+                .mistakes
+                .push("degrees are shown of angles and their rates, so say a unit such as rad/s before".into()),
+        });
+    }
+
+    /// An infinite end is none.
+    #[inline(never)]
+    pub fn range(&mut self, first: usize, min: f64, max: f64) {
+        let (min, max) = (Some(min).filter(|v| *v != f64::NEG_INFINITY), Some(max).filter(|v| *v != f64::INFINITY));
+        self.each(first, &mut |v| (v.min, v.max) = (min, max));
+    }
+
+    #[inline(never)]
+    pub fn min(&mut self, first: usize, min: f64) {
+        self.each(first, &mut |v| v.min = Some(min).filter(|v| *v != f64::NEG_INFINITY));
+    }
+
+    #[inline(never)]
+    pub fn nominal(&mut self, first: usize, nominal: f64) {
+        self.each(first, &mut |v| v.nominal = Some(nominal));
+    }
+
+    #[inline(never)]
+    pub fn discrete(&mut self, first: usize) {
+        self.each(first, &mut |v| match v.causality {
+            Causality::Parameter => v.mistakes.push("a parameter is fixed or tunable, not discrete".into()),
+            Causality::Input | Causality::Output | Causality::Local => v.variability = Variability::Discrete,
+        });
+    }
+
+    #[inline(never)]
+    pub fn tunable(&mut self, first: usize) {
+        self.each(first, &mut |v| match v.causality {
+            Causality::Parameter => v.variability = Variability::Tunable,
+            Causality::Input | Causality::Output | Causality::Local => {
+                v.mistakes.push("only a parameter is tunable".into());
+            }
+        });
+    }
+
+    #[inline(never)]
+    pub fn depends(&mut self, first: usize, inputs: &[String], kind: DependencyKind) {
+        self.each(first, &mut |v| {
+            let its: Vec<_> = inputs.iter().map(|input| (v.numbered(input), kind)).collect();
+            v.depends_on.extend(its);
+        });
+    }
+
+    #[inline(never)]
+    pub fn starts(&mut self, first: usize, inputs: &[String]) {
+        self.each(first, &mut |v| {
+            let its: Vec<_> = inputs.iter().map(|input| v.numbered(input)).collect();
+            v.starts_from.extend(its);
+        });
+    }
+
+    #[inline(never)]
+    pub fn depends_states(&mut self, first: usize, states: &[String]) {
+        self.each(first, &mut |v| {
+            let its: Vec<_> = states.iter().map(|state| v.numbered(state)).collect();
+            v.depends_on_states.get_or_insert_default().extend(its);
+        });
+    }
+
+    #[inline(never)]
+    pub fn ramp(&mut self, first: usize, place: &Place) {
+        self.each(first, &mut |v| v.ramp = Some(place.clone()));
+    }
+
+    #[inline(never)]
+    pub fn rate(&mut self, first: usize, evaluation: Evaluation, place: &Place) {
+        self.each(first, &mut |v| v.rate = Some((place.clone(), evaluation)));
+    }
+
+    #[inline(never)]
+    pub fn ramps(&mut self, first: usize, array: &Place, length: usize) {
+        self.each_of(first, "slopes", array, length, &mut |v, place| v.ramp = Some(place));
+    }
+
+    #[inline(never)]
+    pub fn rates(&mut self, first: usize, evaluation: Evaluation, array: &Place, length: usize) {
+        self.each_of(first, "rates", array, length, &mut |v, place| v.rate = Some((place, evaluation)));
+    }
+
+    /// Gives each variable its element of an array of numbers.
+    fn each_of(
+        &mut self,
+        first: usize,
+        what: &str,
+        array: &Place,
+        length: usize,
+        give: &mut dyn FnMut(&mut Variable, Place),
+    ) {
+        let count = self.list.len() - first;
+        let mut i = 0;
+        self.each(first, &mut |v| {
+            give(v, array.element(i, size_of::<f64>()));
+            i += 1;
+            if length != count {
+                v.mistakes.push(format!("it is one of {count}, but there are {length} {what}"));
+            }
+        });
+    }
+
+    #[inline(never)]
+    pub fn state(&mut self, first: usize, exchange: &'static Exchange) {
+        self.exchange = Some(exchange);
+        self.each(first, &mut |v| v.is_state = true);
+    }
+
+    #[inline(never)]
+    pub fn derivative_of(&mut self, first: usize, state: &str) {
+        self.each(first, &mut |v| v.derivative_of = Some(v.numbered(state)));
+    }
+}
+
+impl Variable {
+    /// A text in which `{}` stands for the variable's number, if it has one.
+    fn numbered(&self, text: &str) -> String {
+        self.number.map_or_else(|| text.to_owned(), |number| numbered(text, number))
+    }
+}
+
+/// The text for one element of an array.
+fn numbered(text: &str, number: usize) -> String {
+    text.replace("{}", &number.to_string())
+}
