@@ -99,6 +99,7 @@ impl Slave {
 
     /// Concludes setting variables that have all been checked: inputs make the outputs stale that depend on them;
     /// parameters make the model initialize again, or retune.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
     #[inline(always)]
     fn after_set(&mut self, changed: Changed, old: Option<Box<dyn AnyModel>>) -> Outcome {
         if changed.parameters() {
