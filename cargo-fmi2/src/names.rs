@@ -1,5 +1,5 @@
-//! What a new crate and its model can be called. Names that would only fail later, with an error of the compiler or of cargo
-//! about something else, are refused here.
+//! Names of a new crate and its model. Names that would only fail later, with an error of the compiler or of cargo about
+//! something else, are refused here.
 
 /// Keywords of Rust 2024, those reserved for the future among them.
 const KEYWORDS: [&str; 52] = [
@@ -106,8 +106,8 @@ pub fn check_package(name: &str, dependencies: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// The model's name for a crate's: `dc-motor` becomes `DcMotor`. Refused if `source`, the Rust file that the model will stand in,
-/// means something else by it.
+/// The model's name for a crate's: `dc-motor` becomes `DcMotor`. Refused if the name has another meaning in `source`, the
+/// Rust file of the model.
 pub fn model(package: &str, source: &str) -> Result<String, String> {
     let capitalised = |word: &str| word[..1].to_ascii_uppercase() + &word[1..];
     let model: String = package.split('-').filter(|word| !word.is_empty()).map(capitalised).collect();

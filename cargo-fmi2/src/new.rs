@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::names;
 
-/// The template's files: where they go and what is in them. Names and the place of the dependencies are replaced in both.
+/// The template's files: their paths and contents. Names and the paths of the dependencies are replaced in both.
 const FILES: [(&str, &str); 6] = [
     (".gitignore", include_str!("../template/gitignore.in")),
     // Cargo would take a folder with a Cargo.toml for a crate of its own, and leave it out of this one.
@@ -20,12 +20,12 @@ const LIBRARY: &str = include_str!("../template/src/lib.rs");
 /// The crates of ours that the template depends on.
 const OURS: [&str; 2] = ["fmi2-export", "fmi2-package"];
 
-/// Makes a crate in the new folder `path`, named as the folder, and tells what to do next. If it fails, nothing is left.
-/// `ours` is where the crates are that it depends on: if it is not given, beside this crate if that is a clone, otherwise on the
-/// registry.
+/// Creates a crate in the new folder `path`, named like the folder, and prints the next steps. If it fails, nothing
+/// remains. `ours` is the folder of the crates on which it depends. By default they are beside this crate if that is a
+/// clone, otherwise on the registry.
 ///
 /// # Errors
-/// If a crate or a model cannot be called so, or a file cannot be written.
+/// If a crate or a model cannot have this name, or a file cannot be written.
 pub fn create(path: &Path, ours: Option<&Path>) -> Result<String, String> {
     let package = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     names::check_package(&package, &dependencies())?;
@@ -64,15 +64,15 @@ pub fn create(path: &Path, ours: Option<&Path>) -> Result<String, String> {
     ))
 }
 
-/// The crates that the template's manifest names, and the one that everybody adds who stores more than plain fields.
+/// The crates that the template's manifest names, and `serde`, which every model with more than plain fields adds.
 fn dependencies() -> Vec<&'static str> {
     let manifest = FILES[1].1;
     let section = manifest.split("[dependencies]").nth(1).and_then(|rest| rest.split("\n[").next()).unwrap_or_default();
     section.lines().filter_map(|line| line.split_once(" = ")).map(|(name, _)| name).chain(["serde"]).collect()
 }
 
-/// Where the crates are that the new one depends on: in `wanted`, beside this crate if that is a clone, or, `None`, on the
-/// registry.
+/// The folder of the crates on which the new one depends: `wanted`, or beside this crate if that is a clone, or `None` for
+/// the registry.
 fn place(wanted: Option<&Path>) -> Result<Option<PathBuf>, String> {
     let has_ours = |folder: &Path| OURS.iter().all(|ours| folder.join(ours).join("Cargo.toml").is_file());
     let clone = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
@@ -124,7 +124,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         create(&folder.path().join("here"), None).unwrap();
         let manifest = fs::read_to_string(folder.path().join("here/Cargo.toml")).unwrap();
-        // These tests run in a clone, and in what the registry has of this crate.
+        // These tests run in a clone, and in the published package of this crate.
         let clone = place(None).unwrap();
         for ours in OURS {
             let source = match &clone {

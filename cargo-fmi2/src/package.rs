@@ -1,4 +1,5 @@
-//! `cargo fmi2 package`: runs the packaging program of a crate. The work is done there, since it knows the crate's models.
+//! `cargo fmi2 package`: runs the packaging program of a crate. That program does the work, because it contains the crate's
+//! models.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -56,7 +57,7 @@ impl Arguments {
     }
 }
 
-/// Builds and runs the packaging program; it says itself what goes wrong.
+/// Builds and runs the packaging program, which reports its own errors.
 ///
 /// # Errors
 /// If there is no such program.
@@ -100,7 +101,8 @@ struct Program {
     features: Vec<String>,
 }
 
-/// Finds the packaging program of a crate in what `cargo metadata` says: of the wanted one, or of the one in `folder`.
+/// Finds the packaging program of a crate in the output of `cargo metadata`: that of the wanted crate, or of the one in
+/// `folder`.
 fn find(metadata: &Value, folder: &Path, wanted: Option<&str>) -> Result<Program, String> {
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let packages = list(&metadata["packages"]);

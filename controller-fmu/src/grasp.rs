@@ -1,8 +1,8 @@
-//! The grasp that the controllers' pages show: the native plant and a law in a loop, each with its default values. Only the
-//! packaging program knows of the plant, as the person does who will connect the two FMUs.
+//! The grasp on the controllers' pages: the native plant and a law in a loop, each with its default values. Only the
+//! packaging program uses the plant, as the user does who connects the two FMUs.
 //!
-//! The page's figure is made by the FMU itself, which sees what the law has seen here; the contact forces, which no
-//! controller knows, stand [beside](fmi2_package::Response::beside).
+//! The FMU itself computes the page's figure from the law's inputs recorded here. The contact forces, which no controller
+//! measures, are shown [beside](fmi2_package::Response::beside).
 
 use std::sync::OnceLock;
 
@@ -30,14 +30,15 @@ struct Pace {
     rows: u32,
 }
 
-/// Of each law. PD and PDS are unstable with the longer step; they have no memory, so that rows tell all that they do.
+/// The paces of the laws. PD and PDS are unstable with the longer step. They have no state, so the recorded rows determine
+/// their commands completely.
 const PACES: [Pace; 3] = [
     Pace { step: 1e-3, steps: 1, rows: 400 },
     Pace { step: 1e-4, steps: 20, rows: 500 },
     Pace { step: 1e-4, steps: 20, rows: 500 },
 ];
 
-/// What was measured, and the contact forces \[N\], at equal distances of time.
+/// The measurements and the contact forces \[N\], at equal intervals of time.
 struct Grasp {
     measured: Vec<[f64; INPUTS]>,
     contact: Vec<[f64; 2]>,
@@ -118,7 +119,7 @@ fn commanded(Commands { tau, u }: Commands) -> grasp_plant::Inputs {
     grasp_plant::Inputs { torque_command: tau, force_command: u, ..Default::default() }
 }
 
-/// What the plant measures, as the law reads it: the names and units are the same.
+/// The plant's measurements as inputs of the law: names and units are the same.
 fn read(plant: &Plant) -> Measurements {
     let Measured { theta, theta_dot, y_object, y_object_dot, root_moment, tip_shear, tip_shear_dot } = plant.measured();
     let root_moment_dot = plant.uncertainty().root_moment_dot;

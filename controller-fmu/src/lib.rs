@@ -1,5 +1,5 @@
-//! `NabfcController.fmu`, `PdsController.fmu` and `PdController.fmu`: the FMI face of [`grasp_control`], which is where
-//! the laws are.
+//! `NabfcController.fmu`, `PdsController.fmu` and `PdController.fmu`: the FMI interface of [`grasp_control`], which
+//! contains the laws.
 
 mod fmu;
 

@@ -1,4 +1,4 @@
-//! The code that the attributes stand for: what one would write with the builder.
+//! Expands the attributes to the equivalent code of the builder.
 
 use proc_macro2::TokenStream;
 use quote::{quote, quote_spanned};

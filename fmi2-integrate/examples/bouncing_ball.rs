@@ -1,5 +1,5 @@
-//! Three models that only say what their time derivatives are: a host that integrates asks for these (model exchange), any other
-//! gets steps from the built-in solver (co-simulation).
+//! Three models that only define their time derivatives. A host of model exchange reads these derivatives; in co-simulation
+//! the built-in solver computes steps from them.
 //!
 //! * A ball that bounces: state events, states that jump, a discrete state.
 //! * Van der Pol's oscillator: the Jacobian.
@@ -172,7 +172,7 @@ impl Model for VanDerPol {
 
 impl ModelExchange for VanDerPol {}
 
-/// A number that rises by a height of its own every second, and ends the simulation where it is told to.
+/// A number that rises by a certain height every second, and ends the simulation at a certain value.
 #[derive(Clone, Serialize, Deserialize)]
 struct Stairs {
     rise: i32,

@@ -10,30 +10,31 @@ use ivp::methods::DOP853;
 use ivp::solout::{ControlFlag, SolOut};
 use ivp::status::Status;
 
-/// Relative tolerance where the host names none.
+/// Relative tolerance if the host gives none.
 const TOLERANCE: f64 = 1e-9;
 /// The least one: below, rounding decides.
 const LEAST_TOLERANCE: f64 = 1e-13;
-/// How many events a communication step may have, and how often one may ask to be repeated.
+/// The largest number of events in a communication step, and of repetitions that one event may request.
 const MOST_EVENTS: u32 = 1000;
 /// How many steps the solver may take between two events.
 const MOST_STEPS: usize = 10_000;
-/// Stretches of time shorter than this (s) are nothing to a solver whose step control divides by them.
+/// The shortest time interval (s) for the solver, whose step control divides by the length of the interval.
 const SHORTEST: f64 = 1e-200;
 
-/// Communication steps of a model that only says what its time derivatives are.
+/// Communication steps of a model that only defines its time derivatives.
 pub trait Integrate {
-    /// Makes the step by integrating the time derivatives of the model's continuous states, through all its events. Inputs are
-    /// held; the relative tolerance is the one of the experiment, or 10⁻⁹; the absolute one is that times the nominal value of
-    /// each state.
+    /// Computes the step by integrating the time derivatives of the model's continuous states, through all its events.
+    /// Inputs are held. The relative tolerance is that of the experiment, or 10⁻⁹; the absolute tolerance is the relative
+    /// one times the nominal value of each state.
     ///
-    /// The solver is DOP853, the explicit Runge–Kutta method of order 8 by Dormand and Prince with step control and dense output
-    /// (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer 1993). It begins
-    /// anew at every communication point and every event, so the state of the model is all there is to save. It allocates memory.
+    /// The solver is DOP853, the explicit Runge–Kutta method of order 8 by Dormand and Prince with step control and dense
+    /// output (E. Hairer, S. P. Nørsett, G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed., Springer 1993).
+    /// It restarts at every communication point and every event, so only the state of the model has to be saved. It
+    /// allocates memory.
     ///
     /// # Errors
-    /// [`Failure::Discard`] if the derivatives cannot be computed, the model is stiff, or events do not come to an end: a shorter
-    /// step may help. What the model itself fails with.
+    /// [`Failure::Discard`] if the derivatives cannot be computed, the model is stiff, or events do not come to an end: a
+    /// shorter step may help. Also every failure of the model itself.
     fn integrate<M: ModelExchange>(&mut self, model: &mut M) -> Result<(), Failure>;
 }
 
@@ -106,7 +107,8 @@ impl<M: ModelExchange> System<'_, M> {
         self.arrive(time, &states)
     }
 
-    /// As [`advance`](Self::advance), over a time so short that the solver could not divide it: the states change by rounding.
+    /// Like [`advance`](Self::advance), over a time so short that the solver could not divide it: the states change only by
+    /// rounding.
     fn shift(&self, from: f64, to: f64, start: &[f64]) -> Result<f64, Failure> {
         let mut states = vec![0.0; start.len()];
         self.derivative(from, start, &mut states);
@@ -125,7 +127,7 @@ impl<M: ModelExchange> System<'_, M> {
         }
     }
 
-    /// On which side of zero each event indicator is; `None` if the model cannot say.
+    /// The sign of each event indicator; `None` if the model cannot compute them.
     fn signs(&self, time: f64, states: &[f64]) -> Option<Vec<bool>> {
         if !self.equations.has_indicators() {
             return Some(Vec::new());

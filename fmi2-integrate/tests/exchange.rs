@@ -1,5 +1,5 @@
-//! Model exchange by a small host of the tests' own, and the same models in co-simulation with the built-in solver, against exact
-//! solutions.
+//! Compares model exchange by a small host in these tests, and the same models in co-simulation with the built-in solver,
+//! with exact solutions.
 
 #[path = "../../fmi2-export/tests/common/mod.rs"]
 mod common;
@@ -209,7 +209,7 @@ fn the_time_may_go_back_and_a_saved_state_knows_the_next_event() {
     let (slave, other) = (exchange(&fmu, STAIRS), exchange(&fmu, STAIRS));
     slave.initialize();
     slave.update();
-    // A solver looks ahead and comes back; nothing has happened before it says so.
+    // A solver looks ahead and comes back; an event happens only when the solver reports it.
     for time in [1.5, 0.25, -1.0, 1.0] {
         assert_eq!(slave.set_time(time), OK);
     }
@@ -285,7 +285,7 @@ fn what_cannot_be_integrated_is_discarded() {
     assert_eq!(slave.step(0.0, 1e4), DISCARD);
     let message = slave.message();
     assert!(message.contains("stiff") || message.contains("too many steps"), "{message}");
-    // Bounces without end: none is lost at e = 1.
+    // With e = 1 the ball bounces without end, and no bounce is lost.
     let slave = fmu.instantiate(&guid(BALL));
     assert_eq!(slave.set(4, 1.0), OK);
     slave.initialize();

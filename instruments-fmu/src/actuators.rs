@@ -35,7 +35,7 @@ pub struct GraspActuators {
 }
 
 impl GraspActuators {
-    /// What the profile makes of the parameters.
+    /// The settings that result from the profile and the parameters.
     fn settings(&self) -> ActuationSettings {
         match self.profile {
             ActuatorProfile::Parameters => self.settings,
@@ -119,8 +119,8 @@ impl Model for GraspActuators {
     }
 
     fn restored(&mut self) -> Result<(), Failure> {
-        // Before and in initialization mode the parameters may have changed since, even to what does not fit together; a state
-        // will be made anew then.
+        // Before and in initialization mode the parameters may have changed, even to an invalid combination; a state is
+        // then created again.
         let like_new = self.actuation().ok();
         self.actuation.take_if(|state| like_new.as_ref().is_none_or(|like_new| !state.is_sound(like_new)));
         Ok(())

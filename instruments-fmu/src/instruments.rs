@@ -38,7 +38,7 @@ pub struct GraspInstruments {
 }
 
 impl GraspInstruments {
-    /// What the profile makes of the parameters.
+    /// The settings that result from the profile and the parameters.
     fn settings(&self) -> InstrumentSettings {
         let with = |sensors| InstrumentSettings { sensors, ..self.settings }.sampled(profiles::SAMPLE_TIME);
         match self.profile {
@@ -126,8 +126,8 @@ impl Model for GraspInstruments {
     }
 
     fn restored(&mut self) -> Result<(), Failure> {
-        // Before and in initialization mode the parameters may have changed since, even to what does not fit together; a state
-        // will be made anew then.
+        // Before and in initialization mode the parameters may have changed, even to an invalid combination; a state is
+        // then created again.
         let like_new = self.instruments().ok();
         self.instruments.take_if(|state| like_new.as_ref().is_none_or(|like_new| !state.is_sound(like_new)));
         self.measures_rates = self.measures_rates();

@@ -1,4 +1,4 @@
-//! What a host calls at every communication step allocates nothing.
+//! The calls of a host at every communication step allocate nothing.
 
 use std::ffi::CString;
 use std::hint::black_box;
@@ -44,7 +44,7 @@ fn steps(model: usize, inputs: u32, real: &[(u32, f64)], profile: i32) {
     }
 }
 
-/// References of a description's real parameters whose names end like this.
+/// References of a description's real parameters whose names have these endings.
 fn parameters(model: usize, wanted: &[(&str, f64)]) -> Vec<(u32, f64)> {
     let xml = &instruments_fmu::FMUS.models()[model].description().unwrap().xml;
     let attribute = |line: &str, key: &str| {

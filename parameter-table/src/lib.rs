@@ -13,17 +13,17 @@ pub use state::StateVariable;
 pub struct Parameter<T> {
     /// Its name.
     pub name: &'static str,
-    /// Its SI unit as FMI writes it, for example `N.m2`; `1` for a pure number, empty for none.
+    /// Its SI unit in FMI's notation, for example `N.m2`; `1` for a pure number, empty for none.
     pub unit: &'static str,
     /// The values it may take.
     pub range: Range,
-    /// What it is, in one line.
+    /// Its description, in one line.
     pub description: &'static str,
     /// Where it is.
     pub field: fn(&mut T) -> &mut f64,
 }
 
-// Derived, they would ask the same of `T`.
+// Derived implementations would demand the same of `T`.
 impl<T> Clone for Parameter<T> {
     fn clone(&self) -> Self {
         *self
@@ -45,14 +45,14 @@ impl<T> Parameter<T> {
         self.unit.replace("{}", owner.unit)
     }
 
-    /// What it is of this owner.
+    /// Its description for this owner.
     #[must_use]
     pub fn description_of(&self, owner: Owner<'_>) -> String {
         self.description.replace("{}", owner.called)
     }
 }
 
-/// Whose parameter it is: what `{}` in the texts of a row stands for.
+/// The owner of a parameter, which replaces `{}` in the texts of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Owner<'a> {
     /// In names: `theta` makes `theta_offset` of `{}_offset`.
@@ -64,10 +64,10 @@ pub struct Owner<'a> {
 }
 
 impl<'a> Owner<'a> {
-    /// The only one: `{}` stands for itself.
+    /// A single owner: `{}` is kept.
     pub const ALONE: Owner<'static> = Owner { name: "{}", unit: "{}", called: "{}" };
 
-    /// One who is called the same everywhere: by a number in a family, or by a name.
+    /// An owner with the same designation in all texts: a number in a family, or a name.
     #[must_use]
     pub const fn named(name: &'a str) -> Self {
         Self { name, unit: name, called: name }
@@ -88,7 +88,7 @@ macro_rules! parameter {
     };
 }
 
-/// Checks all parameters of an owner who is the only one, in the order of their table.
+/// Checks all parameters of a single owner, in the order of their table.
 ///
 /// # Errors
 /// The first parameter that is not a number in its range.
@@ -112,7 +112,7 @@ pub fn check_family<T: Clone>(table: &[Parameter<T>], owners: &[T]) -> Result<()
 /// # Errors
 /// The first parameter that is not a number in its range.
 pub fn check_of<T: Clone>(who: Owner<'_>, table: &[Parameter<T>], owner: &T) -> Result<(), InvalidParameter> {
-    // The table knows the way to a field that is to be written; a copy may be.
+    // The table gives access to a field only for writing, and a copy may be written.
     let mut owner = owner.clone();
     table.iter().try_for_each(|row| {
         let value = *(row.field)(&mut owner);

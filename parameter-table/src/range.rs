@@ -1,4 +1,4 @@
-//! Which values are admissible, and what is said of others.
+//! Admissible values, and the message about others.
 
 use std::fmt;
 
@@ -81,6 +81,6 @@ pub struct InvalidParameter {
     pub name: String,
     /// The refused value.
     pub value: f64,
-    /// What would have been admissible.
+    /// The admissible values.
     pub admissible: Admissible,
 }

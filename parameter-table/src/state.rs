@@ -1,15 +1,15 @@
 //! A row of a table of continuous states.
 
-/// A continuous state of a system of differential equations: what describes it to a solver and to people.
+/// A continuous state of a system of differential equations: its description for solvers and readers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateVariable {
     /// Its name.
     pub name: String,
-    /// Its SI unit as FMI writes it; `1` for a pure number, empty where no unit with integer exponents fits.
+    /// Its SI unit in FMI's notation; `1` for a pure number, empty where no unit with integer exponents fits.
     pub unit: &'static str,
     /// A typical magnitude, from which a solver takes absolute tolerances.
     pub nominal: f64,
-    /// What it is, in one line.
+    /// Its description, in one line.
     pub description: String,
 }
 

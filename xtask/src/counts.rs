@@ -1,4 +1,5 @@
-//! Instruction counts of a communication step: a measure of its cost that is the same in every run, compared with a history.
+//! Instruction counts of a communication step: a measure of its cost that is the same in every run. They are compared with
+//! a history.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -11,7 +12,7 @@ use chrono::{DateTime, Utc};
 use crate::steps::Outcome;
 use crate::tree::Tree;
 
-/// The cases that `step_cost` knows: the columns of the history.
+/// The cases of `step_cost`, which are the columns of the history.
 const CASES: [&str; 6] = ["plant", "nabfc", "pds", "pd", "coupled", "master"];
 
 /// How much more a step may cost than the last time it was recorded.
@@ -22,7 +23,7 @@ const HISTORY: &str = "docs/performance/instructions.csv";
 /// One line of the history.
 struct Entry {
     date: String,
-    /// For people: what was changed.
+    /// A note for readers: the reason of the change.
     note: String,
     counts: [u64; CASES.len()],
 }
@@ -60,7 +61,7 @@ pub fn record(tree: &Tree, note: &str) -> Outcome {
     }
 }
 
-/// Instructions per step of each case; what ends the step if there are none.
+/// Instructions per step of each case, or the outcome of the check if they cannot be counted.
 fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
     if !(cfg!(target_os = "linux") && cfg!(target_arch = "x86_64")) {
         return Err(Outcome::Skipped("the history is of Linux on x86-64".into()));

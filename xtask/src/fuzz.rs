@@ -1,5 +1,5 @@
-//! The fuzz targets in `fuzz/`, for a minute by libFuzzer where it is installed. With their seeds, as plain Rust, they are among the
-//! Rust tests.
+//! The fuzz targets in `fuzz/`, run for a minute in total by libFuzzer if it is installed. With their seeds, as plain Rust,
+//! they are part of the Rust tests.
 
 use std::process::Command;
 
@@ -31,7 +31,8 @@ pub fn run_targets(tree: &Tree) -> Outcome {
     Outcome::Passed
 }
 
-/// The cargo of the PATH, which knows `+nightly`, without what our own cargo says to its children.
+/// The cargo of the PATH, which supports `+nightly`, without the environment variables that our own cargo sets for its
+/// children.
 fn rustup_cargo(tree: &Tree, arguments: &[&str]) -> Command {
     let mut command = Command::new("cargo");
     command.args(arguments).current_dir(&tree.root);

@@ -1,4 +1,4 @@
-//! Builds what the Python tests need from cargo before they run: no test waits for a compiler.
+//! Builds everything that the Python tests need from cargo before they run, so that no test waits for a compiler.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -12,7 +12,7 @@ use crate::tree::Tree;
 /// The crate that the tests make from the template; its name gives the model's, `WaterHeater`.
 const FROM_TEMPLATE: &str = "water-heater";
 
-/// Builds all of it; the results are in `<build directory>/helpers`, the judge in `<build directory>/judges`.
+/// Builds all helpers; the results are in `<build directory>/helpers`, the judge in `<build directory>/judges`.
 pub fn build(tree: &Tree) -> Outcome {
     let folder = tree.target.join("helpers");
     if let Err(error) = fs::create_dir_all(&folder) {
@@ -32,7 +32,7 @@ fn example(tree: &Tree, folder: &Path) -> Outcome {
     tree.run_packager("examples/hub-friction", &[OsStr::new("--out"), folder.as_os_str()])
 }
 
-/// A stranger's crate: made from the template, its FMU packaged, its tests compiled.
+/// The crate of a new user: made from the template, its FMU packaged, its tests compiled.
 fn from_template(tree: &Tree, folder: &Path) -> Outcome {
     let path = folder.join(FROM_TEMPLATE);
     if path.exists()
@@ -43,7 +43,7 @@ fn from_template(tree: &Tree, folder: &Path) -> Outcome {
     if let Err(reason) = cargo_fmi2::new::create(&path, None) {
         return Outcome::Failed(reason);
     }
-    // The versions that the workspace has: they have been fetched, so that nothing is asked of the network.
+    // The versions of the workspace: they are downloaded already, so no network is needed.
     if let Err(error) = fs::copy(tree.root.join("Cargo.lock"), path.join("Cargo.lock")) {
         return Outcome::Failed(format!("cannot copy Cargo.lock: {error}"));
     }
@@ -71,7 +71,7 @@ fn from_template(tree: &Tree, folder: &Path) -> Outcome {
     Outcome::Passed
 }
 
-/// The importer of rust-fmi; says so if it cannot be built here, and the tests that need it are skipped.
+/// The importer of rust-fmi. If it cannot be built here, a message says so, and the tests that need it are skipped.
 fn judge(tree: &Tree, _: &Path) -> Outcome {
     run(python::command(tree, &["-m", "tests.judges.rust_fmi"]))
 }

@@ -1,5 +1,5 @@
-//! Tests that take minutes and are therefore left out of `cargo test`: a million random calls and the hostile ones under
-//! valgrind (which say so if it is not there), thousands of load cycles of the real FMUs, ten million steps.
+//! Tests that take minutes and are therefore not part of `cargo test`: a million random calls and the hostile ones under
+//! valgrind (skipped with a message if it is missing), thousands of load cycles of the real FMUs, ten million steps.
 
 use crate::steps::{Outcome, run_together};
 use crate::tree::Tree;

@@ -11,8 +11,8 @@
 //! cargo xtask counts   instructions per communication step, against their history
 //! ```
 //!
-//! Needs a stable Rust toolchain, a C toolchain (linker) and Python 3.9 or newer with `venv`; everything else is fetched
-//! by cargo and pip.
+//! Needs a stable Rust toolchain, a C toolchain (linker) and Python 3.9 or newer with `venv`; cargo and pip download
+//! everything else.
 
 mod checks;
 mod cli;
@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// `cargo xtask test`: everything, or the Rust or the Python half of it.
+/// `cargo xtask test`: all tests, or only the Rust or the Python ones.
 fn test(tree: &Tree, what: &Test) -> ExitCode {
     let everything = !what.rust && !what.python;
     let mut steps = Runner::new(match (what.rust, what.python) {
@@ -62,7 +62,8 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
         (true, _) => 2,
         (_, true) => 4,
     });
-    // First, because the Rust tests attack the FMUs' libraries too; stale ones would be attacked for what is no longer there.
+    // Packaging comes first, because the Rust tests attack the FMUs' libraries too; old libraries would be attacked for
+    // faults that are fixed.
     let mut environment = None;
     steps.step("Build and package the FMUs", || {
         let (packaged, prepared) = packaging::package(tree, !what.python, !what.rust);
@@ -87,7 +88,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
         } else {
             steps.step("Other platforms", || Outcome::Skipped(platforms::NOT_CHECKED.into()));
         }
-        // The code checks come last: a lint that a newer clippy brings must not hide what the tests say.
+        // The code checks come last: a lint of a newer clippy must not hide the results of the tests.
         checks::add(&mut steps, tree);
     }
     steps.finish()
@@ -113,7 +114,7 @@ fn describe(tree: &Tree) -> ExitCode {
     steps.finish()
 }
 
-/// `cargo xtask new-fmu`: for those who come with a model of their own.
+/// `cargo xtask new-fmu`: for authors of other models.
 fn new_fmu(path: &Path) -> ExitCode {
     match cargo_fmi2::new::create(path, None) {
         Ok(next) => {
@@ -127,14 +128,14 @@ fn new_fmu(path: &Path) -> ExitCode {
     }
 }
 
-/// `cargo xtask published`: what a stranger gets from crates.io.
+/// `cargo xtask published`: tests the packages for crates.io.
 fn published(tree: &Tree) -> ExitCode {
     let mut steps = Runner::new(1);
     steps.step(PUBLISHED, || publish::check(tree));
     steps.finish()
 }
 
-/// `cargo xtask platforms`: what `cargo xtask test --all-platforms` does besides.
+/// `cargo xtask platforms`: the additional part of `cargo xtask test --all-platforms`.
 fn other_platforms(tree: &Tree) -> ExitCode {
     let mut steps = Runner::new(2 + platforms::COUNT);
     steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package"])));
@@ -150,7 +151,7 @@ fn make_release(tree: &Tree, out: &Path, merged: &[PathBuf]) -> ExitCode {
     steps.finish()
 }
 
-/// `cargo xtask counts`: what a step costs, compared with the history or added to it.
+/// `cargo xtask counts`: the cost of a step, compared with the history or added to it.
 fn counts(tree: &Tree, record: Option<&str>) -> ExitCode {
     let mut steps = Runner::new(2);
     steps.step("Build and package the FMUs", || run(tree.cargo(&["run", "--release", "--", "package"])));

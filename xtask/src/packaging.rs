@@ -1,7 +1,7 @@
-//! The first step of the tests: the FMUs, and beside them what else takes time and needs none of them.
+//! The first step of the tests: packages the FMUs, and meanwhile does other work that takes time and needs no FMU.
 //!
-//! The links of the FMU libraries use one processor for most of a minute. Meanwhile the others compile the Rust tests, and the
-//! network brings the Python packages.
+//! The links of the FMU libraries use one processor for most of a minute. Meanwhile the other processors compile the Rust
+//! tests, and the Python packages are downloaded.
 
 use std::fs::{File, TryLockError};
 use std::process::Stdio;
@@ -16,8 +16,8 @@ use crate::tree::Tree;
 /// How often is looked whether cargo has begun with the libraries.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
 
-/// Packages the FMUs with their cross-check folders. Of what is made beside them, only the Python environment's outcome is told
-/// (`None` if it is not wanted): tests that do not compile fail again in their own step.
+/// Packages the FMUs with their cross-check folders. Of the other work, only the outcome of the Python environment is
+/// returned (`None` if it is not wanted): tests that do not compile fail again in their own step.
 pub fn package(tree: &Tree, rust: bool, python: bool) -> (Outcome, Option<Outcome>) {
     let done = AtomicBool::new(false);
     thread::scope(|scope| {
@@ -32,8 +32,8 @@ pub fn package(tree: &Tree, rust: bool, python: bool) -> (Outcome, Option<Outcom
     })
 }
 
-/// Compiles the tests as soon as cargo builds the libraries, which have a build folder of their own. Before, cargo needs the
-/// folder that the tests go to.
+/// Compiles the tests as soon as cargo builds the libraries, which have a separate build folder. Before that, cargo needs
+/// the folder of the tests itself.
 fn compile_tests(tree: &Tree, done: &AtomicBool) {
     let lock = tree.target.join("fmu").join(".cargo-lock");
     let is_building = || {
@@ -44,7 +44,7 @@ fn compile_tests(tree: &Tree, done: &AtomicBool) {
         if is_building() {
             let mut command = tree.cargo_all("test", &["--no-run", "--quiet"]);
             command.stdout(Stdio::null()).stderr(Stdio::null());
-            // Whatever is wrong with them is said where they are run.
+            // Errors are reported when the tests are run.
             let _ = command.status();
             return;
         }

@@ -1,4 +1,4 @@
-//! The crates that are meant for crates.io: packaged, unpacked, and tested where nothing of the repository is around them.
+//! Packages the crates for crates.io, unpacks the packages, and tests them outside the workspace.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -13,13 +13,13 @@ use crate::tree::Tree;
 pub const CRATES: [&str; 6] =
     ["parameter-table", "fmi2-export-derive", "fmi2-export", "fmi2-package", "cargo-fmi2", "fmi2-import"];
 
-/// They are compiled fast: how well the compiler optimises is not what is tested.
+/// They are compiled quickly: optimisation is not what is tested.
 const OPTIMISATION: u8 = 0;
 
-/// A crate without code that gives dependencies the features they have in the workspace, so that they are not compiled again.
+/// A crate without code that gives dependencies the same features as in the workspace, so that they are not compiled again.
 const FEATURES: &str = "workspace-hack";
 
-/// Packages the crates, unpacks them side by side, and tests what was in the packages.
+/// Packages the crates, unpacks them side by side, and tests the contents of the packages.
 pub fn check(tree: &Tree) -> Outcome {
     let packages = CRATES.iter().flat_map(|name| ["--package", *name]);
     let mut package = tree.cargo(&["package", "--allow-dirty", "--no-verify", "--quiet"]);
@@ -62,7 +62,7 @@ fn unpack(tree: &Tree, folder: &Path) -> io::Result<()> {
     fs::write(folder.join("Cargo.toml"), manifest(&root))
 }
 
-/// The workspace's manifest with these members only, which find each other here as they will on crates.io.
+/// The workspace's manifest with only these members, which find each other here as on crates.io.
 fn manifest(root: &str) -> String {
     let settings = root.find("[workspace.package]").map_or("", |at| &root[at..]);
     let members = CRATES.iter().chain([&FEATURES]).map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
@@ -101,7 +101,7 @@ mod tests {
         assert_eq!(version(ROOT), Some("1.2.3"));
     }
 
-    /// What is published first cannot need what comes later, and whatever says no `publish = false` is among them.
+    /// A crate that is published first cannot need a later one, and every crate without `publish = false` is in the list.
     #[test]
     fn the_order_of_publication_is_possible_and_no_crate_is_forgotten() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();

@@ -11,7 +11,7 @@ use crate::tree::{Tree, works};
 /// Oldest Python that the pinned packages and the tests support.
 const OLDEST: (u32, u32) = (3, 9);
 
-/// Makes the environment, or keeps the one there is when it was made from the same requirements by the same Python.
+/// Makes the environment, or keeps the existing one if it was made from the same requirements by the same Python.
 pub fn prepare(tree: &Tree) -> Outcome {
     match try_prepare(tree) {
         Ok(outcome) => outcome,
@@ -21,7 +21,7 @@ pub fn prepare(tree: &Tree) -> Outcome {
 
 /// The command that runs the Python tests with `args` added.
 pub fn pytest(tree: &Tree, args: &[String]) -> Command {
-    // All processors; each file by one process, so that what its tests share is made once.
+    // All processors are used. One process runs each file, so that fixtures shared by its tests are made once.
     let mut command = command(tree, &["-m", "pytest", "--numprocesses=auto", "--dist=loadfile"]);
     if !args.iter().any(|arg| arg.starts_with("tests/")) {
         command.arg("tests");
@@ -37,8 +37,8 @@ pub fn command(tree: &Tree, args: &[&str]) -> Command {
     command
 }
 
-/// A program from a `PyPI` package that is not among the tests' requirements because it may be unobtainable; or why it is.
-/// `version` is the argument by which it tells its version.
+/// A program from a `PyPI` package that is not among the tests' requirements because it may be unavailable; or the reason
+/// why it is missing. `version` is the argument that prints its version.
 pub fn tool(tree: &Tree, package: &str, program: &str, version: &str) -> Result<Command, String> {
     let installed = || {
         let folder = interpreter(tree).with_file_name(program);
@@ -87,7 +87,7 @@ fn try_prepare(tree: &Tree) -> Result<Outcome, String> {
     install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", "tests/requirements.txt"]);
     install.current_dir(&tree.root);
     let outcome = run(install);
-    // The stamp comes last: an interrupted installation is made anew.
+    // The stamp is written last: an interrupted installation is repeated.
     if outcome == Outcome::Passed {
         fs::write(&stamp_file, stamp).map_err(|error| format!("cannot write to the environment: {error}"))?;
     }

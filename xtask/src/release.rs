@@ -1,5 +1,5 @@
-//! `cargo xtask release`: a folder with what a release page offers. What the files are and how they are put together is in
-//! `python/downloads.py`; here they are built.
+//! `cargo xtask release`: a folder with the contents of a release page. `python/downloads.py` defines the files and
+//! assembles them; this module builds their parts.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -14,7 +14,7 @@ use crate::tree::{Tree, works};
 /// Platforms besides this machine's that FMUs get libraries for where their compilers are there.
 const OTHERS: [&str; 2] = ["win64", "aarch64-linux"];
 
-/// Builds all of it in `out`, with the libraries of FMUs in `merged`, which were built on other machines.
+/// Builds all parts in `out`, with the libraries of FMUs in `merged`, which were built on other machines.
 pub fn add(steps: &mut Runner, tree: &Tree, out: &Path, merged: &[PathBuf]) {
     let out = tree.root.join(out);
     let mut libraries: Vec<PathBuf> = merged.iter().map(|path| tree.root.join(path)).collect();
@@ -89,7 +89,7 @@ pub fn add(steps: &mut Runner, tree: &Tree, out: &Path, merged: &[PathBuf]) {
     });
 }
 
-/// That what is for Linux needs no newer glibc than we say.
+/// Checks that the Linux files need no newer glibc than documented.
 fn check_glibc(tree: &Tree, out: &Path) -> Outcome {
     if platforms::here() != "linux64" {
         return Outcome::Skipped("nothing is built for Linux here".into());

@@ -11,9 +11,9 @@ use std::time::{Duration, Instant};
 pub enum Outcome {
     /// Done, nothing to object to.
     Passed,
-    /// Could not be done here, which is no failure; says why.
+    /// Not possible here, which is no failure; contains the reason.
     Skipped(String),
-    /// Failed; says why.
+    /// Failed; contains the reason.
     Failed(String),
 }
 

@@ -32,8 +32,8 @@ impl Tree {
         command
     }
 
-    /// `cargo <subcommand>` of the whole workspace, as everything that `cargo xtask test` builds: for other crates or features,
-    /// cargo would give dependencies other features, and compile them and all that needs them anew.
+    /// `cargo <subcommand>` of the whole workspace, like every build of `cargo xtask test`. With other crates or features,
+    /// cargo would give dependencies other features, and compile them and their dependents again.
     pub fn cargo_all(&self, subcommand: &str, args: &[&str]) -> Command {
         let mut command = self.cargo(&[subcommand, "--release", "--workspace", "--all-features"]);
         command.args(args);
@@ -48,7 +48,7 @@ impl Tree {
             return built;
         }
         let mut command = Command::new(self.program(name));
-        // What `cargo run` would tell it.
+        // The variable that `cargo run` would set.
         let manifest = self.root.join(folder);
         command.args(arguments).current_dir(&self.root).env("CARGO", cargo()).env("CARGO_MANIFEST_DIR", manifest);
         run(command)
@@ -59,7 +59,7 @@ impl Tree {
         self.target.join("release").join(format!("{name}{}", std::env::consts::EXE_SUFFIX))
     }
 
-    /// Runs the cargo subcommand of an optional toolchain component, or says that it is absent.
+    /// Runs the cargo subcommand of an optional toolchain component, or reports that it is missing.
     pub fn cargo_component(&self, subcommand: &str, component: &str, args: &[&str]) -> Outcome {
         if !works(self.cargo(&[subcommand, "--version"])) {
             return Outcome::Skipped(format!("{component} is not installed (`rustup component add {component}`)"));

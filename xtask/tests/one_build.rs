@@ -1,5 +1,5 @@
-//! Whatever is built, dependencies have the same features: otherwise all that needs them would be compiled for each build anew.
-//! What is missing belongs into `workspace-hack`.
+//! Dependencies have the same features in every build; otherwise all their dependents would be compiled again for each
+//! build. Missing features belong into `workspace-hack`.
 
 use std::collections::BTreeMap;
 use std::process::Command;

@@ -1,14 +1,14 @@
-//! The controllers for a host that integrates: the states of [`grasp_control::continuous`] as variables.
+//! Model exchange for the controllers: the states of [`grasp_control::continuous`] as variables.
 
 use fmi2_export::{EventUpdate, Experiment, Failure, Model, ModelExchange, Moment, Variables};
 use grasp_control::continuous::Direction;
 
 use super::{Controller, FmuLaw, target_change};
 
-/// How often limits are decided anew in one event, at most: one decision can change a command that another depends on.
+/// The largest number of decisions about limits in one event: one decision can change a command on which another depends.
 const MOST_DECISIONS: usize = 8;
 
-/// What only a host that integrates looks at.
+/// Variables that only a host of model exchange reads.
 #[derive(Clone)]
 pub(super) struct States {
     values: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Laws that are set by gains alone, PD and PDS: what they have in common as FMUs.
+//! The common parts of PD and PDS as FMUs: laws whose settings are only gains.
 
 use fmi2_export::{Enumeration, StateVariable, Variables};
 use grasp_control::continuous::{Continuous, PDS_INDICATORS, PDS_STATES, pds_state_variables};
@@ -18,7 +18,7 @@ pub trait GainLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Sy
 
     /// Name of the FMU.
     const NAME: &'static str;
-    /// One line on what it is.
+    /// Its description in one line.
     const DESCRIPTION: &'static str;
     /// The gains by their names in the interface.
     const GAINS: &'static [Parameter<Self::Gains>];
@@ -32,7 +32,7 @@ pub trait GainLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Sy
     /// Changes gains and limits while the law runs; its state stays.
     ///
     /// # Errors
-    /// The first parameter that is not in its range; the law is then as before.
+    /// The first parameter that is not in its range; the law is then unchanged.
     fn set_gains(&mut self, gains: Self::Gains, limits: Limits) -> Result<(), InvalidParameter>;
 
     /// Whether this law has the arms and the settings of another one, whatever its state.
@@ -45,7 +45,7 @@ pub trait GainSource<G>: Enumeration + Default + Serialize + DeserializeOwned {
     fn gains(self, parameters: G) -> G;
 }
 
-/// What the user can set.
+/// The settings of the user.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct GainSettings<G, P> {
     preset: P,

@@ -38,24 +38,24 @@ impl From<Rates> for RateSource {
     }
 }
 
-/// The longest step a controller takes \[s\], some thirty years: the products of step size and state stay finite. Far
-/// longer ones would end in NaN.
+/// The longest step of a controller \[s\], some thirty years, with which the products of step size and state stay finite.
+/// Far longer steps would end in NaN.
 const LONGEST_STEP: f64 = 1e9;
 
-/// What makes a law an FMU.
+/// The properties that a law needs to become an FMU.
 pub trait FmuLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Sync + 'static {
-    /// What its user can set besides the properties of the arms.
+    /// The user's settings besides the properties of the arms.
     type Settings: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 'static;
     /// Outputs it has besides those that all controllers share.
     type Extra: Clone + Default + Send + Sync + 'static;
 
     /// Name of the FMU.
     const NAME: &'static str;
-    /// One line on what it is.
+    /// Its description in one line.
     const DESCRIPTION: &'static str;
     /// Measurements that `u_cmd` depends on, besides the position, the velocity and the shears of all laws.
     const FORCE_ALSO_DEPENDS_ON: &'static [&'static str] = &[];
-    /// Measurements that each `tau{}_cmd` depends on, besides the angle, its rate and the root moment of all laws.
+    /// Measurements on which each `tau{}_cmd` depends, besides the angle, its rate and the root moment, which all laws use.
     const TORQUE_ALSO_DEPENDS_ON: &'static [&'static str] = &[];
 
     /// How many event indicators it has, whatever its settings.
@@ -78,7 +78,7 @@ pub trait FmuLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Syn
     /// Changes the settings while the law runs; its state stays.
     ///
     /// # Errors
-    /// The first parameter that is not in its range; the law is then as before.
+    /// The first parameter that is not in its range; the law is then unchanged.
     fn retune(&mut self, settings: &Self::Settings) -> Result<(), InvalidParameter>;
 
     /// Whether this law has the arms and the settings of another one, whatever its state.
@@ -132,13 +132,13 @@ pub struct Controller<L: FmuLaw> {
     is_integrated: bool,
     /// Which limits hold then.
     regimes: Regimes,
-    /// What the host may look at.
+    /// The variables that the host may read.
     #[serde(skip)]
     outputs: Outputs<L::Extra>,
     /// Time derivatives of the outputs.
     #[serde(skip)]
     rates: Outputs<L::Extra>,
-    /// What a host that integrates may look at.
+    /// The variables that a host of model exchange may read.
     #[serde(skip, default = "States::of::<L>")]
     states: States,
 }
@@ -197,7 +197,8 @@ impl<L: FmuLaw> Controller<L> {
     }
 }
 
-/// Change of targets and errors, which are affine in the inputs, for a change of the inputs. Not inlined, which would be six times.
+/// Change of targets and errors, which are affine in the inputs, for a change of the inputs. Not inlined, to avoid six
+/// copies.
 #[inline(never)]
 fn target_change(arms: &Arms, change: &Inputs) -> (Targets, Errors) {
     let change = change.to_array();
@@ -264,11 +265,11 @@ impl<L: FmuLaw> Model for Controller<L> {
     fn restored(&mut self) -> Result<(), Failure> {
         // Checks the settings, too; inputs and their slopes have been checked.
         let like_new = L::create(self.arms, &self.settings).map_err(Failure::error)?;
-        // In initialization mode the settings may have changed since the law was made; it will be made anew then.
+        // In initialization mode the settings may have changed since the law was created; it is then created again.
         self.law.take_if(|law| !law.is_like(&like_new));
         let inputs = self.inputs;
         if !inputs.to_array().iter().all(|value| value.abs() <= Inputs::LARGEST) {
-            // Beyond what a step accepts, commands may be infinite.
+            // Outside the range that a step accepts, commands may be infinite.
             return Ok(());
         }
         let commands = self.law.as_mut().map(|law| law.commands(&inputs).to_array());

@@ -52,7 +52,7 @@ impl From<LearnerChoice> for Learner {
     }
 }
 
-/// What the user can set.
+/// The settings of the user.
 #[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Settings {
     choice: Choice,
@@ -175,7 +175,7 @@ pub struct Extra {
     estimates: Estimates,
 }
 
-/// Change of the paper's sliding variables, which are linear in what the law sees, along a direction of that.
+/// Change of the paper's sliding variables along a direction of the law's inputs, in which they are linear.
 fn paper_surfaces(law: &Nabfc, direction: &Inputs) -> Surfaces {
     let (jacobian, direction) = (law.surface_jacobian(), direction.to_array());
     Surfaces {

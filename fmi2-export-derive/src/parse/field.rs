@@ -1,4 +1,4 @@
-//! The fields: their roles, and what stands in the attributes.
+//! The fields: their roles, and the contents of their attributes.
 
 use proc_macro2::TokenStream;
 use syn::meta::ParseNestedMeta;
@@ -29,7 +29,7 @@ pub struct Field {
     pub starts_from: Vec<Ident>,
 }
 
-/// What a field is to the outside.
+/// The role of a field in the interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     Input,
@@ -59,7 +59,7 @@ impl Role {
         Self::ALL.iter().find(|(_, role)| *role == self).map_or("", |(name, _)| name)
     }
 
-    /// What may stand in the parentheses.
+    /// The keys that its parentheses may contain.
     fn keys(self) -> &'static [&'static str] {
         match self {
             Self::State => &["start"],

@@ -1,4 +1,4 @@
-//! What the attributes and comments say.
+//! Reads the attributes and comments.
 
 mod field;
 #[cfg(test)]

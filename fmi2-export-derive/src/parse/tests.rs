@@ -1,4 +1,4 @@
-//! What is read, and what is refused.
+//! Attributes that are read, and attributes that are refused.
 
 use super::*;
 

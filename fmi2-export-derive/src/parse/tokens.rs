@@ -1,10 +1,10 @@
-//! Values, names and comments, as they stand in the source.
+//! Values, names and comments, as written in the source.
 
 use proc_macro2::{TokenStream, TokenTree};
 use syn::meta::ParseNestedMeta;
 use syn::{Attribute, Error, Expr, ExprLit, Ident, Lit, Meta, Result, Token};
 
-/// What follows the `=`, up to the next comma: an expression, which the compiler will read, so that syn need not.
+/// The tokens after the `=`, up to the next comma: an expression. The compiler reads it, so syn need not.
 pub(super) fn expression(meta: &ParseNestedMeta<'_>) -> Result<TokenStream> {
     let input = meta.value()?;
     let mut tokens = TokenStream::new();

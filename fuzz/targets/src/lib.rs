@@ -1,4 +1,4 @@
-//! What each fuzz target does with its bytes. A target fails by a panic.
+//! The work of each fuzz target with its bytes. A target fails by a panic.
 
 #![allow(clippy::missing_panics_doc)] // that is how they fail
 
@@ -9,7 +9,7 @@ pub use state::{blob, payload, state};
 use fmi2_cosim::ssp::{read, write};
 use fmi2_import::ModelDescription;
 
-/// Reads a `modelDescription.xml`; what is understood is consistent in itself.
+/// Reads a `modelDescription.xml`; an accepted description is consistent.
 pub fn description(data: &[u8]) {
     let Ok(description) = ModelDescription::from_bytes(data) else { return };
     for (index, variable) in description.variables.iter().enumerate() {
@@ -18,7 +18,7 @@ pub fn description(data: &[u8]) {
     }
 }
 
-/// Reads the documents of an SSP; what is understood can be written, and what is written can be read.
+/// Reads the documents of an SSP; an accepted document can be written, and the result can be read.
 pub fn ssp(data: &[u8]) {
     if let Ok(structure) = read::system_structure(data) {
         let written = write::system_structure(&structure);

@@ -1,4 +1,4 @@
-//! Saved states that somebody has tampered with, through the C interface, as a host hands them over.
+//! Tampered saved states, passed through the C interface like those of a host.
 
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr::{null, null_mut};
@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
 use serde::{Deserialize, Serialize};
 
-/// A state of everything that serialised states are made of: numbers, text, choices, and lengths that vary.
+/// A state with all parts of serialised states: numbers, text, choices, and varying lengths.
 #[derive(Clone, Default, Serialize, Deserialize)]
 struct Lags {
     u: f64,
@@ -100,7 +100,7 @@ const HEADER: usize = 58;
 /// Bytes after it.
 const CHECKSUM: usize = 4;
 
-/// An initialised instance; whoever asks for it has to free it.
+/// An initialised instance; the caller has to free it.
 fn instance() -> C {
     static GUID: OnceLock<CString> = OnceLock::new();
     let guid = GUID.get_or_init(|| CString::new(FMUS.models()[0].description().expect("declared").guid).expect("text"));
@@ -139,8 +139,8 @@ pub fn blob() -> Vec<u8> {
     }
 }
 
-/// Hands over a state whose model part is `data`, with a right header and checksum, and the bytes as they are. Both are
-/// refused, or make an instance that works.
+/// Passes a state whose model part is `data`, with a correct header and checksum, and the bytes unchanged. Each is either
+/// refused, or makes an instance that works.
 pub fn state(data: &[u8]) {
     static REAL: OnceLock<Vec<u8>> = OnceLock::new();
     let real = REAL.get_or_init(blob);
@@ -159,7 +159,7 @@ pub fn payload(blob: &[u8]) -> &[u8] {
     &blob[HEADER..blob.len() - CHECKSUM]
 }
 
-/// Loads a state; if it is accepted, the instance goes on.
+/// Loads a state; if it is accepted, the instance continues.
 fn hand_over(bytes: &[u8]) -> bool {
     let c = instance();
     let mut state = null_mut();
@@ -186,7 +186,7 @@ fn hand_over(bytes: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    /// The header is as long as this file takes it to be: what it puts together again is accepted.
+    /// The header has the length that this file assumes: a state that this file reassembles is accepted.
     #[test]
     fn a_state_that_is_put_together_again_is_accepted() {
         let real = blob();

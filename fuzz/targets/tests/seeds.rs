@@ -1,5 +1,5 @@
-//! Every target takes the seeds, whole and damaged, with stable Rust: so that targets work when they are needed, and no
-//! simple damage gets through. The damage is the same at every run.
+//! Every target processes the seeds, intact and damaged, on stable Rust, so that the targets work when they are needed and
+//! find simple damage. The damage is the same in every run.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! A compiler for another platform: that of rustup where its target is installed, otherwise Debian's (`rustc-web`), which comes with
+//! A compiler for another platform: rustup's if its target is installed, otherwise Debian's (`rustc-web`), which includes
 //! the source of the standard library and compiles it.
 
 use std::path::{Path, PathBuf};
@@ -28,14 +28,15 @@ pub struct Compiler {
     environment: Vec<(String, String)>,
 }
 
-/// Arguments by which cargo compiles the standard library too, without what prints backtraces: nobody sees them in a host.
+/// Arguments with which cargo compiles the standard library too, without the code that prints backtraces, which nobody sees
+/// in a host.
 const WITH_STANDARD_LIBRARY: [&str; 2] = ["-Zbuild-std=std,panic_unwind", "-Zbuild-std-features=panic-unwind"];
 
 impl Compiler {
-    /// The one there is for this platform.
+    /// The available compiler for this platform.
     ///
     /// # Errors
-    /// What is missing.
+    /// The missing parts.
     pub fn find(tree: &Tree, platform: &'static str) -> Result<Self, String> {
         let mut compiler = Self {
             platform,
@@ -52,7 +53,7 @@ impl Compiler {
                 if on_path("x86_64-w64-mingw32-gcc").is_none() {
                     return Err("no linker (Debian: gcc-mingw-w64-x86-64)".into());
                 }
-                // Windows 7 is what wine 8 can be; later ones want a DLL that it lacks.
+                // wine 8 emulates Windows 7; targets for later versions need a DLL that it lacks.
                 compiler.target = "x86_64-win7-windows-gnu";
                 compiler.use_debian()?;
                 let gcc = "x86_64-w64-mingw32-gcc";
@@ -67,7 +68,7 @@ impl Compiler {
             }
             _ => {
                 compiler.target = "x86_64-unknown-linux-gnu";
-                // By the compiler of this machine, and so beside what `dualarm package` builds with zig.
+                // Built by the compiler of this machine, in addition to the library that `dualarm package` builds with zig.
                 compiler.folder.clone_from(&tree.target);
                 compiler.by_zig(tree)?;
             }
@@ -95,7 +96,7 @@ impl Compiler {
         Ok(())
     }
 
-    /// zig links, for the oldest glibc that Rust's standard library knows.
+    /// zig links, for the oldest glibc that Rust's standard library supports.
     fn by_zig(&mut self, tree: &Tree) -> Result<(), String> {
         let (zig, zigbuild) = (zig(tree)?, zigbuild(tree)?);
         self.set("CARGO_ZIGBUILD_ZIG_PATH", &zig.display().to_string());
@@ -104,7 +105,7 @@ impl Compiler {
         Ok(())
     }
 
-    /// Builds a library; `what` says which.
+    /// Builds a library; `what` selects it.
     pub fn library(&self, what: &[&str], guids: &str) -> Command {
         let mut command = self.command("rustc");
         command.args(["--profile", "fmu"]).args(what).env("FMI2_EXPORT_GUIDS", guids);

@@ -1,4 +1,4 @@
-//! What runs programs of another platform here.
+//! Emulators that run programs of another platform here.
 
 use std::fs;
 use std::process::Command;
@@ -10,13 +10,13 @@ use crate::tree::Tree;
 pub struct Emulator {
     /// A C compiler for the platform, and its first arguments.
     pub c_compiler: Vec<String>,
-    /// What starts a program, and its first arguments.
+    /// The command that starts a program, and its first arguments.
     pub run: Vec<String>,
     /// Variables for both.
     pub environment: Vec<(&'static str, String)>,
 }
 
-/// The release of Debian whose C library stands for an old Linux: glibc 2.31, from 2020.
+/// The release of Debian whose C library represents an old Linux: glibc 2.31, from 2020.
 const OLD_DEBIAN: &str = "bullseye";
 
 fn words(words: &[&str]) -> Vec<String> {

@@ -1,8 +1,8 @@
-//! FMUs for other platforms, built here and run by what stands in for them: Windows by wine, 64-bit ARM by qemu, an old Linux by
-//! its own C library. The tests are in `tests/test_platforms.py`.
+//! FMUs for other platforms, built and run here by emulation: Windows by wine, 64-bit ARM by qemu, an old Linux by its own
+//! C library. The tests are in `tests/test_platforms.py`.
 //!
-//! None of this installs a compiler: what is not there is said, and the step is skipped. It is no part of the plain test command,
-//! since the standard library is compiled for each platform, which takes minutes.
+//! None of this installs a compiler: if something is missing, a message says so and the step is skipped. The plain test
+//! command does not include it, because the standard library is compiled for each platform, which takes minutes.
 
 mod cross;
 mod emulator;
@@ -18,7 +18,7 @@ use crate::tree::Tree;
 pub use cross::{Compiler, zigbuild};
 use emulator::Emulator;
 
-/// What the plain test command leaves out.
+/// The part that the plain test command omits.
 pub const NOT_CHECKED: &str =
     "win64, aarch64-linux and old Linux were not checked here: `cargo xtask test --all-platforms` does it";
 
@@ -28,11 +28,11 @@ pub const COUNT: usize = 3;
 /// The crates of the FMUs, whose packaging programs have the same names.
 const MODELS: [&str; 3] = ["plant-fmu", "controller-fmu", "instruments-fmu"];
 
-/// What a folder of built and packaged libraries is for.
+/// The contents of a folder of built and packaged libraries.
 struct Built {
     /// FMUs with the libraries of this machine and of the other platform.
     fmus: PathBuf,
-    /// A library that panics when it is told to.
+    /// A library that panics on request.
     misbehaving: PathBuf,
     /// The command line tool, if it was built for the platform.
     tool: Option<PathBuf>,
@@ -55,7 +55,7 @@ fn check(tree: &Tree, platform: &'static str, emulator: &Result<Emulator, String
         Ok(compiler) => compiler,
         Err(missing) => return Outcome::Skipped(format!("{platform}: {missing}")),
     };
-    // What passed before is not what will be built now.
+    // Earlier results are not valid for the libraries that are built now.
     let _ = fs::remove_file(record(tree, platform));
     match build(tree, &compiler) {
         Ok(built) => match run(pytest(tree, platform, emulator, &built)) {
@@ -66,17 +66,17 @@ fn check(tree: &Tree, platform: &'static str, emulator: &Result<Emulator, String
     }
 }
 
-/// Where it stands which libraries and programs of a platform have passed their tests.
+/// The record of the libraries and programs of a platform that have passed their tests.
 fn record(tree: &Tree, platform: &str) -> PathBuf {
     tree.target.join("platforms").join(format!("{platform}.sha256"))
 }
 
-/// What [`check`] has left of each platform.
+/// The records that [`check`] has written for all platforms.
 pub fn records(tree: &Tree) -> Vec<PathBuf> {
     ["win64", "aarch64-linux", "linux64"].iter().map(|platform| record(tree, platform)).collect()
 }
 
-/// Notes what has passed.
+/// Records the files that have passed.
 fn note(tree: &Tree, platform: &str, built: &Built) -> Command {
     let mut command = python::command(tree, &["python/downloads.py", "tested"]);
     command.arg(record(tree, platform)).args(&built.tool);
@@ -96,7 +96,7 @@ pub fn here() -> &'static str {
     }
 }
 
-/// FMUs with the libraries of a platform alone, for the descriptions that this machine's packaging programs give.
+/// FMUs with the libraries of one platform only, for the descriptions of this machine's packaging programs.
 pub fn alone(tree: &Tree, compiler: &Compiler) -> Result<PathBuf, Outcome> {
     let folder = folder(tree, compiler).join("alone");
     emptied(&folder)?;
@@ -155,14 +155,14 @@ fn emptied(folder: &Path) -> Result<(), Outcome> {
     fs::create_dir_all(folder).map_err(failed)
 }
 
-/// A packaging program, with what cargo would tell it.
+/// A packaging program, with the environment variables that cargo would set.
 fn packager(tree: &Tree, model: &str) -> Command {
     let mut command = Command::new(tree.program(model));
     command.env("CARGO", crate::tree::cargo()).env("CARGO_MANIFEST_DIR", tree.root.join(model)).current_dir(&tree.root);
     command
 }
 
-/// The GUIDs that this machine's packaging has computed: libraries of other platforms belong to the same descriptions.
+/// The GUIDs that packaging on this machine has computed: libraries of other platforms belong to the same descriptions.
 fn guids(tree: &Tree) -> Result<String, Outcome> {
     let of = |model: &&str| {
         let output = packager(tree, model).arg("--guids").output().map_err(|error| {
@@ -173,7 +173,7 @@ fn guids(tree: &Tree) -> Result<String, Outcome> {
     Ok(MODELS.iter().map(of).collect::<Result<Vec<_>, Outcome>>()?.join(";"))
 }
 
-/// The tests of one platform, told in the environment what to run and how.
+/// The tests of one platform; environment variables tell them which programs to run, and how.
 fn pytest(tree: &Tree, platform: &str, emulator: &Emulator, built: &Built) -> Command {
     let mut command = python::command(tree, &["-m", "pytest", "tests/test_platforms.py"]);
     let words = |words: &[String]| words.join("\n");
