@@ -2,13 +2,14 @@
 //!
 //! To look at them: `DUALARM_FIGURES=<folder> cargo test --release -p dualarm --test figures`
 
+use charts::raster;
+use charts::text::{missing, width};
 use dualarm::grasp;
-use dualarm::grasp::metrics::{Limits, Metrics};
-use dualarm::report::figures::text::{missing, width};
-use dualarm::report::figures::{self, PaperRun, raster};
+use dualarm::report::figures::{self, PaperRun};
 use dualarm::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
+use grasp_merit::metrics::{Limits, Metrics};
 use roxmltree::{Document, Node};
 
 /// Second-order responses with the settling times known from the paper, a fast ripple on the force, clipped commands.
@@ -62,18 +63,16 @@ fn plant() -> ModelParameters {
 
 #[test]
 fn fig_6_states_the_true_values() {
-    let svg = figures::all(&[outcome(grasp::NABFC, 15.4)])
-        .iter()
-        .find(|figure| figure.name == "fig06")
-        .map(|figure| figure.figure.to_svg())
-        .unwrap();
+    let outcomes = [outcome(grasp::NABFC, 15.4)];
+    let figures = figures::all(&outcomes);
+    let svg = figures.iter().map(|sketch| sketch()).find(|figure| figure.name == "fig06").unwrap().draw().svg;
     assert!(svg.contains("(true: 0.5 kg)") && svg.contains("(true: 0.0073 kg·m²)"));
 }
 
 #[test]
 fn all_figures_are_whole() {
     let outcomes = [outcome(grasp::NABFC, 15.4), outcome(grasp::PDS, 4.9), outcome(grasp::PD, 1.5)];
-    let figures = figures::all(&outcomes);
+    let figures: Vec<_> = figures::all(&outcomes).iter().map(|sketch| sketch()).collect();
     assert_eq!(figures.len(), 21, "Figs. 2 to 18, three overlays and the README's picture");
     for number in 2..=18 {
         assert!(figures.iter().any(|figure| figure.name == format!("fig{number:02}")), "Fig. {number}");

@@ -1,12 +1,12 @@
 //! The page as a text: hostile names stay names, every part is there. Browsers look at it in `tests/test_report.py`.
 
-use dualarm::grasp::metrics::Metrics;
+use charts::chart::Figure;
 use dualarm::report::figures::NamedFigure;
-use dualarm::report::figures::chart::Figure;
 use dualarm::report::html::{Page, Run};
 use dualarm::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
+use grasp_merit::metrics::Metrics;
 
 const HOSTILE: &str = "</script><script>alert(1)</script>{{data}}<!--<img src=x onerror='alert(\"2\")'>";
 
@@ -38,7 +38,7 @@ fn html(title: &str, text: &str) -> String {
     };
     let runs = [run];
     let figure = Figure { title: text.into(), size: (300, 200), rows: Vec::new() };
-    let figures = [NamedFigure { name: "fig02".into(), caption: text.into(), note: text.into(), figure }];
+    let figures = [NamedFigure { name: "fig02".into(), caption: text.into(), note: text.into(), figure }.draw()];
     let files = vec![(text.into(), text.into())];
     let texts = [(); 4].map(|()| text.to_owned());
     let [title, lead, setup, rows] = texts;

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::grid::{GridError, TimeGrid};
 use crate::master::{Coupling, Master, MasterError};
 use crate::names::number;
-use crate::record::{Column, Last, Sink};
+use crate::record::{Column, Every, Last, Sink};
 use crate::system::{RunOptions, System};
 use fmi2_import::CallError;
 
@@ -42,13 +42,13 @@ pub enum RunError {
     Interval(f64),
 }
 
-/// Follows a run from the start values to the last row, and may return remarks for the user. It receives rows like any
-/// [`Sink`].
+/// Follows a run from the start values to the last row, and may return remarks for the user. It receives the rows that it
+/// [wants](Sink::wants), and the columns that it [follows](Observer::follows).
 pub trait Observer: Sink {
     /// Called when the components are initialised; rows with these columns follow. Returns remarks for the user.
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String>;
 
-    /// Whether it needs this column at every step, however few rows are written. It then receives the column in
+    /// Whether it needs this column at every step, however few rows are read. It then receives the column in
     /// [`Sink::between`], too. Called after [`Observer::begin`].
     fn follows(&self, _column: &Column) -> bool {
         false
@@ -118,8 +118,8 @@ impl Run {
     }
 
     /// Initialises the master, which comes from the system and records `columns`, and steps it over the grid. Rows go to
-    /// `rows` and `observer`. Between rows both get the columns that the observer follows. `progress` is called with the
-    /// number of completed steps.
+    /// `rows` every [`interval`](Run::interval) s, and to `observer` if it wants them. Between rows both get the columns that
+    /// the observer follows. `progress` is called with the number of completed steps.
     ///
     /// # Errors
     /// When an FMU refuses, or a row cannot be stored.
@@ -142,8 +142,9 @@ impl Run {
         let followed: Vec<bool> = columns.iter().map(|column| observer.follows(column)).collect();
         master.follow(&followed);
         let mut last = Last::default();
+        let rows = Every::new(self.interval, self.grid.stop(), rows);
         let begin = Instant::now();
-        let result = master.run(&self.grid, self.interval, &mut (rows, (&mut *observer, &mut last)), progress);
+        let result = master.run(&self.grid, 0.0, &mut (rows, (&mut *observer, &mut last)), progress);
         let wall_time = begin.elapsed();
         let ended = match result {
             Ok(()) => None,

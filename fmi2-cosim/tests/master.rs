@@ -58,10 +58,10 @@ fn gauss_seidel_adds_no_delay_in_either_order() {
         let Some((_folder, mut master)) = loop_of(order, Coupling::GaussSeidel) else { return };
         let table = run(&mut master, &grid, 0.0);
         let y = table.column("y").unwrap();
-        assert_close(&y, &expected(&grid, false));
+        assert_close(y, &expected(&grid, false));
         // Recorded commands belong to the recorded outputs of the same instant.
         let commands: Vec<_> = y.iter().map(|y| K * (1.0 - y)).collect();
-        assert_close(&table.column("u").unwrap(), &commands);
+        assert_close(table.column("u").unwrap(), &commands);
         assert!((table.times().last().unwrap() - 1.03).abs() < 1e-15);
     }
 }
@@ -72,12 +72,13 @@ fn jacobi_delays_commands_by_one_step_whether_or_not_rows_are_recorded() {
     for order in [["Lag", "Gain"], ["Gain", "Lag"]] {
         for interval in [0.0, 0.35, 1e9] {
             let Some((_folder, mut master)) = loop_of(order, Coupling::Jacobi) else { return };
-            let y = run(&mut master, &grid, interval).column("y").unwrap();
+            let table = run(&mut master, &grid, interval);
+            let y = table.column("y").unwrap();
             let all = expected(&grid, true);
             match interval {
-                0.0 => assert_close(&y, &all),
-                0.35 => assert_close(&y, &[all[0], all[4], all[7], all[11]]),
-                _ => assert_close(&y, &[all[0], all[11]]),
+                0.0 => assert_close(y, &all),
+                0.35 => assert_close(y, &[all[0], all[4], all[7], all[11]]),
+                _ => assert_close(y, &[all[0], all[11]]),
             }
         }
     }
@@ -238,9 +239,9 @@ fn driven_inputs_take_effect_at_their_communication_point() {
             let now = *y.last().unwrap();
             y.push(a * now + (1.0 - a) * K * (at(index) - now));
         }
-        assert_close(&table.column("y").unwrap(), &y);
+        assert_close(table.column("y").unwrap(), &y);
         let commands: Vec<_> = (0..).zip(&y).map(|(index, y)| K * (at(index) - y)).collect();
-        assert_close(&table.column("u").unwrap(), &commands);
+        assert_close(table.column("u").unwrap(), &commands);
     }
 }
 
@@ -267,7 +268,7 @@ fn ramps_are_held_or_interpolated_as_the_slave_can() {
         master.apply(&Setting::new("T", T.to_string())).unwrap();
         master.drive("u", &ramp).unwrap();
         let table = run(&mut master, &grid, 0.0);
-        assert_close(&table.column("y").unwrap(), &expected);
+        assert_close(table.column("y").unwrap(), &expected);
         assert_eq!(master.warnings().len(), usize::from(!interpolates), "{:?}", master.warnings());
     }
 }
@@ -293,7 +294,8 @@ fn only_free_inputs_can_be_driven_and_a_setting_ends_that() {
     }
     alone.drive("u_on", &steps([0.0, 1.0])).unwrap();
     let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
-    let on = run(&mut alone, &grid, 0.0).column("y_on").unwrap();
+    let table = run(&mut alone, &grid, 0.0);
+    let on = table.column("y_on").unwrap();
     assert_eq!(
         alone.warnings(),
         ["Lag.u_on jumps at 0.55 s, between two communication points: the jump comes with the next one"]
@@ -304,7 +306,7 @@ fn only_free_inputs_can_be_driven_and_a_setting_ends_that() {
     master.drive("reference", &steps([1.0, 5.0])).unwrap();
     master.apply(&Setting::new("reference", "1")).unwrap();
     let table = run(&mut master, &grid, 0.0);
-    assert_close(&table.column("y").unwrap(), &expected(&grid, false));
+    assert_close(table.column("y").unwrap(), &expected(&grid, false));
 }
 
 #[test]

@@ -12,8 +12,14 @@ use chrono::{DateTime, Utc};
 use crate::steps::Outcome;
 use crate::tree::Tree;
 
-/// The cases of `step_cost`, which are the columns of the history.
-const CASES: [&str; 6] = ["plant", "nabfc", "pds", "pd", "coupled", "master"];
+/// The cases of `step_cost`, and [`SIMULATE`]: the columns of the history.
+const CASES: [&str; 7] = ["plant", "nabfc", "pds", "pd", "coupled", "master", SIMULATE];
+
+/// `dualarm simulate` of the paper's case without an output file.
+const SIMULATE: &str = "simulate";
+
+/// Two lengths of that run, in steps of 0.1 ms. Their difference leaves out what the program does before and after the steps.
+const LENGTHS: [u64; 2] = [1000, 3000];
 
 /// How much more a step may cost than the last time it was recorded.
 const ALLOWED: f64 = 1.05;
@@ -69,13 +75,14 @@ fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Err(Outcome::Skipped("valgrind is not installed".into()));
     }
-    let build = crate::steps::run(tree.cargo_all("build", &["--example", "step_cost"]));
+    let build = crate::steps::run(tree.cargo_all("build", &["--example", "step_cost", "--bin", "dualarm"]));
     if build != Outcome::Passed {
         return Err(build);
     }
     let mut all = [0; CASES.len()];
     for (count, case) in all.iter_mut().zip(CASES) {
-        *count = counted(tree, case).map_err(|reason| Outcome::Failed(format!("{case}: {reason}")))?;
+        let counted = if case == SIMULATE { simulated(tree) } else { counted(tree, case) };
+        *count = counted.map_err(|reason| Outcome::Failed(format!("{case}: {reason}")))?;
         println!("{case:<10} {count:>8} instructions per step");
     }
     Ok(all)
@@ -100,6 +107,37 @@ fn counted(tree: &Tree, case: &str) -> Result<u64, String> {
         said.trim().parse().map_err(|_| format!("it printed `{}` for the number of steps", said.trim()))?;
     let total = total(&file)?;
     Ok((total + steps / 2) / steps)
+}
+
+/// Instructions per step of `dualarm simulate`.
+fn simulated(tree: &Tree) -> Result<u64, String> {
+    let [short, long] = LENGTHS.map(|steps| run(tree, steps));
+    let steps = LENGTHS[1] - LENGTHS[0];
+    Ok((long?.saturating_sub(short?) + steps / 2) / steps)
+}
+
+/// Instructions of a run of so many steps, those of the process that watches included.
+fn run(tree: &Tree, steps: u64) -> Result<u64, String> {
+    // A file for each process.
+    let folder = tree.target.join("callgrind-simulate");
+    let _ = fs::remove_dir_all(&folder);
+    let no_folder = |error| format!("{}: {error}", folder.display());
+    fs::create_dir_all(&folder).map_err(no_folder)?;
+    let output = Command::new("valgrind")
+        .arg("--tool=callgrind")
+        .arg(format!("--callgrind-out-file={}", folder.join("%p").display()))
+        .arg(tree.program("dualarm"))
+        .args(["simulate", "nabfc", "--quiet", "--step", "1e-4", "--stop", &format!("{}", steps as f64 * 1e-4)])
+        .arg("--fmus")
+        .arg(tree.root.join("dist"))
+        .output()
+        .map_err(|error| format!("valgrind did not start: {error}"))?;
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).trim().to_owned());
+    }
+    let files = fs::read_dir(&folder).map_err(no_folder)?;
+    let files: Vec<PathBuf> = files.filter_map(|file| Some(file.ok()?.path())).collect();
+    files.iter().map(|file| total(file)).sum()
 }
 
 /// The total of a callgrind file.
@@ -149,20 +187,21 @@ fn today() -> String {
 mod tests {
     use super::*;
 
-    const HISTORY: &str = "date,note,plant\n2026-01-01,first,1,2,3,4,5,6\n2026-01-02,second,100,200,300,400,500,600\n";
+    const HISTORY: &str =
+        "date,note,plant\n2026-01-01,first,1,2,3,4,5,6\n2026-01-02,second,100,200,300,400,500,600,700\n";
 
     #[test]
     fn the_last_entry_is_the_standard() {
         let last = last(HISTORY).unwrap();
         assert_eq!((last.date.as_str(), last.note.as_str()), ("2026-01-02", "second"));
-        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630]), Outcome::Passed);
-        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0]) else { panic!("211 is too many") };
+        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630, 735]), Outcome::Passed);
+        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0, 0]) else { panic!("211 is too many") };
         assert!(reason.contains("nabfc from 200 to 211 (+5.5 %)"), "{reason}");
     }
 
     #[test]
     fn a_damaged_history_is_refused() {
-        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,x\n"] {
+        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,6,x\n"] {
             assert!(super::last(text).is_err(), "{text:?}");
         }
     }

@@ -14,7 +14,7 @@ use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
 use super::{Failure, numbers, print, width};
 use crate::comparison::{self, CSV_INTERVAL, ComparisonError, Runs, Setup, Wanted};
-use crate::grasp::matrix::Matrices;
+use crate::grasp::matrix::{Lab, Matrices};
 use crate::report;
 use crate::report::figures::PaperRun;
 use crate::report::matrix::CellDocument;
@@ -110,8 +110,10 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let progress = Progress::new(quiet);
     // If a comparison is interrupted, the previous results stay complete.
     let results = FileSet::new();
-    let mut runs = if arguments.matrix.is_alone() { None } else { Some(Runs::simulate(&setup, &results, &progress)?) };
-    let matrix = matrix::run(&arguments.matrix, setup.fmus, quiet)?;
+    let lab = Lab::new(setup.fmus);
+    let mut runs =
+        if arguments.matrix.is_alone() { None } else { Some(Runs::simulate(&setup, &lab, &results, &progress)?) };
+    let matrix = matrix::run(&arguments.matrix, &lab, quiet)?;
     if let Some(matrix) = &matrix {
         comparison::files::write_matrices(matrix, setup.out, &results)?;
     }

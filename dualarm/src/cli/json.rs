@@ -4,9 +4,9 @@ use serde::Serialize;
 
 use super::printable::printable_json;
 use super::{Failure, print_result};
-use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Coupling;
+use grasp_merit::metrics::{EffortMetrics, ForceMetrics, Metrics};
 
 /// Prints a document.
 pub fn print(document: &impl Serialize) -> Result<(), Failure> {

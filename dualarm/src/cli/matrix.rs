@@ -1,7 +1,6 @@
 //! `dualarm compare`: the matrix of controllers and cases.
 
 use std::collections::HashSet;
-use std::path::Path;
 
 use clap::Args;
 
@@ -64,13 +63,12 @@ fn unique<'a>(what: &str, mut keys: impl Iterator<Item = &'a str>) -> Result<(),
 
 /// Runs the cells, unless the user skips them. If no cases are named, those of grasps that can open form a matrix of their
 /// own.
-pub fn run(choice: &MatrixChoice, fmus: &Path, quiet: bool) -> Result<Option<Matrices>, Failure> {
+pub fn run(choice: &MatrixChoice, lab: &Lab, quiet: bool) -> Result<Option<Matrices>, Failure> {
     if choice.no_matrix {
         return Ok(None);
     }
-    let lab = Lab::new(fmus);
-    let closed = run_cases(choice, cases(&choice.cases)?, &lab, quiet)?;
-    let contact = if choice.cases.is_empty() { Some(run_cases(choice, Case::contact()?, &lab, quiet)?) } else { None };
+    let closed = run_cases(choice, cases(&choice.cases)?, lab, quiet)?;
+    let contact = if choice.cases.is_empty() { Some(run_cases(choice, Case::contact()?, lab, quiet)?) } else { None };
     Ok(Some(Matrices { closed, contact }))
 }
 

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, print};
-use crate::grasp::metrics::Metrics;
 use crate::report::html::{Page, Run, rows, signals};
 use fmi2_cosim::files::{self, FileSet, has_extension};
 use fmi2_cosim::record::{self, ReadError};
+use grasp_merit::metrics::Metrics;
 
 const AFTER_HELP: &str = "\
 Results are CSV or Parquet files with a column of times, of this tool or any other: FMPy, OMSimulator, Simulink, Dymola. \

@@ -6,17 +6,17 @@ use std::path::Path;
 use super::{Failure, report};
 use crate::grasp::actuator_limits;
 use crate::grasp::matrix::{Cell, Lab};
-use crate::grasp::metrics::{Metrics, SIGNALS};
 use crate::report::TextTable;
 use crate::report::figures::NamedFigure;
-use crate::report::figures::chart::{Curve, Figure, Panel, palette};
-use crate::report::figures::text::number;
 use crate::report::html::rows::{self, Rows};
 use crate::report::html::{Page, Run, tables};
 use crate::report::matrix::lines;
 use crate::report::parameters::ModelParameters;
 use crate::tune::{Best, Task};
-use fmi2_cosim::record::Pick;
+use charts::chart::{Curve, Figure, Panel, palette};
+use charts::text::number;
+use fmi2_cosim::record::Follow;
+use grasp_merit::metrics::{Metrics, SIGNALS};
 
 /// A search that is over.
 pub struct Tuned<'a> {
@@ -59,7 +59,7 @@ impl Tuned<'_> {
             tables: tables::section("Gains", &self.gains())
                 + &tables::section("Cases, after the search", &self.cases())
                 + &tables::command("Repeat it with", &self.command),
-            figures: &[self.progress()],
+            figures: &[self.progress().draw()],
             ..Page::default()
         };
         report::write(&page, path)
@@ -69,14 +69,15 @@ impl Tuned<'_> {
     fn run(&self, key: &str, title: &str, values: &[f64]) -> Result<(Run, String), Failure> {
         let Some(case) = self.task.cases.first() else { return Err(Failure::failed("there is no case")) };
         let mut said = String::new();
-        let ((shown, judged), mut master) = self.lab.observe(case, &self.task.with(values), |grid, columns| {
-            said = rows::sentence(grid);
-            (Rows::new(grid, columns), Pick::new(columns, |name| SIGNALS.contains(&name)))
-        })?;
+        let ((shown, judged), mut master) =
+            self.lab.observe(case, &self.task.with(values), &SIGNALS, |grid, columns| {
+                said = rows::sentence(grid);
+                (Rows::new(grid, columns), Follow::new(columns, |name| SIGNALS.contains(&name)))
+            })?;
         let models = (0..master.names().count()).map(|index| ModelParameters::of(master.instance(index)));
         let models = models.collect::<Result<Vec<_>, _>>()?;
         let limits = actuator_limits(master.instance(0));
-        let metrics = Metrics::of(&judged.sink, limits).ok();
+        let metrics = Metrics::of(judged.table(), limits).ok();
         let run =
             Run { key: key.into(), title: title.into(), rows: shown.into_table(), metrics, models, ..Run::default() };
         Ok((run, said))

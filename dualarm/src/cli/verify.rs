@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::fmus::Job;
 use super::package::say;
 use super::{Failure, json, print, width};
-use crate::report::figures::raster;
 use crate::verify::{Check, Fmus, verify};
+use charts::raster;
 use fmi2_cosim::files::FileSet;
 
 /// Arguments of `dualarm verify`.

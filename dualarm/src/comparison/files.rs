@@ -1,15 +1,16 @@
 //! Tables, figures and data in the folder of the results.
 
 use std::num::NonZero;
+use std::panic::resume_unwind;
 use std::path::Path;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use super::{ComparisonError, Progress, Runs};
 use crate::grasp::matrix::{Matrices, Matrix};
 use crate::report;
-use crate::report::figures::{NamedFigure, pdf, raster};
+use crate::report::figures::{Drawn, Sketch};
+use charts::{pdf, raster};
 use fmi2_cosim::files::FileSet;
 
 /// The results of the paper's runs as text.
@@ -52,37 +53,36 @@ fn write_matrix(name: &str, matrix: &Matrix, out: &Path, results: &FileSet) -> R
 /// Draws all figures as SVG and PNG, on all processors; `untitled` ones as SVG and PDF.
 pub(super) fn draw_all(
     folder: &Path,
-    figures: &[NamedFigure],
+    sketches: &[Sketch],
     untitled: bool,
     results: &FileSet,
     progress: &impl Progress,
-) -> Result<(), ComparisonError> {
-    let done = progress.begins("figures", figures.len() as u64);
-    let next = AtomicUsize::new(0);
-    let drawn = AtomicUsize::new(0);
-    let failure = Mutex::new(None);
-    thread::scope(|scope| {
-        for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
-            scope.spawn(|| {
-                while let Some(figure) = figures.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    if let Err(error) = draw(folder, figure, untitled, results) {
-                        failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
-                        return;
-                    }
-                    done(drawn.fetch_add(1, Ordering::Relaxed) as u64 + 1);
-                }
-            });
+) -> Result<Vec<Drawn>, ComparisonError> {
+    let done = progress.begins("figures", sketches.len() as u64);
+    let (next, count) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let work = || {
+        let mut drawn = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(sketch) = sketches.get(index) else { return Ok(drawn) };
+            drawn.push((index, draw(folder, sketch, untitled, results)?));
+            done(count.fetch_add(1, Ordering::Relaxed) as u64 + 1);
         }
-    });
-    failure.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner).map_or(Ok(()), Err)
+    };
+    let mut drawn = thread::scope(|scope| {
+        let workers: Vec<_> =
+            (0..thread::available_parallelism().map_or(1, NonZero::get)).map(|_| scope.spawn(work)).collect();
+        let made = workers.into_iter().map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        made.collect::<Result<Vec<Vec<_>>, ComparisonError>>()
+    })?
+    .concat();
+    drawn.sort_by_key(|(index, _)| *index);
+    Ok(drawn.into_iter().map(|(_, figure)| figure).collect())
 }
 
-fn draw(folder: &Path, figure: &NamedFigure, untitled: bool, results: &FileSet) -> Result<(), ComparisonError> {
+fn draw(folder: &Path, sketch: &Sketch, untitled: bool, results: &FileSet) -> Result<Drawn, ComparisonError> {
+    let figure = sketch();
     let failure = |reason| ComparisonError::Draw { name: figure.name.clone(), reason };
-    let svg = figure.figure.to_svg();
-    let png = raster::to_png(&svg).map_err(failure)?;
-    results.write(folder.join(format!("{}.svg", figure.name)), svg)?;
-    results.write(folder.join(format!("{}.png", figure.name)), png)?;
     if untitled {
         let svg = figure.figure.to_untitled_svg();
         let pdf = pdf::to_pdf(&svg).map_err(failure)?;
@@ -90,5 +90,10 @@ fn draw(folder: &Path, figure: &NamedFigure, untitled: bool, results: &FileSet) 
         results.write(folder.join(format!("{}.svg", figure.name)), svg)?;
         results.write(folder.join(format!("{}.pdf", figure.name)), pdf)?;
     }
-    Ok(())
+    let drawn = figure.draw();
+    let failure = |reason| ComparisonError::Draw { name: drawn.name.clone(), reason };
+    let png = raster::to_png(&drawn.svg).map_err(failure)?;
+    results.write(folder.join(format!("{}.svg", drawn.name)), &drawn.svg)?;
+    results.write(folder.join(format!("{}.png", drawn.name)), png)?;
+    Ok(drawn)
 }

@@ -13,11 +13,10 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use crate::grasp::instruments::{InstrumentsError, Profile};
-use crate::grasp::matrix::Matrices;
-use crate::grasp::metrics::MetricsObstacle;
+use crate::grasp::matrix::{Lab, Matrices};
 use crate::grasp::scenarios::UnknownScenario;
 use crate::grasp::{self, PLANT};
-use crate::report::figures::{self, NamedFigure, PaperRun};
+use crate::report::figures::{self, Drawn, PaperRun};
 use crate::report::html;
 use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::grid::TimeGrid;
@@ -26,6 +25,7 @@ use fmi2_cosim::record::Table;
 use fmi2_cosim::scenario::ScenarioError;
 use fmi2_cosim::system::SystemError;
 use fmi2_import::CallError;
+use grasp_merit::metrics::MetricsObstacle;
 
 /// Between two rows of a run's CSV file \[s\]. Metrics and figures use every step.
 pub const CSV_INTERVAL: f64 = 1e-3;
@@ -98,26 +98,31 @@ pub enum ComparisonError {
 pub struct Runs {
     /// In the order of [`grasp::PAPER`].
     pub runs: Vec<PaperRun>,
-    /// All figures.
-    pub figures: Vec<NamedFigure>,
+    /// All figures, once they are [written](Runs::write).
+    pub figures: Vec<Drawn>,
     /// The rows of the page, by run.
     rows: Vec<Table>,
     masters: Vec<Master>,
 }
 
 impl Runs {
-    /// Runs the paper's three scenarios, each in a separate thread with separate instances. Their data go to `results` at
-    /// once.
+    /// Runs the paper's three scenarios with the FMUs of the lab, each in a separate thread with separate instances. Their data
+    /// go to `results` at once.
     ///
     /// # Errors
     /// When an FMU is missing or refuses, or a file cannot be written.
-    pub fn simulate(setup: &Setup, results: &FileSet, progress: &impl Progress) -> Result<Self, ComparisonError> {
+    pub fn simulate(
+        setup: &Setup,
+        lab: &Lab,
+        results: &FileSet,
+        progress: &impl Progress,
+    ) -> Result<Self, ComparisonError> {
         let bars = grasp::PAPER.map(|controller| progress.begins(controller.title, setup.grid.steps()));
         let made: Result<Vec<run::Made>, ComparisonError> = thread::scope(|scope| {
             let runs: Vec<_> = grasp::PAPER
                 .iter()
                 .zip(&bars)
-                .map(|(controller, bar)| scope.spawn(move || run::simulate(controller, setup, results, bar)))
+                .map(|(controller, bar)| scope.spawn(move || run::simulate(controller, setup, lab, results, bar)))
                 .collect();
             runs.into_iter().map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
         });
@@ -127,7 +132,7 @@ impl Runs {
             rows.push(made.rows);
             masters.push(made.master);
         }
-        Ok(Self { figures: figures::all(&runs), runs, rows, masters })
+        Ok(Self { runs, figures: Vec::new(), rows, masters })
     }
 
     /// Writes tables, figures and the page; they appear with the other `results`.
@@ -143,8 +148,9 @@ impl Runs {
         progress: &impl Progress,
     ) -> Result<PathBuf, ComparisonError> {
         let sentence = page::setup(setup);
+        let sketches = figures::all(&self.runs);
+        self.figures = files::draw_all(&setup.out.join("figures"), &sketches, wanted.untitled, results, progress)?;
         files::write(setup.out, self, &sentence, matrix, results)?;
-        files::draw_all(&setup.out.join("figures"), &self.figures, wanted.untitled, results, progress)?;
         let rows = std::mem::take(&mut self.rows);
         let shown: Vec<html::Run> = self.runs.iter().zip(rows).map(|(run, rows)| page::shown(run, rows)).collect();
         let beside = wanted.page.is_none();

@@ -4,7 +4,7 @@ use super::Setup;
 use crate::grasp;
 use crate::grasp::instruments;
 use crate::grasp::matrix::Matrices;
-use crate::report::figures::{NamedFigure, PaperRun};
+use crate::report::figures::{Drawn, PaperRun};
 use crate::report::html::{Page, Run, rows};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::record::Table;
@@ -16,7 +16,7 @@ const LEAD: &str = "Two elastic arms squeeze an object between their tips, and n
 /// The page of the paper's runs; `has_files`: beside the other results.
 pub(super) fn page<'a>(
     runs: &'a [Run],
-    figures: &'a [NamedFigure],
+    figures: &'a [Drawn],
     grid: &TimeGrid,
     setup: String,
     matrix: Option<&'a Matrices>,

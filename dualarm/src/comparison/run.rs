@@ -1,16 +1,19 @@
 //! One run of the comparison.
 
 use super::{CSV_INTERVAL, ComparisonError, Setup};
-use crate::grasp::metrics::Metrics;
+use crate::grasp::matrix::Lab;
 use crate::grasp::scenarios::BuiltIn;
 use crate::grasp::{self, Controller, instruments};
 use crate::report::figures::{self, PaperRun};
 use crate::report::html::rows::Rows;
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::files::{FileSet, NewFile};
-use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Every, Pick, Table};
+use fmi2_cosim::grid::TimeGrid;
+use fmi2_cosim::master::{Master, MasterError};
+use fmi2_cosim::record::{CsvSink, Every, Follow, Table};
+use fmi2_cosim::scenario::ScenarioError;
 use fmi2_import::Fmu;
+use grasp_merit::metrics::Metrics;
 
 /// The results of a run, the rows of the page, and the components.
 pub struct Made {
@@ -22,11 +25,14 @@ pub struct Made {
 pub fn simulate(
     controller: &Controller,
     setup: &Setup,
+    lab: &Lab,
     results: &FileSet,
     done: &(impl Fn(u64) + ?Sized),
 ) -> Result<Made, ComparisonError> {
     let grid = setup.grid;
-    let mut system = BuiltIn::find(controller.key)?.scenario()?.system(setup.fmus)?;
+    let scenario = BuiltIn::find(controller.key)?.scenario()?;
+    let fmus = scenario.paths(setup.fmus)?.iter().map(|path| lab.fmu(path)).collect::<Result<Vec<_>, _>>();
+    let mut system = scenario.system_of(&fmus.map_err(ScenarioError::from)?)?;
     instruments::put_into(&mut system, &setup.instruments, setup.fmus)?;
     // Instruments and actuators come after the component whose signals they take, so the plant stays the first.
     let controls = |(_, fmu): &(String, Fmu)| fmu.path().file_name().is_some_and(|name| name == controller.fmu);
@@ -36,16 +42,26 @@ pub fn simulate(
     let limits = grasp::actuator_limits(master.instance(0));
     let models = [ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(place))?].into();
     let columns = master.record(|_| true);
-    // Signals that are drawn and judged are recorded at every step, all others only as often as the CSV file needs them.
-    let mut drawn = Pick::new(&columns, |name| figures::SIGNALS.contains(&name));
+    // Signals that are drawn and judged are recorded at every step, all others only as often as page and CSV file need them.
+    let mut drawn = Follow::new(&columns, |name| figures::SIGNALS.contains(&name)).with_room(points(grid));
+    master.follow(&drawn.columns(columns.len()));
     let mut shown = Rows::new(grid, &columns);
-    let mut all = Every::new(CSV_INTERVAL, grid.stop(), Table::new(columns));
-    master.run(grid, 0.0, &mut ((&mut drawn, &mut shown), &mut all), &mut |steps| done(steps))?;
-
-    let rows = NewFile::create(setup.out.join(format!("{}.csv", controller.key)))?;
-    results.add(all.sink.to_csv(rows)?)?;
-    let metrics = Metrics::of(&drawn.sink, limits)
+    let csv = NewFile::create(setup.out.join(format!("{}.csv", controller.key)))?;
+    let mut all = Every::new(CSV_INTERVAL, grid.stop(), CsvSink::new(csv, &columns)?);
+    match master.run(grid, 0.0, &mut ((&mut drawn, &mut shown), &mut all), &mut |steps| done(steps)) {
+        Err(MasterError::Record(error)) => return Err(all.sink.error(error).into()),
+        result => result?,
+    }
+    results.add(all.sink.into_file()?)?;
+    let table = drawn.into_table();
+    let metrics = Metrics::of(&table, limits)
         .map_err(|source| ComparisonError::Metrics { controller: controller.fmu, source })?;
-    let run = PaperRun { scenario: *controller, table: drawn.sink, metrics, models };
+    let run = PaperRun { scenario: *controller, table, metrics, models };
     Ok(Made { run, rows: shown.into_table(), master })
+}
+
+/// How many communication points to expect, but no more than memory certainly has room for.
+fn points(grid: &TimeGrid) -> usize {
+    const MOST: u64 = 1 << 18;
+    usize::try_from((grid.steps() + 1).min(MOST)).unwrap_or_default()
 }

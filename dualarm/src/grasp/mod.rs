@@ -10,7 +10,6 @@
 pub mod instruments;
 mod lyapunov;
 pub mod matrix;
-pub mod metrics;
 pub mod scenarios;
 pub mod systems;
 mod watch;
@@ -18,11 +17,11 @@ mod watch;
 pub use lyapunov::{LyapunovWatch, NoFunctions, Recorded};
 pub use watch::GraspWatch;
 
-use crate::grasp::metrics::Limits;
 use fmi2_cosim::master::Applied;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::wiring::Wire;
 use fmi2_import::{Fmu, Instance, Value};
+use grasp_merit::metrics::Limits;
 
 /// File name of the plant.
 pub const PLANT: &str = "DualArmPlant.fmu";

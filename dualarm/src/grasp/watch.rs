@@ -3,22 +3,22 @@
 
 use std::io;
 
-use super::metrics::{CONTACT_FORCE, Limits, Metrics, MetricsObstacle, SIGNALS};
 use super::{actuator_limits, unused_gains};
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Column, Pick, Sink, Table};
+use fmi2_cosim::record::{Column, Follow, Sink};
 use fmi2_cosim::run::Observer;
+use grasp_merit::metrics::{CONTACT_FORCE, Limits, Metrics, MetricsObstacle, SIGNALS};
 
 /// Collects the signals that metrics are made of, in a grasp those of every step.
 #[derive(Debug)]
 pub struct GraspWatch {
-    measured: Pick<Table>,
+    measured: Follow,
     limits: [Option<Limits>; 3],
 }
 
 impl Default for GraspWatch {
     fn default() -> Self {
-        Self { measured: Pick::new(&[], |_| false), limits: [None; 3] }
+        Self { measured: Follow::new(&[], |_| false), limits: [None; 3] }
     }
 }
 
@@ -28,13 +28,13 @@ impl GraspWatch {
     /// # Errors
     /// When the run was no grasp.
     pub fn metrics(&self) -> Result<Metrics, MetricsObstacle> {
-        Metrics::of(&self.measured.sink, self.limits)
+        Metrics::of(self.measured.table(), self.limits)
     }
 }
 
 impl Observer for GraspWatch {
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
-        self.measured = Pick::new(columns, |name| SIGNALS.contains(&name));
+        self.measured = Follow::new(columns, |name| SIGNALS.contains(&name));
         let components = 0..master.names().count();
         let limits = components.map(|index| actuator_limits(master.instance(index)));
         let first = limits.reduce(|limits, others| if limits == [None; 3] { others } else { limits });
@@ -43,7 +43,7 @@ impl Observer for GraspWatch {
     }
 
     fn follows(&self, column: &Column) -> bool {
-        let signals = self.measured.sink.columns();
+        let signals = self.measured.table().columns();
         signals.iter().any(|column| column.name == CONTACT_FORCE) && signals.contains(column)
     }
 
@@ -53,12 +53,16 @@ impl Observer for GraspWatch {
 }
 
 impl Sink for GraspWatch {
+    fn wants(&mut self, time: f64) -> bool {
+        self.measured.wants(time)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.measured.row(time, values)
     }
 
     fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.measured.row(time, values)
+        self.measured.between(time, values)
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {

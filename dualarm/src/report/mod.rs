@@ -10,9 +10,9 @@ pub mod study;
 use std::fmt::Write;
 
 use crate::grasp::matrix::Matrices;
-use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
-use crate::report::figures::text::number;
-use crate::report::figures::{NamedFigure, PaperRun};
+use crate::report::figures::{Drawn, PaperRun};
+use charts::text::number;
+use grasp_merit::metrics::{EffortMetrics, ForceMetrics, Metrics};
 
 /// A table of texts: a header and rows.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -243,7 +243,7 @@ pub fn tables(runs: &[PaperRun]) -> (TextTable, TextTable) {
 /// The report: the matrix if there is one, the setup of the paper's runs, their metrics, every figure. `setup` describes
 /// how the runs were made.
 #[must_use]
-pub fn report(runs: &[PaperRun], figures: &[NamedFigure], setup: &str, matrix: Option<&Matrices>) -> String {
+pub fn report(runs: &[PaperRun], figures: &[Drawn], setup: &str, matrix: Option<&Matrices>) -> String {
     let lead = matrix.map_or_else(String::new, |matrix| {
         let contact = matrix.contact.as_ref().map_or_else(String::new, |contact| {
             format!(
@@ -266,7 +266,7 @@ pub fn report(runs: &[PaperRun], figures: &[NamedFigure], setup: &str, matrix: O
              Numbers are those of the paper. Each figure is there as SVG and PNG. Where curves are bands, they vibrate: \
              PD and PDS hardly damp the antisymmetric bending of the two arms, at about 90 Hz.\n";
     for figure in figures {
-        let NamedFigure { name, caption, note, .. } = figure;
+        let Drawn { name, caption, note, .. } = figure;
         let _ = write!(text, "\n### {caption}\n\n![{caption}](figures/{name}.svg)\n\n{note}\n");
     }
     text += "\n## Data\n\n";

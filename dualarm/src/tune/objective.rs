@@ -1,7 +1,7 @@
 //! The objective that a search minimises.
 //!
 //! Each case has a ratio. It is the time until all of (17) has settled over the larger one of the case's [physical
-//! limit](crate::grasp::matrix::limit) and 0.1 s. If a case is judged by its error, it is the rms error over 2 % of the
+//! limit](grasp_merit::limit) and 0.1 s. If a case is judged by its error, it is the rms error over 2 % of the
 //! target force, but at least 0.4, so that a search does not trade speed for less noise than necessary. A run that never
 //! settles counts as the whole run times one plus its error in units of those 2 %. A violated limit multiplies the ratio by
 //! one plus its excess in units of the limit. The objective is
@@ -16,8 +16,8 @@
 //! is multiplied by x^10, at most by that of x = 2. So a goal that is nearly reached counts ten times as much as speed, and
 //! a goal that is out of reach for a controller does not determine all of its gains.
 
-use crate::grasp::matrix::limit::BAND;
 use crate::grasp::matrix::{Cell, Judged};
+use grasp_merit::limit::BAND;
 
 /// Faster than this, in s, no case has to be.
 const FAST: f64 = 0.1;
@@ -159,8 +159,8 @@ fn value(cell: &Cell) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grasp::matrix::Merit;
-    use crate::grasp::matrix::merit::Grip;
+    use grasp_merit::merit::Grip;
+    use grasp_merit::merit::Merit;
 
     fn cell(settling: Option<f64>, overshoot: f64, error_rms: f64) -> Cell {
         let merit = Merit {

@@ -6,7 +6,7 @@ use super::oracle::{self, EXACT, Pole, elements, entries, number};
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
 use crate::report::figures::NamedFigure;
-use crate::report::figures::chart::{Curve, Figure, Panel, palette};
+use charts::chart::{Curve, Figure, Panel, palette};
 use nalgebra::ComplexField;
 
 const COMMANDS: [&str; 3] = ["tau1_cmd", "tau2_cmd", "u_cmd"];

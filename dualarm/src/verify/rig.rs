@@ -74,7 +74,7 @@ impl Rig {
             found.ok_or_else(|| VerifyError::Variable((*name).to_owned()))
         };
         let places = names.iter().map(place).collect::<Result<Vec<_>, _>>()?;
-        let row = |(time, values): (f64, &[f64])| {
+        let row = |(time, values): (f64, Vec<f64>)| {
             std::iter::once(time).chain(places.iter().map(|&place| values[place])).collect()
         };
         Ok(table.rows().map(row).collect())

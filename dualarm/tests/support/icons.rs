@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::{Path, PathBuf};
 
-use dualarm::report::figures::raster::to_png;
+use charts::raster::to_png;
 
 /// The drawings of all model crates below the repository's root, one for each FMU.
 pub fn sources(root: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {

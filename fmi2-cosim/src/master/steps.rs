@@ -72,9 +72,9 @@ impl Master {
         Ok(())
     }
 
-    /// Steps over the whole grid. Rows go to `sink` at the start, then every `interval` s, and at the end; between rows
-    /// the [followed](Master::follow) columns do. `progress` is called from time to time with the number of completed
-    /// steps.
+    /// Steps over the whole grid. Rows go to `sink` at the start and then every `interval` s, if it [wants](Sink::wants)
+    /// them, and at the end; between rows the [followed](Master::follow) columns do. `progress` is called from time to time
+    /// with the number of completed steps.
     ///
     /// # Errors
     /// When an FMU does not complete a step, or a row cannot be stored. After [`MasterError::Ended`] the rows are complete:
@@ -92,7 +92,7 @@ impl Master {
         for index in 0..grid.steps() {
             let (time, size) = (grid.time(index), grid.size(index));
             self.apply_drives(time, Some(grid.time(index + 1)))?;
-            if schedule.is_due(time) {
+            if schedule.is_due(time) && sink.wants(time) {
                 self.put_row(time, sink)?;
             } else if self.recording.has_followed() {
                 self.put_followed(time, sink)?;

@@ -1,14 +1,15 @@
 //! Rows as comma-separated values (RFC 4180).
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 
-use super::{Column, Sink};
+use super::{Column, Sink, digits};
 use crate::files::{NewFile, WriteError};
 
 /// Rows as CSV: a header with `time` and the names, then one line per row in the shortest digits that read back exactly.
 pub struct CsvSink<W: Write> {
-    writer: ::csv::Writer<W>,
-    digits: String,
+    writer: BufWriter<W>,
+    /// The row that is being written.
+    line: Vec<u8>,
 }
 
 impl CsvSink<NewFile> {
@@ -56,7 +57,7 @@ impl CsvSink<NewFile> {
 impl<W: Write> CsvSink<W> {
     /// CSV to anything that takes bytes; write the header next.
     pub fn to(writer: W) -> Self {
-        Self { writer: ::csv::Writer::from_writer(writer), digits: String::new() }
+        Self { writer: BufWriter::new(writer), line: Vec::new() }
     }
 
     /// Returns the writer.
@@ -64,7 +65,7 @@ impl<W: Write> CsvSink<W> {
     /// # Errors
     /// When buffered data cannot be written.
     pub fn into_inner(self) -> io::Result<W> {
-        self.writer.into_inner().map_err(|error| io::Error::new(error.error().kind(), error.error().to_string()))
+        self.writer.into_inner().map_err(io::IntoInnerError::into_error)
     }
 
     /// Writes the header.
@@ -73,26 +74,24 @@ impl<W: Write> CsvSink<W> {
     /// When it cannot be written.
     pub fn header(&mut self, columns: &[Column]) -> io::Result<()> {
         let names = std::iter::once("time").chain(columns.iter().map(|column| column.name.as_str()));
-        self.writer.write_record(names).map_err(plain)
-    }
-
-    fn field(&mut self, value: f64) -> io::Result<()> {
-        use std::fmt::Write;
-        self.digits.clear();
-        // + 0 makes zero of minus zero, which would print as -0.
-        write!(self.digits, "{:?}", value + 0.0).expect("writing to a string cannot fail");
-        let digits = self.digits.strip_suffix(".0").unwrap_or(&self.digits);
-        self.writer.write_field(digits).map_err(plain)
+        let mut header = ::csv::Writer::from_writer(Vec::new());
+        header.write_record(names).map_err(plain)?;
+        let header = header.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+        self.writer.write_all(&header)
     }
 }
 
 impl<W: Write> Sink for CsvSink<W> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.field(time)?;
+        // Numbers need no quotes.
+        self.line.clear();
+        digits::push(time, &mut self.line);
         for value in values {
-            self.field(*value)?;
+            self.line.push(b',');
+            digits::push(*value, &mut self.line);
         }
-        self.writer.write_record(None::<&[u8]>).map_err(plain)
+        self.line.push(b'\n');
+        self.writer.write_all(&self.line)
     }
 }
 

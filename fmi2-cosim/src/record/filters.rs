@@ -1,4 +1,4 @@
-//! Sinks that pass on a part of a run: [some columns](Pick), [some rows](Every).
+//! Sinks that pass on a part of a run: [some columns](Pick), [some columns at every step](Follow), [some rows](Every).
 
 use std::io;
 
@@ -31,6 +31,10 @@ impl<S> Pick<S> {
 }
 
 impl<S: Sink> Sink for Pick<S> {
+    fn wants(&mut self, time: f64) -> bool {
+        self.sink.wants(time)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.pick(values);
         self.sink.row(time, &self.picked)
@@ -47,12 +51,67 @@ impl<S: Sink> Sink for Pick<S> {
     }
 }
 
+/// Keeps some columns at every communication point of a run that [follows](crate::master::Master::follow) them, and wants nothing
+/// else to be read.
+#[derive(Debug)]
+pub struct Follow {
+    picked: Pick<Table>,
+}
+
+impl Follow {
+    /// Those of `columns` that `wanted` accepts.
+    pub fn new(columns: &[Column], wanted: impl Fn(&str) -> bool) -> Self {
+        Self { picked: Pick::new(columns, wanted) }
+    }
+
+    /// The same, with room for so many communication points from the beginning.
+    #[must_use]
+    pub fn with_room(mut self, points: usize) -> Self {
+        self.picked.sink = self.picked.sink.with_room(points);
+        self
+    }
+
+    /// Which of so many columns it keeps, as [`Master::follow`](crate::master::Master::follow) wants to know.
+    #[must_use]
+    pub fn columns(&self, count: usize) -> Vec<bool> {
+        (0..count).map(|index| self.picked.indices.contains(&index)).collect()
+    }
+
+    /// What was kept.
+    #[must_use]
+    pub fn table(&self) -> &Table {
+        &self.picked.sink
+    }
+
+    /// What was kept.
+    #[must_use]
+    pub fn into_table(self) -> Table {
+        self.picked.sink
+    }
+}
+
+impl Sink for Follow {
+    fn wants(&mut self, _: f64) -> bool {
+        false
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.picked.row(time, values)
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.picked.row(time, values)
+    }
+}
+
 /// Passes on only the rows at multiples of an interval, and the first and the last one.
 #[derive(Debug)]
 pub struct Every<S> {
     interval: f64,
     stop: f64,
     schedule: Option<Schedule>,
+    /// Which time it was asked about last, and whether the row of this time is one of them.
+    asked: Option<(f64, bool)>,
     passed: Option<f64>,
     /// Takes these rows.
     pub sink: S,
@@ -61,15 +120,27 @@ pub struct Every<S> {
 impl<S> Every<S> {
     /// Rows `interval` s apart, and the one at `stop`, for `sink`.
     pub fn new(interval: f64, stop: f64, sink: S) -> Self {
-        Self { interval, stop, schedule: None, passed: None, sink }
+        Self { interval, stop, schedule: None, asked: None, passed: None, sink }
+    }
+
+    fn is_due(&mut self, time: f64) -> bool {
+        let interval = self.interval;
+        let schedule = self.schedule.get_or_insert_with(|| Schedule::new(time, interval));
+        schedule.is_due(time) || time >= self.stop
     }
 }
 
 impl<S: Sink> Sink for Every<S> {
+    fn wants(&mut self, time: f64) -> bool {
+        let due = self.is_due(time);
+        self.asked = Some((time, due));
+        due && self.sink.wants(time)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        let interval = self.interval;
-        let schedule = self.schedule.get_or_insert_with(|| Schedule::new(time, interval));
-        if schedule.is_due(time) || time >= self.stop {
+        let asked = self.asked.filter(|(at, _)| *at == time);
+        let due = asked.map_or_else(|| self.is_due(time), |(_, due)| due);
+        if due {
             self.passed = Some(time);
             return self.sink.row(time, values);
         }

@@ -2,6 +2,7 @@
 //! [Parquet](ParquetSink), and [read] again.
 
 mod csv;
+mod digits;
 mod file;
 mod filters;
 mod parquet;
@@ -12,7 +13,7 @@ use std::io;
 
 pub use csv::CsvSink;
 pub use file::FileSink;
-pub use filters::{Every, Pick, Schedule};
+pub use filters::{Every, Follow, Pick, Schedule};
 pub use parquet::ParquetSink;
 pub use read::{ReadError, read};
 pub use table::Table;
@@ -57,6 +58,13 @@ impl Kind {
 
 /// Takes the rows of a run.
 pub trait Sink {
+    /// Whether it wants the row of this time in s, all columns of which are read only if somebody wants them. It is asked once for
+    /// each row that may come, in the order of time; what it does not want it may get all the same. The last row nobody is
+    /// asked about.
+    fn wants(&mut self, _time: f64) -> bool {
+        true
+    }
+
     /// Takes one row: the time in s and one value per column (booleans as 0 and 1).
     ///
     /// # Errors
@@ -83,6 +91,10 @@ pub trait Sink {
 
 /// Keeps nothing.
 impl Sink for () {
+    fn wants(&mut self, _: f64) -> bool {
+        false
+    }
+
     fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {
         Ok(())
     }
@@ -90,6 +102,11 @@ impl Sink for () {
 
 /// Two sinks at once.
 impl<A: Sink, B: Sink> Sink for (A, B) {
+    fn wants(&mut self, time: f64) -> bool {
+        // Both are asked.
+        self.0.wants(time) | self.1.wants(time)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.0.row(time, values)?;
         self.1.row(time, values)
@@ -107,6 +124,10 @@ impl<A: Sink, B: Sink> Sink for (A, B) {
 }
 
 impl<S: Sink + ?Sized> Sink for &mut S {
+    fn wants(&mut self, time: f64) -> bool {
+        (**self).wants(time)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         (**self).row(time, values)
     }
@@ -121,6 +142,10 @@ impl<S: Sink + ?Sized> Sink for &mut S {
 }
 
 impl<S: Sink> Sink for Option<S> {
+    fn wants(&mut self, time: f64) -> bool {
+        self.as_mut().is_some_and(|sink| sink.wants(time))
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.as_mut().map_or(Ok(()), |sink| sink.row(time, values))
     }
@@ -134,7 +159,7 @@ impl<S: Sink> Sink for Option<S> {
     }
 }
 
-/// Keeps the newest row only.
+/// Keeps the last row only.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Last {
     /// Its values.
@@ -142,7 +167,15 @@ pub struct Last {
 }
 
 impl Sink for Last {
-    fn row(&mut self, _: f64, values: &[f64]) -> io::Result<()> {
+    fn wants(&mut self, _: f64) -> bool {
+        false
+    }
+
+    fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn end(&mut self, _: f64, values: &[f64]) -> io::Result<()> {
         values.clone_into(&mut self.values);
         Ok(())
     }

@@ -79,12 +79,8 @@ fn table(mut columns: Vec<Values>) -> Result<Table, String> {
             row + 2
         ));
     }
-    let (names, values): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-    let mut rows = Vec::with_capacity(times.len() * names.len());
-    for row in 0..times.len() {
-        rows.extend(values.iter().map(|column| column[row]));
-    }
-    Ok(Table { columns: names, times, values: rows })
+    let (columns, values): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
+    Ok(Table { columns, times, values })
 }
 
 /// `name [unit]` in two.
@@ -218,7 +214,7 @@ mod tests {
         table.write_csv(&csv).unwrap();
         let mut sink = ParquetSink::new(NewFile::create(&parquet).unwrap(), &columns, "test").unwrap();
         for (time, values) in table.rows() {
-            sink.row(time, values).unwrap();
+            sink.row(time, &values).unwrap();
         }
         sink.finish().unwrap();
         assert_eq!(read(&parquet).unwrap(), table, "with units and kinds");
@@ -233,7 +229,7 @@ mod tests {
         assert_eq!(german.columns(), [Column { name: "f".into(), unit: Some("N".into()), kind: Kind::Real }]);
         assert_eq!(german.column("f").unwrap(), [0.5, -1e-3]);
         let other = read_text("a.txt", "y\tt\tis\n1\t0\ttrue\n\t2\tFalse\n").unwrap();
-        assert_eq!((other.times(), other.column("is").unwrap()), (&[0.0, 2.0][..], vec![1.0, 0.0]));
+        assert_eq!((other.times(), other.column("is").unwrap()), (&[0.0, 2.0][..], &[1.0, 0.0][..]));
         assert!(other.column("y").unwrap()[1].is_nan());
     }
 

@@ -6,19 +6,29 @@ use std::path::PathBuf;
 use super::{Column, CsvSink, Sink};
 use crate::files::{NewFile, WriteError};
 
-/// Rows in memory.
+/// Rows in memory, column by column: who looks at a run looks at its signals.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
     pub(super) columns: Vec<Column>,
     pub(super) times: Vec<f64>,
-    pub(super) values: Vec<f64>,
+    /// As many as columns, each as long as the times.
+    pub(super) values: Vec<Vec<f64>>,
 }
 
 impl Table {
     /// An empty table.
     #[must_use]
     pub fn new(columns: Vec<Column>) -> Self {
-        Self { columns, times: Vec::new(), values: Vec::new() }
+        let values = vec![Vec::new(); columns.len()];
+        Self { columns, times: Vec::new(), values }
+    }
+
+    /// Makes room for so many further rows at once: what grows little by little takes up to three times the memory for a while.
+    #[must_use]
+    pub fn with_room(mut self, rows: usize) -> Self {
+        self.times.reserve_exact(rows);
+        self.values.iter_mut().for_each(|column| column.reserve_exact(rows));
+        self
     }
 
     /// The columns.
@@ -35,9 +45,9 @@ impl Table {
 
     /// All values of one column, if there is one of that name.
     #[must_use]
-    pub fn column(&self, name: &str) -> Option<Vec<f64>> {
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
         let index = self.columns.iter().position(|column| column.name == name)?;
-        Some(self.values.iter().skip(index).step_by(self.columns.len()).copied().collect())
+        Some(&self.values[index])
     }
 
     /// All values of the column at a place.
@@ -45,21 +55,20 @@ impl Table {
     /// # Panics
     /// When there is no such column.
     #[must_use]
-    pub fn column_at(&self, index: usize) -> Vec<f64> {
-        assert!(index < self.columns.len(), "there is such a column");
-        self.values.iter().skip(index).step_by(self.columns.len()).copied().collect()
+    pub fn column_at(&self, index: usize) -> &[f64] {
+        &self.values[index]
     }
 
     /// The rows and columns that are wanted, in their order.
     #[must_use]
     pub fn part(&self, columns: &[usize], rows: impl Iterator<Item = usize>) -> Self {
-        let mut part = Self::new(columns.iter().map(|&column| self.columns[column].clone()).collect());
-        let width = self.columns.len();
-        for row in rows {
-            part.times.push(self.times[row]);
-            part.values.extend(columns.iter().map(|&column| self.values[row * width + column]));
+        let rows: Vec<usize> = rows.collect();
+        let of = |values: &[f64]| rows.iter().map(|&row| values[row]).collect();
+        Self {
+            columns: columns.iter().map(|&column| self.columns[column].clone()).collect(),
+            times: of(&self.times),
+            values: columns.iter().map(|&column| of(&self.values[column])).collect(),
         }
-        part
     }
 
     /// Gives a column another name.
@@ -68,9 +77,9 @@ impl Table {
     }
 
     /// Row by row.
-    pub fn rows(&self) -> impl Iterator<Item = (f64, &[f64])> {
-        let width = self.columns.len();
-        self.times.iter().enumerate().map(move |(row, time)| (*time, &self.values[row * width..][..width]))
+    pub fn rows(&self) -> impl Iterator<Item = (f64, Vec<f64>)> {
+        let row = |row: usize| self.values.iter().map(|column| column[row]).collect();
+        self.times.iter().enumerate().map(move |(index, time)| (*time, row(index)))
     }
 
     /// Writes all rows as CSV.
@@ -88,7 +97,7 @@ impl Table {
     pub fn to_csv(&self, file: NewFile) -> Result<NewFile, WriteError> {
         let mut sink = CsvSink::new(file, &self.columns)?;
         for (time, values) in self.rows() {
-            if let Err(source) = sink.row(time, values) {
+            if let Err(source) = sink.row(time, &values) {
                 return Err(sink.error(source));
             }
         }
@@ -99,7 +108,9 @@ impl Table {
 impl Sink for Table {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.times.push(time);
-        self.values.extend_from_slice(values);
+        for (column, value) in self.values.iter_mut().zip(values) {
+            column.push(*value);
+        }
         Ok(())
     }
 }
@@ -125,7 +136,7 @@ mod tests {
         let path = folder.path().join("t.csv");
         let mut every = Every::new(0.2, 0.5, Table::new(table().columns().to_vec()));
         for (time, values) in table().rows() {
-            every.row(time, values).unwrap();
+            every.row(time, &values).unwrap();
         }
         every.sink.write_csv(&path).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
@@ -138,6 +149,6 @@ mod tests {
         assert_eq!(table().column("x"), None);
         let mut pick = Pick::new(table().columns(), |name| name == "b,c");
         pick.row(0.0, &[1.0, 2.0]).unwrap();
-        assert_eq!(pick.sink.column("b,c"), Some(vec![2.0]));
+        assert_eq!(pick.sink.column("b,c"), Some(&[2.0][..]));
     }
 }

@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 use crate::files::read_text;
 use crate::settings::Setting;
 use crate::signal::Signal;
-use crate::system::{Located, RunOptions, System};
+use crate::system::{Located, RunOptions, System, unpack_all};
 use fmi2_import::{Causality, Fmu, FmuError, Variable};
 
 /// A scenario as its file describes it.
@@ -132,11 +132,19 @@ impl Scenario {
         file::parse(file, text)
     }
 
-    /// Unpacks its FMUs. Each is looked for by its path relative to the scenario's folder, then in the folder `fmus`.
+    /// Unpacks its FMUs from their [paths](Scenario::paths).
     ///
     /// # Errors
     /// When one is missing or cannot be used.
     pub fn system(&self, fmus: &Path) -> Result<System, ScenarioError> {
+        self.system_of(&unpack_all(&self.paths(fmus)?)?)
+    }
+
+    /// Where its FMUs are: each where the file says, relative to the file's folder, or else in the folder `fmus`.
+    ///
+    /// # Errors
+    /// When one is not there.
+    pub fn paths(&self, fmus: &Path) -> Result<Vec<PathBuf>, ScenarioError> {
         let folders: Vec<&Path> = self.folder.as_deref().into_iter().chain([fmus]).collect();
         let find = |file: &PathBuf| {
             let found = folders.iter().map(|folder| folder.join(file)).find(|path| path.exists());
@@ -145,9 +153,15 @@ impl Scenario {
                 searched: folders.iter().map(|folder| shown(folder)).collect(),
             })
         };
-        let paths = self.fmus.iter().map(find).collect::<Result<Vec<_>, _>>()?;
-        let opened = paths.into_iter().map(Fmu::unpack).collect::<Result<Vec<_>, _>>()?;
-        let system = System::of_fmus(&opened);
+        self.fmus.iter().map(find).collect()
+    }
+
+    /// The system with these FMUs, one for each that it names.
+    ///
+    /// # Errors
+    /// When a table of the file has something that belongs into another one.
+    pub fn system_of(&self, fmus: &[Fmu]) -> Result<System, ScenarioError> {
+        let system = System::of_fmus(fmus);
         self.check_tables(&system)?;
         Ok(System {
             title: Some(self.title.clone()),

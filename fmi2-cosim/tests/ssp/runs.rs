@@ -10,7 +10,7 @@ fn run(path: &Path) -> Vec<f64> {
     let mut table = Table::new(master.record(|name| name == "y"));
     master.initialize(&grid).unwrap();
     master.run(&grid, 0.0, &mut table, &mut |_| ()).unwrap();
-    table.column("y").unwrap()
+    table.column("y").unwrap().to_vec()
 }
 
 /// T ẏ = u − y with u = K (reference − y) held over each step.
@@ -126,7 +126,7 @@ fn integers_feed_enumerations_and_reals() {
     let (u, y) = (table.column("u").unwrap(), table.column("y").unwrap());
     // u = K·(r − y) with K = 1 and the reference r = number of steps that the lag has done.
     assert_eq!(u.len(), 11);
-    for (done, (u, y)) in (0..11_u32).map(f64::from).zip(u.iter().zip(&y)) {
+    for (done, (u, y)) in (0..11_u32).map(f64::from).zip(u.iter().zip(y)) {
         assert!((u - (done - y)).abs() < 1e-12, "{u} = {done} - {y}");
     }
 }

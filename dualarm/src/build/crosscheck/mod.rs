@@ -121,8 +121,7 @@ fn complete(inputs: &Table, description: &ModelDescription) -> Table {
     let all: Vec<_> = all.map(|(name, start)| (name, inputs.column(name), start)).collect();
     let mut table = Table::new(all.iter().map(|(name, ..)| column(name)).collect());
     for (row, time) in inputs.times().iter().enumerate() {
-        let values: Vec<_> =
-            all.iter().map(|(_, values, start)| values.as_ref().map_or(*start, |values| values[row])).collect();
+        let values: Vec<_> = all.iter().map(|(_, values, start)| values.map_or(*start, |values| values[row])).collect();
         keep(&mut table, *time, &values);
     }
     table
@@ -149,7 +148,7 @@ fn recorded(
     columns.push(column(name));
     let mut table = Table::new(columns);
     for (time, values) in measured.rows() {
-        keep(&mut table, time, &[values, &[signal.at(time)]].concat());
+        keep(&mut table, time, &[&values[..], &[signal.at(time)]].concat());
     }
     Ok(table)
 }
@@ -160,7 +159,7 @@ fn simulate(fmu: &Fmu, experiment: &SoloExperiment, inputs: &Table) -> Result<Ta
     let mut system = System::of_fmus(std::slice::from_ref(fmu));
     for input in inputs.columns() {
         let values = inputs.column(&input.name).unwrap_or_default();
-        let points = inputs.times().iter().copied().zip(values).collect();
+        let points = inputs.times().iter().copied().zip(values.iter().copied()).collect();
         system.inputs.push(Located::nowhere((input.name.clone(), Signal::new(Shape::Linear, points)?)));
     }
     let mut master = system.master(Coupling::GaussSeidel)?;
@@ -219,7 +218,7 @@ fn csv(table: &Table) -> String {
     let mut sink = CsvSink::to(Vec::new());
     for (time, values) in table.rows() {
         // Memory takes every row.
-        let _ = sink.row(time, values);
+        let _ = sink.row(time, &values);
     }
     let rows = sink.into_inner().unwrap_or_default();
     text.push_str(&String::from_utf8_lossy(&rows));

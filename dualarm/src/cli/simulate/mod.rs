@@ -23,7 +23,6 @@ use crate::grasp::{self, CONTROLLERS};
 use crate::report::html::rows::Rows;
 pub use experiment::grid;
 use fmi2_cosim::master::{Coupling, Master, MasterError, check_steps};
-use fmi2_cosim::record::Every;
 use fmi2_cosim::run::Run;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{System, is_tolerance};
@@ -187,19 +186,17 @@ fn simulate(
     // Before the simulation: an unwritable place should not cost the time of a run.
     let watch = Watch::new(arguments.monitor, &columns, run)?;
     let output = Output::new(arguments.output.as_deref(), &watch.columns(&columns))?;
-    let rows = Every::new(run.interval, run.grid.stop(), watch.rows(output, &columns));
-    let mut rows = (rows, arguments.report.as_ref().map(|_| Rows::new(&run.grid, &columns)));
-    let mut watch = page::Watch::new(watch, arguments.report.is_some());
+    let mut rows = watch.rows(output, &columns);
+    let mut watch = page::Watch::new(watch, arguments.report.as_ref().map(|_| Rows::new(&run.grid, &columns)));
     let bar = Progress::new(quiet).bar("simulating", run.grid.steps());
     let result = run.execute(system, master, &columns, &mut rows, &mut watch, &mut |done| bar.set_position(done));
     bar.finish_and_clear();
-    let (rows, shown) = rows;
-    let (output, kept) = rows.sink.parts();
+    let (output, kept) = rows.parts();
     let results = match result {
         Err(MasterError::Record(error)) => return Err(output.failure(error)),
         result => result?,
     };
-    let page::Watch { others: Watch { grasp: watch, lyapunov }, models, .. } = watch;
+    let page::Watch { others: Watch { grasp: watch, lyapunov }, rows: shown, models } = watch;
     let (output, monitored) = monitor::complete(lyapunov, output, kept, arguments.output.as_deref())?;
     let (monitored, verdict) = monitored.unzip();
     let metrics = watch.metrics();

@@ -12,7 +12,7 @@ use fmi2_cosim::run::{Observer, Run};
 use super::output::{Output, is_standard_output};
 use crate::cli::Failure;
 use crate::grasp::{GraspWatch, LyapunovWatch, Recorded};
-use crate::report::figures::chart::{Curve, Figure, Panel, palette};
+use charts::chart::{Curve, Figure, Panel, palette};
 
 /// What is monitored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -72,6 +72,13 @@ impl Rows {
 }
 
 impl Sink for Rows {
+    fn wants(&mut self, time: f64) -> bool {
+        match self {
+            Self::Now(output) => output.wants(time),
+            Self::Later(..) => true,
+        }
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         match self {
             Self::Now(output) => output.row(time, values),
@@ -81,6 +88,10 @@ impl Sink for Rows {
 }
 
 impl Sink for Watch {
+    fn wants(&mut self, time: f64) -> bool {
+        self.grasp.wants(time) | self.lyapunov.wants(time)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.grasp.row(time, values)?;
         self.lyapunov.row(time, values)
@@ -125,7 +136,7 @@ pub fn complete(
     let (Some(lyapunov), Some(kept)) = (lyapunov, kept) else { return Ok((output, None)) };
     let Recorded { table, verdict } = lyapunov.finish()?;
     for ((time, values), (_, more)) in kept.rows().zip(table.rows()) {
-        let all: Vec<f64> = values.iter().chain(more).copied().collect();
+        let all: Vec<f64> = values.into_iter().chain(more).collect();
         if let Err(error) = output.row(time, &all) {
             return Err(output.failure(error));
         }
@@ -142,7 +153,7 @@ pub fn complete(
 fn figure(table: &Table) -> Figure {
     let curve = |name: &str, label: &str, color, wide| {
         let values = table.column(name).unwrap_or_default();
-        let points = table.times().iter().zip(values).filter(|(_, value)| *value > 1e-15 && value.is_finite());
+        let points = table.times().iter().zip(values).filter(|(_, value)| **value > 1e-15 && value.is_finite());
         Curve { name: label.into(), color, wide, points: points.map(|(time, value)| (*time, value.log10())).collect() }
     };
     let times = table.times();

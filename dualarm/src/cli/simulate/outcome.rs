@@ -10,7 +10,6 @@ use serde_json::{Map, Value};
 use crate::cli::json::{self, ExperimentDocument, MetricsDocument};
 use crate::cli::printable::one_line;
 use crate::cli::{paragraph, print_error, width};
-use crate::grasp::metrics::{Metrics, MetricsObstacle};
 use crate::report;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::names::number;
@@ -19,6 +18,7 @@ use fmi2_cosim::run::{Ended, Results, Run};
 use fmi2_cosim::system::System;
 use fmi2_cosim::wiring::Terminal;
 use fmi2_import::{Causality, LogMessage, Status};
+use grasp_merit::metrics::{Metrics, MetricsObstacle};
 
 /// The outcome of a run. Serialised, it is the document of `--json`; `docs/tool.md` describes the keys.
 #[derive(Serialize)]

@@ -110,6 +110,10 @@ fn lost(error: io::Error) -> Failure {
 }
 
 impl Sink for Output {
+    fn wants(&mut self, _: f64) -> bool {
+        !matches!(self, Self::None)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         match self {
             Self::None => Ok(()),

@@ -5,34 +5,37 @@ use std::path::Path;
 
 use super::monitor;
 use crate::cli::{Failure, report};
-use crate::grasp::metrics::Metrics;
+use crate::report::html::rows::{self, Rows};
 use crate::report::html::signals::with_decades;
-use crate::report::html::{self, Page, rows};
+use crate::report::html::{self, Page};
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_cosim::run::{Observer, Run};
 use fmi2_cosim::system::System;
+use grasp_merit::metrics::Metrics;
 
-/// Follows a run together with the other observers, and reads the models' parameters if a page shall show them.
+/// Follows a run together with the other observers. If there shall be a page, it keeps the page's rows and reads the models'
+/// parameters.
 pub struct Watch {
     /// The other observers.
     pub others: monitor::Watch,
-    wants_models: bool,
+    /// The rows of the page, which differ from those of the output.
+    pub rows: Option<Rows>,
     /// The parameters of the models.
     pub models: Vec<ModelParameters>,
 }
 
 impl Watch {
-    pub fn new(others: monitor::Watch, wants_models: bool) -> Self {
-        Self { others, wants_models, models: Vec::new() }
+    pub fn new(others: monitor::Watch, rows: Option<Rows>) -> Self {
+        Self { others, rows, models: Vec::new() }
     }
 }
 
 impl Observer for Watch {
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
         let mut remarks = self.others.begin(master, columns);
-        let components = if self.wants_models { master.names().count() } else { 0 };
+        let components = if self.rows.is_some() { master.names().count() } else { 0 };
         for index in 0..components {
             match ModelParameters::of(master.instance(index)) {
                 Ok(model) => self.models.push(model),
@@ -43,8 +46,7 @@ impl Observer for Watch {
     }
 
     fn follows(&self, column: &Column) -> bool {
-        // The page's first rows are those of every step.
-        self.wants_models || self.others.follows(column)
+        self.others.follows(column)
     }
 
     fn conclude(&mut self) -> Vec<String> {
@@ -53,7 +55,12 @@ impl Observer for Watch {
 }
 
 impl Sink for Watch {
+    fn wants(&mut self, time: f64) -> bool {
+        self.rows.wants(time) | self.others.wants(time)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.rows.row(time, values)?;
         self.others.row(time, values)
     }
 
@@ -62,6 +69,7 @@ impl Sink for Watch {
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.rows.end(time, values)?;
         self.others.end(time, values)
     }
 }
@@ -70,7 +78,7 @@ impl Sink for Watch {
 pub fn with_columns(rows: Table, more: Option<&Table>) -> Table {
     let Some(more) = more.filter(|more| !more.times().is_empty()) else { return rows };
     let columns = rows.columns().iter().chain(more.columns()).cloned().collect();
-    let monitored: Vec<Vec<f64>> = (0..more.columns().len()).map(|index| more.column_at(index)).collect();
+    let monitored: Vec<&[f64]> = (0..more.columns().len()).map(|index| more.column_at(index)).collect();
     let times = more.times();
     let mut all = Table::new(columns);
     for (time, values) in rows.rows() {
@@ -79,7 +87,7 @@ pub fn with_columns(rows: Table, more: Option<&Table>) -> Table {
         let way = times[after] - times[before];
         let share = if way > 0.0 { (time - times[before]) / way } else { 0.0 };
         let at = monitored.iter().map(|column| column[before] + share * (column[after] - column[before]));
-        let row: Vec<f64> = values.iter().copied().chain(at).collect();
+        let row: Vec<f64> = values.into_iter().chain(at).collect();
         // Memory takes every row.
         let _ = all.row(time, &row);
     }

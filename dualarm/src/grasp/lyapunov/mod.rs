@@ -212,7 +212,7 @@ impl LyapunovWatch {
 
 fn of_root(law: &RootLaw, table: Table) -> Recorded {
     let [h, bound] = ["lyapunov_H", "lyapunov_bound"].map(|name| table.column(name).unwrap_or_default());
-    let ratios = h.iter().zip(&bound).map(|(h, bound)| h / bound);
+    let ratios = h.iter().zip(bound).map(|(h, bound)| h / bound);
     let worst = ratios.filter(|ratio| ratio.is_finite()).fold(0.0, f64::max);
     let verdict = format!(
         "the certified bound {} (phi = {:.3} 1/s, with D(t) of all that the law does beyond its core): H is at most {worst:.3} of it",
@@ -263,8 +263,8 @@ impl Observer for LyapunovWatch {
         Vec::new()
     }
 
-    fn follows(&self, _: &Column) -> bool {
-        true
+    fn follows(&self, column: &Column) -> bool {
+        NEEDED.contains(&column.name.as_str())
     }
 
     fn conclude(&mut self) -> Vec<String> {
@@ -273,6 +273,10 @@ impl Observer for LyapunovWatch {
 }
 
 impl Sink for LyapunovWatch {
+    fn wants(&mut self, _: f64) -> bool {
+        false
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         let row = self.read(time, values);
         match self.follow(&row) {

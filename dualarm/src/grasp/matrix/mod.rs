@@ -1,13 +1,11 @@
-//! Controllers × cases: every [`Contender`] in every [`Case`], judged by [`Merit`] and, if the actuators determine it,
-//! beside the [physical limit](limit).
+//! Controllers × cases: every [`Contender`] in every [`Case`], judged by [`Merit`](grasp_merit::merit::Merit) and, if the
+//! actuators determine it, beside the [physical limit](grasp_merit::limit).
 //!
 //! A case is a scenario file (folder `scenarios/matrix`; of grasps that can open, `scenarios/contact`), so `dualarm simulate`
 //! repeats every cell.
 
 pub mod case;
 pub mod contender;
-pub mod limit;
-pub mod merit;
 mod run;
 
 use std::num::NonZero;
@@ -19,7 +17,6 @@ use serde::Serialize;
 
 pub use case::{CASES, Case};
 pub use contender::{CONTENDERS, Contender};
-pub use merit::Merit;
 pub use run::{Cell, CellError, Lab};
 
 /// The quantity that a row of the matrix compares.

@@ -2,16 +2,13 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::Serialize;
 
-use super::limit::{BAND, Body, shortest};
-use super::merit::{Merit, SIGNALS};
 use super::{Case, Contender, Judged};
 use crate::grasp::actuator_limits;
 use crate::grasp::instruments::{self, INSTRUMENTS};
-use crate::grasp::metrics::Limits;
 use crate::grasp::scenarios::{is_controller, says_which_law};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Master;
@@ -19,6 +16,9 @@ use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{Located, System};
 use fmi2_import::{Fmu, FmuError, Value};
+use grasp_merit::limit::{BAND, Body, shortest};
+use grasp_merit::merit::{Merit, SIGNALS};
+use grasp_merit::metrics::Limits;
 
 /// Stop time of a case that does not define one.
 const STOP: f64 = 6.0;
@@ -69,10 +69,11 @@ pub enum CellError {
     Run(String),
 }
 
-/// Where cells are run: a folder of FMUs, each of which is opened once.
+/// Where runs are made: a folder of FMUs, each of which is opened once.
 pub struct Lab {
     folder: PathBuf,
-    opened: Mutex<HashMap<PathBuf, Fmu>>,
+    /// Each behind a lock of its own: whoever wants another one need not wait.
+    opened: Mutex<HashMap<PathBuf, Arc<Mutex<Option<Fmu>>>>>,
 }
 
 impl Lab {
@@ -88,12 +89,14 @@ impl Lab {
     /// When it cannot be opened.
     pub fn fmu(&self, file: &Path) -> Result<Fmu, FmuError> {
         let path = if file.is_file() { file.to_owned() } else { self.folder.join(file) };
-        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(fmu) = opened.get(&path) {
+        let place =
+            Arc::clone(self.opened.lock().unwrap_or_else(PoisonError::into_inner).entry(path.clone()).or_default());
+        let mut opened = place.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(fmu) = &*opened {
             return Ok(fmu.clone());
         }
         let fmu = Fmu::open(&path)?;
-        opened.insert(path, fmu.clone());
+        *opened = Some(fmu.clone());
         Ok(fmu)
     }
 
@@ -106,7 +109,8 @@ impl Lab {
         cell(&system, &controller, contender.step).map_err(CellError::Run)
     }
 
-    /// Runs a cell for callers that need its rows. Returns the sink and the instances in their final state.
+    /// Runs a cell for callers that need its rows. Returns the sink and the instances in their final state. The sink gets the rows
+    /// that it wants, and at every step the outputs that are `followed`.
     ///
     /// # Errors
     /// As [`Lab::cell`].
@@ -114,6 +118,7 @@ impl Lab {
         &self,
         case: &Case,
         contender: &Contender,
+        followed: &[&str],
         sink: impl FnOnce(&TimeGrid, &[Column]) -> S,
     ) -> Result<(S, Master), CellError> {
         let (system, _) = self.system(case, contender)?;
@@ -123,6 +128,7 @@ impl Lab {
             system.master(system.experiment.coupling.unwrap_or_default()).map_err(|error| failed(&error))?;
         master.initialize(&grid).map_err(|error| failed(&error))?;
         let columns = master.record(|_| true);
+        master.follow(&columns.iter().map(|column| followed.contains(&column.name.as_str())).collect::<Vec<_>>());
         let mut sink = sink(&grid, &columns);
         master.run(&grid, 0.0, &mut sink, &mut |_| ()).map_err(|error| failed(&error))?;
         Ok((sink, master))
@@ -241,7 +247,7 @@ impl Models<'_> {
         })
     }
 
-    /// The [limits](super::limit) of this plant on these ways: with all that the arms may add, and without.
+    /// The [limits](grasp_merit::limit) of this plant on these ways: with all that the arms may add, and without.
     fn limits(&mut self, limits: [Option<Limits>; 3], ways: [f64; 3], target: f64) -> [f64; 2] {
         let Some(plant) = self.place("contact_force1") else { return [0.0; 2] };
         let mut real = |name: &str| self.real(plant, name).unwrap_or_default();

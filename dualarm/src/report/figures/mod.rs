@@ -1,19 +1,15 @@
 //! Figures: the paper's Figs. 2 to 18, overlays of the three controllers, and the picture of the README.
 //!
-//! [`chart`] draws, [`paper`] and [`overlay`] define the figures, [`raster`] converts SVG to PNG, [`pdf`] to PDF.
+//! The crate [`charts`] draws, [`paper`] and [`overlay`] define the figures.
 
-pub mod chart;
 pub mod overlay;
 pub mod paper;
-pub mod pdf;
-pub mod raster;
-pub mod text;
 
 use crate::grasp::Controller;
-use crate::grasp::metrics::Metrics;
 use crate::report::parameters::ModelParameters;
-use chart::Figure;
+use charts::chart::Figure;
 use fmi2_cosim::record::Table;
+use grasp_merit::metrics::Metrics;
 
 /// One of the paper's runs, as figures and the report need it.
 #[derive(Debug, Clone)]
@@ -40,6 +36,31 @@ pub struct NamedFigure {
     /// The figure.
     pub figure: Figure,
 }
+
+/// A drawn figure.
+#[derive(Debug, Clone)]
+pub struct Drawn {
+    /// File name without extension.
+    pub name: String,
+    /// What it shows, in one line.
+    pub caption: String,
+    /// How to read it, in sentences.
+    pub note: String,
+    /// The picture.
+    pub svg: String,
+}
+
+impl NamedFigure {
+    /// Draws it.
+    #[must_use]
+    pub fn draw(self) -> Drawn {
+        let Self { name, caption, note, figure } = self;
+        Drawn { name, caption, note, svg: figure.to_svg() }
+    }
+}
+
+/// Makes a figure. The curves of a figure hold every step, so figures are made and drawn one after the other.
+pub type Sketch<'a> = Box<dyn Fn() -> NamedFigure + Send + Sync + 'a>;
 
 /// The signals in figures; a run that lacks some of them has fewer figures.
 pub const SIGNALS: &[&str] = &[
@@ -69,7 +90,7 @@ pub const SIGNALS: &[&str] = &[
 
 /// All figures of a comparison, in the order of the report.
 #[must_use]
-pub fn all(runs: &[PaperRun]) -> Vec<NamedFigure> {
+pub fn all(runs: &[PaperRun]) -> Vec<Sketch<'_>> {
     let mut figures = overlay::figures(runs);
     figures.extend(paper::figures(runs));
     figures

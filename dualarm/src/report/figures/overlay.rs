@@ -1,25 +1,23 @@
 //! The three controllers in one picture: forces, angles, control signals, and the picture of the README.
 
-use plotters::style::RGBColor;
-
-use super::chart::{Curve, Figure, Mark, Panel, Target, palette};
 use super::paper::{
     ANGLE_NOTE, FORCE_NOTE, SUBSCRIPTS, angle_target, below_each_other, control_label, force_target, points,
     with_close_up,
 };
-use super::text::number;
-use super::{NamedFigure, PaperRun};
+use super::{NamedFigure, PaperRun, Sketch};
+use charts::chart::{Curve, Figure, Mark, Panel, RGBColor, Target, palette};
+use charts::text::number;
 
 /// File name of the README's picture.
 pub const HERO: &str = "grasp";
 
 /// The overlays; empty without runs.
 #[must_use]
-pub fn figures(runs: &[PaperRun]) -> Vec<NamedFigure> {
+pub fn figures(runs: &[PaperRun]) -> Vec<Sketch<'_>> {
     if runs.is_empty() {
         return Vec::new();
     }
-    vec![hero(runs), forces(runs), angles(runs), controls(runs)]
+    [hero, forces, angles, controls].map(|make| Box::new(move || make(runs)) as Sketch).into()
 }
 
 fn color(index: usize) -> RGBColor {
@@ -34,7 +32,7 @@ fn curves(runs: &[PaperRun], signal: &str, scale: f64) -> Vec<Curve> {
             name: run.scenario.title.into(),
             color: color(index),
             wide: false,
-            points: points(&run.table, signal, scale),
+            points: points(&run.table, signal, scale, x_range(runs)),
         })
         .collect()
 }
@@ -61,10 +59,9 @@ fn hero(runs: &[PaperRun]) -> NamedFigure {
             let force = &run.metrics.forces[arm - 1];
             let settling = force.settling_2?;
             let start = run.table.times()[0];
-            let values = points(&run.table, &format!("contact_force{arm}"), 1.0);
-            let settled = values.iter().find(|(time, _)| *time >= start + settling)?;
+            let values = points(&run.table, &format!("contact_force{arm}"), 1.0, (start + settling, f64::INFINITY));
             Some(Mark {
-                point: *settled,
+                point: *values.first()?,
                 color: color(index),
                 name: run.scenario.title.into(),
                 text: format!("{} s", number(settling, 2)),

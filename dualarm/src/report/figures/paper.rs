@@ -1,8 +1,9 @@
 //! The paper's Figs. 2 to 18: for each scenario forces, angles, (estimates,) and control signals.
 
-use super::chart::{Chatter, Curve, Figure, Panel, Target, chatter, palette};
-use super::{NamedFigure, PaperRun};
+use super::{NamedFigure, PaperRun, Sketch};
+use charts::chart::{Chatter, Curve, Figure, Panel, Target, chatter, palette, sampled};
 use fmi2_cosim::record::Table;
+use std::sync::Arc;
 
 /// Size of a figure in px.
 const SIZE: (u32, u32) = (720, 400);
@@ -51,9 +52,13 @@ const ENTRIES: [Entry; 17] = [
 
 /// Figs. 2 to 18, as far as their scenarios are there.
 #[must_use]
-pub fn figures(runs: &[PaperRun]) -> Vec<NamedFigure> {
+pub fn figures(runs: &[PaperRun]) -> Vec<Sketch<'_>> {
     let find = |key| runs.iter().find(|run| run.scenario.key == key);
-    ENTRIES.iter().filter_map(|entry| Some(entry.figure(find(entry.scenario)?))).collect()
+    let sketch = |entry: &'static Entry| {
+        let run = find(entry.scenario)?;
+        Some(Box::new(move || entry.figure(run)) as Sketch)
+    };
+    ENTRIES.iter().filter_map(sketch).collect()
 }
 
 impl Entry {
@@ -132,10 +137,9 @@ pub(super) fn below_each_other(mut rows: Vec<Vec<Panel>>) -> Vec<Vec<Panel>> {
     rows
 }
 
-/// A signal as the points of a curve.
-pub(super) fn points(table: &Table, name: &str, scale: f64) -> Vec<(f64, f64)> {
-    let values = table.column(name).unwrap_or_default();
-    table.times().iter().copied().zip(values.into_iter().map(|value| value * scale)).collect()
+/// A signal as the points of a curve that is shown from one time to another.
+pub(super) fn points(table: &Table, name: &str, scale: f64, range: (f64, f64)) -> Arc<[(f64, f64)]> {
+    sampled(table.times(), table.column(name).unwrap_or_default(), scale, range)
 }
 
 /// The last value of a signal.
@@ -147,7 +151,7 @@ pub(super) fn force_target(table: &Table) -> Vec<Target> {
     let target = last(table, "lambda2_d").map(|value| Target {
         value,
         band: 0.02 * value.abs(),
-        labels: vec![format!("target {} N", super::text::number(value, 1)), "±2 %".into()],
+        labels: vec![format!("target {} N", charts::text::number(value, 1)), "±2 %".into()],
     });
     target.into_iter().collect()
 }
@@ -156,7 +160,7 @@ pub(super) fn angle_target(table: &Table, arm: usize) -> Vec<Target> {
     let target = last(table, &format!("theta{arm}_d")).map(|radians| Target {
         value: radians.to_degrees(),
         band: 0.0,
-        labels: vec![format!("target {}°", super::text::number(radians.to_degrees(), 2))],
+        labels: vec![format!("target {}°", charts::text::number(radians.to_degrees(), 2))],
     });
     target.into_iter().collect()
 }
@@ -164,7 +168,7 @@ pub(super) fn angle_target(table: &Table, arm: usize) -> Vec<Target> {
 pub(super) const SUBSCRIPTS: [&str; 3] = ["", "₁", "₂"];
 
 fn force(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
-    let points = points(table, &format!("contact_force{arm}"), 1.0);
+    let points = points(table, &format!("contact_force{arm}"), 1.0, x_range);
     Panel {
         y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
         x_range,
@@ -176,7 +180,7 @@ fn force(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
 }
 
 fn angle(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
-    let points = points(table, &format!("theta{arm}"), 1_f64.to_degrees());
+    let points = points(table, &format!("theta{arm}"), 1_f64.to_degrees(), x_range);
     Panel {
         y_label: format!("Hub angle θ{} (°)", SUBSCRIPTS[arm]),
         x_range,
@@ -193,7 +197,7 @@ fn control(table: &Table, signal: &str, x_range: (f64, f64)) -> Vec<Panel> {
         name: name.into(),
         color,
         wide,
-        points: points(table, signal, 1.0),
+        points: points(table, signal, 1.0, x_range),
     };
     with_close_up(Panel {
         y_label: control_label(signal),
@@ -214,13 +218,8 @@ const START: f64 = 0.02;
 /// cuts the peak off.
 pub(super) fn with_close_up(panel: Panel) -> Vec<Panel> {
     let start = panel.x_range.0;
-    let span = |from: f64| {
-        let points = panel.curves.iter().flat_map(|curve| &curve.points).filter(|(time, _)| *time >= from);
-        let (low, high) = points.fold((0.0_f64, 0.0_f64), |(low, high), (_, y)| (low.min(*y), high.max(*y)));
-        high - low
-    };
     let swings = swings(&panel);
-    let mut panels = if span(start) < 5.0 * span(start + START) {
+    let mut panels = if panel.span(start) < 5.0 * panel.span(start + START) {
         vec![panel]
     } else {
         let close_up = Panel { x_range: (start, start + START), weight: 0.4, ..panel.clone() };
@@ -268,7 +267,7 @@ fn estimates(run: &PaperRun, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
             name: if is_object { "object".into() } else { format!("arm {}", arm + 1) },
             color,
             wide: !is_object && arm == 0, // the second arm's may lie on it
-            points: points(&run.table, signal, 1.0).into_iter().map(|(time, value)| (time, value.abs())).collect(),
+            points: points(&run.table, signal, 1.0, x_range).iter().map(|(time, value)| (*time, value.abs())).collect(),
         });
         Panel {
             heading: Some(heading.into()),

@@ -6,7 +6,6 @@
 //! has an animation; every run has curves of all its signals.
 
 mod markup;
-mod pack;
 pub mod rows;
 mod run;
 pub mod signals;
@@ -15,7 +14,7 @@ pub mod tables;
 use serde_json::json;
 
 use crate::grasp::matrix::Matrices;
-use crate::report::figures::NamedFigure;
+use crate::report::figures::Drawn;
 pub(crate) use markup::escape;
 pub(crate) use markup::{fill, json_in_script};
 pub use run::Run;
@@ -69,7 +68,7 @@ pub struct Page<'a> {
     /// Controllers in many cases.
     pub matrix: Option<&'a Matrices>,
     /// Figures to take away.
-    pub figures: &'a [NamedFigure],
+    pub figures: &'a [Drawn],
     /// Tables of the caller's, as sections.
     pub tables: String,
     /// Files beside the page, and their descriptions.

@@ -27,6 +27,15 @@ pub fn interval(duration: f64) -> f64 {
     (duration / MOST).max(SHORTEST.min(duration / 1000.0))
 }
 
+/// How many rows to expect.
+fn expected(grid: &TimeGrid) -> usize {
+    let duration = grid.stop() - grid.start();
+    let early = (EVERY_STEP_UNTIL / grid.step()).min(MOST_EARLY as f64);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // some thousands
+    let rows = (duration / interval(duration).max(grid.step()) + early) as usize;
+    rows + 2
+}
+
 /// The sentence on the page about the rows of a simulation.
 #[must_use]
 pub fn sentence(grid: &TimeGrid) -> String {
@@ -58,6 +67,8 @@ pub struct Rows {
     stop: f64,
     early: usize,
     schedule: Schedule,
+    /// Which time it was asked about last, and whether the row of this time is one of them.
+    asked: Option<(f64, bool)>,
     picked: Pick<Table>,
 }
 
@@ -68,8 +79,17 @@ impl Rows {
         let (start, stop) = (grid.start(), grid.stop());
         let wanted = wanted(columns);
         let names: Vec<&str> = wanted.iter().map(|&index| columns[index].name.as_str()).collect();
-        let picked = Pick::new(columns, |name| names.contains(&name));
-        Self { start, stop, early: 0, schedule: Schedule::new(start, interval(stop - start)), picked }
+        let mut picked = Pick::new(columns, |name| names.contains(&name));
+        picked.sink = picked.sink.with_room(expected(grid));
+        let schedule = Schedule::new(start, interval(stop - start));
+        Self { start, stop, early: 0, schedule, asked: None, picked }
+    }
+
+    fn is_wanted(&mut self, time: f64) -> bool {
+        let is_due = self.schedule.is_due(time) || time >= self.stop;
+        let is_early = time - self.start <= EVERY_STEP_UNTIL && self.early < MOST_EARLY;
+        self.early += usize::from(is_early);
+        is_due || is_early
     }
 
     /// The kept rows.
@@ -80,16 +100,16 @@ impl Rows {
 }
 
 impl Sink for Rows {
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        let is_due = self.schedule.is_due(time) || time >= self.stop;
-        let is_early = time - self.start <= EVERY_STEP_UNTIL && self.early < MOST_EARLY;
-        self.early += usize::from(is_early);
-        if is_due || is_early { self.picked.row(time, values) } else { Ok(()) }
+    fn wants(&mut self, time: f64) -> bool {
+        let is_wanted = self.is_wanted(time);
+        self.asked = Some((time, is_wanted));
+        is_wanted
     }
 
-    /// Of a run in which every column is followed: a page has rows at other times than the output.
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.row(time, values)
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        let asked = self.asked.filter(|(at, _)| *at == time);
+        let is_wanted = asked.map_or_else(|| self.is_wanted(time), |(_, is_wanted)| is_wanted);
+        if is_wanted { self.picked.row(time, values) } else { Ok(()) }
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {

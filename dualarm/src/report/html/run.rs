@@ -1,11 +1,11 @@
 //! One run as the page shows it, wherever it comes from: a simulation or a file of results.
 
+use charts::pack::{Packer, Scale};
 use serde_json::{Value, json};
 
-use super::pack::{Packer, Scale};
-use crate::grasp::metrics::Metrics;
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::record::Table;
+use grasp_merit::metrics::Metrics;
 
 /// A run for the page.
 #[derive(Debug, Clone, Default)]
@@ -49,7 +49,7 @@ impl Run {
         packer.add_with(time_scale, times);
         let mut columns = vec![column("time", Some("s"), time_scale)];
         for (index, signal) in self.rows.columns().iter().enumerate() {
-            let scale = packer.add(&self.rows.column_at(index));
+            let scale = packer.add(self.rows.column_at(index));
             columns.push(column(&signal.name, signal.unit.as_deref(), scale));
         }
         let geometry = self.geometry().map(|Geometry { arm, object }| json!({ "arm": arm, "object": object }));
@@ -95,11 +95,13 @@ impl Run {
                 let tip = self.rows.column("tip_deflection1").or_else(|| self.rows.column("deflection1[11]"))?;
                 // l θ₁ + L/2 = y_M + w₁(l), minus the gap if the tip does not touch, plus the indentation of a compliant
                 // face.
-                let of_contact = |name: &str| self.rows.column(name).unwrap_or_else(|| vec![0.0; tip.len()]);
-                let (gap, pressed) = (of_contact("gap1"), of_contact("indentation1"));
-                let right: Vec<f64> =
-                    (0..tip.len()).map(|row| object[row] + tip[row] - gap[row] + pressed[row]).collect();
-                line(&theta, &right).map(|(slope, offset)| Geometry { arm: slope, object: 2.0 * offset })
+                let of_contact = ["gap1", "indentation1"].map(|name| self.rows.column(name));
+                let right = |row: usize| {
+                    let [gap, pressed] = of_contact.map(|values| values.map_or(0.0, |values| values[row]));
+                    object[row] + tip[row] - gap + pressed
+                };
+                line(theta, &(0..tip.len()).map(right).collect::<Vec<f64>>())
+                    .map(|(slope, offset)| Geometry { arm: slope, object: 2.0 * offset })
             })
             .filter(|geometry| geometry.arm > 0.0 && geometry.object > 0.0)
     }

@@ -5,13 +5,13 @@ use std::fmt::Write;
 use super::markup::escape;
 use super::run::Run;
 use crate::grasp::matrix::{Matrices, Matrix};
-use crate::grasp::metrics::{EffortMetrics, ForceMetrics, Metrics};
 use crate::report::TextTable;
-use crate::report::figures::NamedFigure;
-use crate::report::figures::text::number;
+use crate::report::figures::Drawn;
 use crate::report::matrix::{LEGEND, contact, figure};
 use crate::report::parameters::{ModelParameters, ReportedParameter};
+use charts::text::number;
 use fmi2_import::Value;
+use grasp_merit::metrics::{EffortMetrics, ForceMetrics, Metrics};
 
 /// A table of texts as a section of the page.
 #[must_use]
@@ -296,7 +296,7 @@ fn all_of(model: &ModelParameters, of: &str) -> String {
 
 /// The paper's figures, folded, or a single one, each to be taken away.
 #[must_use]
-pub fn figures(figures: &[NamedFigure]) -> String {
+pub fn figures(figures: &[Drawn]) -> String {
     if figures.is_empty() {
         return String::new();
     }
@@ -309,11 +309,10 @@ pub fn figures(figures: &[NamedFigure]) -> String {
         _ => "Figs. 2 to 18 as the paper numbers them, and the controllers in one picture".to_owned(),
     };
     html += "</summary><div class=\"drawn\">";
-    for NamedFigure { name, caption, note, figure } in figures {
+    for Drawn { name, caption, note, svg } in figures {
         let _ = write!(
             html,
-            "<figure data-name=\"{name}\">{}<figcaption><strong>{}</strong> {} <span class=\"take\"></span></figcaption></figure>",
-            figure.to_svg(),
+            "<figure data-name=\"{name}\">{svg}<figcaption><strong>{}</strong> {} <span class=\"take\"></span></figcaption></figure>",
             escape(caption),
             escape(note)
         );

@@ -2,7 +2,7 @@
 
 use crate::grasp::matrix::{Cell, Matrix};
 use crate::report::TextTable;
-use crate::report::figures::text::number;
+use charts::text::number;
 
 /// One figure of all cells: its title, its meaning, and the text in a cell.
 struct Figure {

@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::lines;
 use crate::grasp::matrix::{Cell, Matrix};
-use crate::report::figures::text::{self, FAMILIES, with_shifts};
 use crate::report::html::escape;
+use charts::text::{self, FAMILIES, with_shifts};
 
 const CELL: (f64, f64) = (78.0, 34.0);
 const LABELS: f64 = 196.0;

@@ -5,9 +5,10 @@ pub mod figure;
 
 use serde::Serialize;
 
-use crate::grasp::matrix::{Cell, Judged, Matrix, Merit};
+use crate::grasp::matrix::{Cell, Judged, Matrix};
 use crate::report::TextTable;
-use crate::report::figures::text::number;
+use charts::text::number;
+use grasp_merit::merit::Merit;
 
 /// The explanation of the matrix, in sentences.
 pub const LEGEND: &str = "Time in s until forces, angles and position, all of (17), stay within 2 % of their travel; below it \
@@ -148,8 +149,8 @@ pub fn documents(matrix: &Matrix) -> Vec<CellDocument<'_>> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::grasp::matrix::merit::Grip;
     use crate::grasp::matrix::{Case, Contender};
+    use grasp_merit::merit::Grip;
 
     /// Two rows of two: settled and overshooting, never and failed.
     pub fn example() -> Matrix {

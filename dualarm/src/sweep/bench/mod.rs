@@ -15,12 +15,11 @@ use super::study::{Method, Source};
 use super::{Figure, Row, Status, SweepError};
 use crate::TOOL;
 use crate::grasp::matrix::Lab;
-use fmi2_cosim::record::{Every, FileSink};
+use fmi2_cosim::record::FileSink;
 use fmi2_cosim::run::Run;
 use fmi2_cosim::ssp::Package;
 use fmi2_cosim::ssp::package::{is_ssp, split_variant};
-use fmi2_cosim::system::{Located, System};
-use fmi2_import::Fmu;
+use fmi2_cosim::system::{Located, System, unpack_all};
 use setup::{case, check, track, wanted};
 
 /// The FMUs of a study and how they run.
@@ -56,7 +55,7 @@ impl Bench {
                     let beside = study.path(path);
                     if beside.exists() { beside } else { fmus.join(path) }
                 };
-                let opened = paths.iter().map(found).map(Fmu::unpack).collect::<Result<Vec<_>, _>>()?;
+                let opened = unpack_all(&paths.iter().map(found).collect::<Vec<_>>())?;
                 systems.push(System::of_fmus(&opened));
             }
             Source::Named(name) if is_ssp(Path::new(name)) => {
@@ -193,14 +192,13 @@ impl Bench {
             master.apply(&item).map_err(|error| text(&error))?;
         }
         let columns = master.record(|name| trajectory.is_some() || self.wanted.needs(name));
-        let rows =
+        let mut rows =
             trajectory.map(|path| FileSink::new(path, &columns, TOOL)).transpose().map_err(|error| text(&error))?;
-        let mut rows = rows.map(|rows| Every::new(how.interval, how.grid.stop(), rows));
         let mut gauge = Gauge::new(&self.wanted);
         let result = how.execute(system, &mut master, &columns, &mut rows, &mut gauge, &mut |_| ());
         let results = result.map_err(|error| text(&error))?;
         if let Some(rows) = rows {
-            rows.sink.finish().map_err(|error| text(&error))?;
+            rows.finish().map_err(|error| text(&error))?;
         }
         let (status, error) = match results.ended {
             None => (Status::Ok, None),

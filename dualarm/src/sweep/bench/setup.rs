@@ -4,7 +4,6 @@ use std::path::Path;
 
 use super::Track;
 use crate::grasp::instruments;
-use crate::grasp::matrix::merit::SIGNALS;
 use crate::grasp::matrix::{CASES, Case};
 use crate::grasp::scenarios::BuiltIn;
 use crate::sweep::SweepError;
@@ -18,6 +17,7 @@ use fmi2_cosim::run::Run;
 use fmi2_cosim::scenario::Scenario;
 use fmi2_cosim::settings::SettingError;
 use fmi2_cosim::system::{Located, RunOptions, System, SystemError};
+use grasp_merit::merit::SIGNALS;
 
 /// The scenario that a study means; its key is empty if it comes from a file.
 pub(super) fn case(path: &Path, name: &str) -> Result<Case, SweepError> {

@@ -7,20 +7,19 @@
 //!
 //! Those of a grasp are in [`GRASP`].
 
-mod tally;
-
 use std::io;
 
 use crate::grasp::actuator_limits;
-use crate::grasp::matrix::Merit;
-use crate::grasp::matrix::limit::BAND;
-use crate::grasp::matrix::merit::SIGNALS;
-use crate::grasp::metrics::{Limits, REST};
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Column, Pick, Sink, Table};
+use fmi2_cosim::record::{Column, Follow, Sink};
 use fmi2_cosim::run::Observer;
 use fmi2_import::Instance;
-use tally::{OF_OUTPUT, Tally};
+use grasp_merit::limit::BAND;
+use grasp_merit::merit::Merit;
+use grasp_merit::merit::SIGNALS;
+use grasp_merit::metrics::Limits;
+use grasp_merit::spans::{pulling, quiet};
+use grasp_merit::tally::{OF_OUTPUT, Tally};
 
 /// The figures of a grasp: names, units, and descriptions. [`Merit`] defines those that it contains.
 pub const GRASP: [(&str, &str, &str); 13] = [
@@ -43,8 +42,6 @@ pub const GRASP: [(&str, &str, &str); 13] = [
     ("saturated", "s", "time at its limits of the actuator that is there longest"),
 ];
 
-/// Length in s of the windows of `settling_rms`: fifty samples at 1 kHz.
-const WINDOW: f64 = 0.05;
 /// Share of the target force from which on tension counts as loss of contact.
 const PULL: f64 = 0.01;
 
@@ -78,7 +75,7 @@ impl Wanted {
 #[derive(Debug)]
 pub struct Gauge<'a> {
     wanted: &'a Wanted,
-    grasp: Pick<Table>,
+    grasp: Follow,
     limits: [Option<Limits>; 3],
     /// Length of the arms in m.
     length: Option<f64>,
@@ -90,7 +87,7 @@ impl<'a> Gauge<'a> {
     /// For one run.
     #[must_use]
     pub fn new(wanted: &'a Wanted) -> Self {
-        let grasp = Pick::new(&[], |_| false);
+        let grasp = Follow::new(&[], |_| false);
         Self { wanted, grasp, limits: [None; 3], length: None, places: Vec::new(), tallies: Vec::new() }
     }
 
@@ -108,7 +105,7 @@ impl<'a> Gauge<'a> {
     }
 
     fn of_grasp(&self) -> Option<[Option<f64>; GRASP.len()]> {
-        let table = &self.grasp.sink;
+        let table = self.grasp.table();
         let merit = Merit::of(table, self.limits)?;
         let target = *table.column("lambda2_d")?.last()?;
         let forces = [table.column("contact_force1")?, table.column("contact_force2")?];
@@ -117,7 +114,7 @@ impl<'a> Gauge<'a> {
             merit.settling_forces,
             merit.settling_angles,
             merit.settling_position,
-            self.settling_rms(target, &forces),
+            self.settling_rms(target, forces),
             Some(merit.overshoot),
             Some(merit.steady_error),
             Some(merit.error_rms),
@@ -129,8 +126,8 @@ impl<'a> Gauge<'a> {
         ])
     }
 
-    fn settling_rms(&self, target: f64, forces: &[Vec<f64>; 2]) -> Option<f64> {
-        let table = &self.grasp.sink;
+    fn settling_rms(&self, target: f64, forces: [&[f64]; 2]) -> Option<f64> {
+        let table = self.grasp.table();
         let times = table.times();
         let mut latest: f64 = 0.0;
         for force in forces {
@@ -141,42 +138,13 @@ impl<'a> Gauge<'a> {
             let (angle, aim) = (table.column(name)?, *table.column(&format!("{name}_d"))?.last()?);
             let travel = (aim - angle.first()?).abs();
             way = way.max(travel);
-            latest = latest.max(quiet(times, &angle, aim, BAND * travel)?);
+            latest = latest.max(quiet(times, angle, aim, BAND * travel)?);
         }
         let (position, aim) = (table.column("y_object")?, *table.column("y_object_d")?.last()?);
         // If both tips meet again half-way, the object's own travel is too small to be a reference.
         let travel = (aim - position.first()?).abs().max(self.length.unwrap_or_default() * way);
-        Some(latest.max(quiet(times, &position, aim, BAND * travel)?))
+        Some(latest.max(quiet(times, position, aim, BAND * travel)?))
     }
-}
-
-/// Time after which the rms error of the next [`WINDOW`] stays below a band; `None` if this lasts for less than [`REST`] of
-/// the run.
-fn quiet(times: &[f64], values: &[f64], target: f64, band: f64) -> Option<f64> {
-    let mut sums = Vec::with_capacity(values.len() + 1);
-    sums.push(0.0);
-    for value in values {
-        sums.push(sums[sums.len() - 1] + (value - target).powi(2));
-    }
-    let end = *times.last()?;
-    let mut after = times.len();
-    for first in (0..times.len()).rev() {
-        while after > first + 1 && times[after - 1] > times[first] + WINDOW {
-            after -= 1;
-        }
-        let rms = ((sums[after] - sums[first]) / (after - first) as f64).sqrt();
-        if rms > band || rms.is_nan() {
-            let settled = times[first] <= end - (REST * (end - times[0])).max(WINDOW);
-            return settled.then_some(times[first] - times[0]);
-        }
-    }
-    Some(0.0)
-}
-
-/// How long a force is below `-limit`.
-fn pulling(times: &[f64], force: &[f64], limit: f64) -> f64 {
-    let pulls = |value: f64| 0.5 * f64::from(u8::from(value < -limit));
-    times.windows(2).zip(force.windows(2)).map(|(t, f)| (t[1] - t[0]) * (pulls(f[0]) + pulls(f[1]))).sum()
 }
 
 impl Observer for Gauge<'_> {
@@ -184,7 +152,7 @@ impl Observer for Gauge<'_> {
         let place = |output: &String| columns.iter().position(|column| column.name == *output);
         self.places = self.wanted.outputs.iter().filter_map(place).collect();
         if self.wanted.grasp {
-            self.grasp = Pick::new(columns, |name| SIGNALS.contains(&name));
+            self.grasp = Follow::new(columns, |name| SIGNALS.contains(&name));
             for index in 0..master.names().count() {
                 let plant = master.instance(index);
                 let limits = actuator_limits(plant);
@@ -215,6 +183,10 @@ fn real(instance: &mut Instance, name: &str) -> Option<f64> {
 }
 
 impl Sink for Gauge<'_> {
+    fn wants(&mut self, _: f64) -> bool {
+        false
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         if self.wanted.grasp {
             self.grasp.row(time, values)?;
@@ -237,20 +209,6 @@ impl Sink for Gauge<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_rings_below_the_band_is_quiet_although_it_crosses_it() {
-        let times: Vec<f64> = (0..=4000).map(|index| f64::from(index) * 1e-3).collect();
-        // Decays by e every 0.2 s, and noise of rms 0.007 that sometimes exceeds the band of 0.01.
-        let noise = |t: f64| 0.01 * (1000.0 * t).sin();
-        let values: Vec<f64> = times.iter().map(|t| 0.5 * (1.0 - (-t / 0.2).exp()) + noise(*t)).collect();
-        let settled = quiet(&times, &values, 0.5, 0.01).unwrap();
-        // 0.5·exp(−t/0.2) and noise have an rms of 0.01 where the first is 0.00707: at 0.2·ln(0.5/0.00707) = 0.852 s; the
-        // window looks 50 ms ahead.
-        assert!((0.80..0.86).contains(&settled), "{settled}");
-        assert_eq!(quiet(&times, &values, 0.4, 0.01), None);
-        assert_eq!(pulling(&times, &vec![-1.0; times.len()], 0.5), 4.0);
-    }
 
     #[test]
     fn names_are_in_the_order_of_figures() {

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use crate::report::figures::chart::palette;
-use crate::report::figures::text::{FAMILIES, number, with_shifts};
 use crate::report::html::escape;
+use charts::chart::palette;
+use charts::text::{FAMILIES, number, with_shifts};
 
 const INK: &str = "#22262E";
 const SOFT: &str = "#5B6370";

@@ -2,7 +2,7 @@
 //!
 //! Each column is rounded to a whole number of quanta above its smallest value. The differences of these numbers from row
 //! to row are written as zigzag LEB128 (small differences take few bytes), all columns one after the other, then zlib and
-//! base64. A value that is not a finite number is written as −1. `unpack.js` is the counterpart.
+//! base64. A value that is not a finite number is written as −1. `unpack.js` of the pages is the counterpart.
 
 use std::io::Write;
 

@@ -6,8 +6,8 @@
 
 use serde::Serialize;
 
-use super::limit::BAND;
-use crate::grasp::metrics::{EffortMetrics, Limits, REST};
+use crate::limit::BAND;
+use crate::metrics::{EffortMetrics, Limits, REST};
 use fmi2_cosim::record::Table;
 
 /// The signals that have to be recorded.
@@ -83,23 +83,23 @@ impl Grip {
 }
 
 /// One signal on its way.
-struct Track {
-    values: Vec<f64>,
+struct Track<'a> {
+    values: &'a [f64],
     first: f64,
     target: f64,
     /// Half of the band's width.
     band: f64,
 }
 
-impl Track {
-    fn of(table: &Table, signal: &str, target: &str) -> Option<Self> {
+impl<'a> Track<'a> {
+    fn of(table: &'a Table, signal: &str, target: &str) -> Option<Self> {
         let values = table.column(signal)?;
         let (first, target) = (*values.first()?, *table.column(target)?.last()?);
         Some(Self { values, first, target, band: BAND * (target - first).abs() })
     }
 
     /// A contact force. Its travel is the whole target, because its value at the start is only due to the object's inertia.
-    fn of_force(table: &Table, signal: &str) -> Option<Self> {
+    fn of_force(table: &'a Table, signal: &str) -> Option<Self> {
         let track = Self::of(table, signal, "lambda2_d")?;
         Some(Self { band: BAND * track.target.abs(), ..track })
     }
@@ -148,6 +148,11 @@ fn later(one: Option<f64>, other: Option<f64>) -> Option<f64> {
     Some(one?.max(other?))
 }
 
+/// The larger figure of both forces.
+fn larger<'a>(forces: &[Track<'a>; 2], figure: impl Fn(&Track<'a>) -> f64) -> f64 {
+    figure(&forces[0]).max(figure(&forces[1]))
+}
+
 impl Merit {
     /// Figures of merit of a recorded run; `limits` are those of the two motors and the actuator at the object. `None`
     /// when one of [`SIGNALS`] is missing or there are no rows.
@@ -157,10 +162,9 @@ impl Merit {
         let forces = [Track::of_force(table, "contact_force1")?, Track::of_force(table, "contact_force2")?];
         let angles = [Track::of(table, "theta1", "theta1_d")?, Track::of(table, "theta2", "theta2_d")?];
         let position = Track::of(table, "y_object", "y_object_d")?;
-        let effort = |name: &str, limits| Some(EffortMetrics::of(times, &table.column(name)?, limits));
+        let effort = |name: &str, limits| Some(EffortMetrics::of(times, table.column(name)?, limits));
         let efforts = [effort("tau1", limits[0])?, effort("tau2", limits[1])?, effort("u", limits[2])?];
         let settling = |tracks: &[Track; 2]| later(tracks[0].settled(times), tracks[1].settled(times));
-        let larger = |figure: fn(&Track) -> f64| figure(&forces[0]).max(figure(&forces[1]));
         let [settling_forces, settling_angles] = [settling(&forces), settling(&angles)];
         let settling_position = position.settled(times);
         Some(Self {
@@ -168,14 +172,14 @@ impl Merit {
             settling_forces,
             settling_angles,
             settling_position,
-            overshoot: larger(Track::overshoot),
-            steady_error: larger(|force| force.mean_error().abs()),
-            error_rms: larger(Track::error_rms),
+            overshoot: larger(&forces, Track::overshoot),
+            steady_error: larger(&forces, |force| force.mean_error().abs()),
+            error_rms: larger(&forces, Track::error_rms),
             peak_torque: efforts[0].peak.max(efforts[1].peak),
             peak_force: efforts[2].peak,
             saturated: efforts.iter().filter_map(|effort| effort.saturated).fold(0.0, f64::max),
-            tension: forces.iter().flat_map(|force| &force.values).fold(0.0, |most, value| (-value).max(most)),
-            grip: Grip::of(times, forces.each_ref().map(|force| &force.values[..])),
+            tension: forces.iter().flat_map(|force| force.values).fold(0.0, |most, value| (-value).max(most)),
+            grip: Grip::of(times, forces.each_ref().map(|force| force.values)),
         })
     }
 

@@ -111,7 +111,7 @@ impl Metrics {
         let since = targets.iter().rposition(|value| *value != target).map_or(0, |last| last + 1);
         let force = |name| table.column(name).map(|values| ForceMetrics::of(&times[since..], &values[since..], target));
         let effort =
-            |index: usize| table.column(EFFORTS[index]).map(|values| EffortMetrics::of(times, &values, limits[index]));
+            |index: usize| table.column(EFFORTS[index]).map(|values| EffortMetrics::of(times, values, limits[index]));
         Some(Self {
             forces: [force("contact_force1")?, force("contact_force2")?],
             efforts: [effort(0)?, effort(1)?, effort(2)?],

@@ -12,7 +12,7 @@ use flate2::write::ZlibEncoder;
 use resvg::tiny_skia::{PathSegment, Transform};
 use resvg::usvg::{FillRule, Group, LineCap, LineJoin, Node, Opacity, Paint, Path, Stroke};
 
-use super::raster;
+use crate::raster;
 
 /// Points of the PDF per px of the SVG: 72 and 96 per inch.
 const POINTS: f32 = 0.75;

@@ -4,7 +4,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::report::figures::text;
+use crate::text;
 
 /// Canvas units per px.
 pub(super) const UNITS: f64 = 10.0;

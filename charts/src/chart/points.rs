@@ -1,5 +1,7 @@
 //! Which numbers an axis shows, and which points of a curve the eye can see.
 
+use std::borrow::Cow;
+
 /// Round values inside a range, about `wanted` of them, and the decimals they need.
 pub(super) fn ticks(range: (f64, f64), wanted: f64) -> (Vec<f64>, usize) {
     let raw = (range.1 - range.0) / wanted.max(1.0);
@@ -18,20 +20,27 @@ pub(super) fn ticks(range: (f64, f64), wanted: f64) -> (Vec<f64>, usize) {
     (ticks, decimals)
 }
 
+/// The points of a curve that are within a range and finite.
+pub(super) fn inside(points: &[(f64, f64)], range: (f64, f64)) -> Cow<'_, [(f64, f64)]> {
+    let from = points.partition_point(|(x, _)| *x < range.0);
+    let within = &points[from..points.partition_point(|(x, _)| *x <= range.1).max(from)];
+    if within.iter().all(|(_, y)| y.is_finite()) {
+        return Cow::Borrowed(within);
+    }
+    within.iter().copied().filter(|(_, y)| y.is_finite()).collect()
+}
+
 /// Two points per column of pixels, the smallest and the largest, and both ends: all visible features of the curve remain.
 pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), columns: f64) -> Vec<(f64, f64)> {
     let width = (range.1 - range.0) / columns;
     #[allow(clippy::cast_possible_truncation)] // thousands at most
     let column = |x: f64| ((x - range.0) / width).floor() as i64;
-    let inside: Vec<_> =
-        points.iter().copied().filter(|(x, y)| *x >= range.0 && *x <= range.1 && y.is_finite()).collect();
+    let inside = inside(points, range);
     let mut kept: Vec<(f64, f64)> = inside.first().copied().into_iter().collect();
     for group in inside.chunk_by(|a, b| column(a.0) == column(b.0)) {
         let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let mut extremes: Vec<_> =
-            [group.iter().min_by(by_y), group.iter().max_by(by_y)].into_iter().flatten().copied().collect();
-        extremes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        kept.extend(extremes);
+        let (Some(low), Some(high)) = (group.iter().min_by(by_y), group.iter().max_by(by_y)) else { continue };
+        kept.extend(if low.0 <= high.0 { [*low, *high] } else { [*high, *low] });
     }
     kept.extend(inside.last());
     kept.dedup();
@@ -63,8 +72,7 @@ struct Bin<'a> {
 /// A curve as lines, and as bands where it chatters. `size` is that of the plot in px, `y_span` the range of its vertical
 /// axis.
 pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size: (f64, f64)) -> Vec<Piece> {
-    let inside: Vec<_> =
-        points.iter().copied().filter(|(x, y)| *x >= range.0 && *x <= range.1 && y.is_finite()).collect();
+    let inside = inside(points, range);
     let px = size.1 / y_span;
     let bins = bins(&inside, range, px, size.0);
     let swings: Vec<bool> = bins.iter().map(|bin| bin.turns >= 2 && (bin.high - bin.low) * px > SMALLEST).collect();
@@ -130,7 +138,7 @@ fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) ->
 
 /// Where a curve chatters in a picture of some width.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::report::figures) struct Chatter {
+pub struct Chatter {
     /// Time in the middle of the longest stretch.
     pub at: f64,
     /// How long the stretch is.
@@ -140,7 +148,8 @@ pub(in crate::report::figures) struct Chatter {
 }
 
 /// Where a curve chatters longest in a picture of this width in px, if it does.
-pub(in crate::report::figures) fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<Chatter> {
+#[must_use]
+pub fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<Chatter> {
     let extremes = |points: &[&(f64, f64)]| {
         points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, y)| (low.min(*y), high.max(*y)))
     };

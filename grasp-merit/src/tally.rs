@@ -1,11 +1,11 @@
 //! Figures of one output.
 
-/// Figures of one output.
-pub(super) const OF_OUTPUT: [&str; 5] = ["last", "min", "max", "mean", "rms"];
+/// Names of the figures.
+pub const OF_OUTPUT: [&str; 5] = ["last", "min", "max", "mean", "rms"];
 
 /// The statistics of one output so far.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Tally {
+pub struct Tally {
     time: f64,
     last: f64,
     min: f64,
@@ -16,11 +16,14 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    pub(super) fn new(time: f64, value: f64) -> Self {
+    /// One that begins with this value.
+    #[must_use]
+    pub fn new(time: f64, value: f64) -> Self {
         Self { time, last: value, min: value, max: value, integral: 0.0, square: 0.0, begin: time }
     }
 
-    pub(super) fn add(&mut self, time: f64, value: f64) {
+    /// A later value; between two of them lies a straight line.
+    pub fn add(&mut self, time: f64, value: f64) {
         let (dt, last) = (time - self.time, self.last);
         self.integral += dt * 0.5 * (last + value);
         // ∫ of the square of a straight line from a to b: (a² + ab + b²)/3.
@@ -31,7 +34,9 @@ impl Tally {
         (self.time, self.last) = (time, value);
     }
 
-    pub(super) fn figures(&self) -> [f64; OF_OUTPUT.len()] {
+    /// The figures, in the order of their names.
+    #[must_use]
+    pub fn figures(&self) -> [f64; OF_OUTPUT.len()] {
         let duration = self.time - self.begin;
         let (mean, rms) = if duration > 0.0 {
             (self.integral / duration, (self.square / duration).sqrt())

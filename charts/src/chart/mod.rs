@@ -7,14 +7,17 @@ mod panel;
 mod pen;
 mod points;
 
+use std::sync::Arc;
+
 use plotters::prelude::*;
 use quick_xml::escape::partial_escape;
 
-use super::text;
+use crate::text;
 use pen::{
     CURVE, Canvas, DrawResult, LABEL_SIZE, TITLE_SIZE, TextLook, WIDE, WIDE_OPACITY, draw_line, pen, units, write,
 };
-pub(super) use points::{Chatter, chatter};
+pub use plotters::style::RGBColor;
+pub use points::{Chatter, chatter};
 
 /// Dark text.
 pub const INK: RGBColor = RGBColor(0x22, 0x26, 0x2E);
@@ -85,8 +88,8 @@ pub struct Curve {
     pub color: RGBColor,
     /// Wide, pale and below the others, so that both show where another curve coincides with it.
     pub wide: bool,
-    /// Points from left to right.
-    pub points: Vec<(f64, f64)>,
+    /// Points from left to right, which the panels that show parts of them share.
+    pub points: Arc<[(f64, f64)]>,
 }
 
 /// A horizontal line to be reached, with a band around it.
@@ -239,6 +242,24 @@ impl Figure {
     }
 }
 
+/// A signal as the points of a curve that is shown from one time to another: `scale` times its values.
+#[must_use]
+pub fn sampled(times: &[f64], values: &[f64], scale: f64, (from, to): (f64, f64)) -> Arc<[(f64, f64)]> {
+    let shown = times.partition_point(|time| *time < from)..times.partition_point(|time| *time <= to);
+    let values = values.get(shown.clone()).unwrap_or_default();
+    times[shown].iter().copied().zip(values.iter().map(|value| value * scale)).collect()
+}
+
+impl Panel {
+    /// How far its curves go up and down around zero, from a time on.
+    #[must_use]
+    pub fn span(&self, from: f64) -> f64 {
+        let points = self.curves.iter().flat_map(|curve| curve.points.iter()).filter(|(time, _)| *time >= from);
+        let (low, high) = points.fold((0.0_f64, 0.0_f64), |(low, high), (_, y)| (low.min(*y), high.max(*y)));
+        high - low
+    }
+}
+
 impl Curve {
     fn style(&self) -> ShapeStyle {
         if self.wide { pen(self.color.mix(WIDE_OPACITY), WIDE) } else { pen(self.color, CURVE) }
@@ -262,7 +283,7 @@ mod tests {
 
     #[test]
     fn svg_files_are_small_valid_and_show_coinciding_curves() {
-        let noise: Vec<_> =
+        let noise: Arc<[_]> =
             (0..50_000).map(|index| (f64::from(index) * 1e-4, (f64::from(index) * 0.7).sin())).collect();
         let curve = |name: &str, wide| Curve { name: name.into(), color: palette::BLUE, wide, points: noise.clone() };
         let svg = figure(vec![curve("one", false), curve("two", true)]).to_svg();
@@ -281,6 +302,7 @@ mod tests {
     #[test]
     fn empty_and_constant_curves_do_not_break_the_axes() {
         for points in [vec![], vec![(0.0, 0.0), (5.0, 0.0)], vec![(0.0, f64::NAN)], vec![(1.0, 7.0)]] {
+            let points = points.into();
             let svg = figure(vec![Curve { name: String::new(), color: palette::GREEN, wide: false, points }]).to_svg();
             assert!(!svg.contains("NaN") && roxmltree::Document::parse(&svg).is_ok());
         }

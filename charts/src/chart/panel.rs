@@ -4,9 +4,9 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::pen::{Canvas, DrawResult, LABEL_SIZE, PlotArea, TICK_SIZE, TextLook, UNITS, draw_line, pen, units, write};
-use super::points::{Piece, cut, pieces, ticks};
+use super::points::{Piece, cut, inside, pieces, ticks};
 use super::{Frame, INK, Mark, Panel};
-use crate::report::figures::text;
+use crate::text;
 
 const SOFT_INK: RGBColor = RGBColor(0x5B, 0x63, 0x70);
 const GRID: RGBColor = RGBColor(0xE6, 0xE9, 0xEE);
@@ -177,9 +177,13 @@ impl Panel {
     /// The shown vertical range: all curves, targets and wanted values, and a little air.
     fn y_range(&self) -> (f64, f64) {
         let from = self.y_from.map_or(self.x_range.0, |from| from.max(self.x_range.0));
-        let curves = self.curves.iter().flat_map(|curve| {
-            curve.points.iter().filter(|(x, _)| (from..=self.x_range.1).contains(x)).map(|(_, y)| *y)
+        let curves = self.curves.iter().filter_map(|curve| {
+            let shown = inside(&curve.points, (from, self.x_range.1));
+            shown.iter().fold(None, |range: Option<(f64, f64)>, (_, y)| {
+                range.map_or(Some((*y, *y)), |(low, high)| Some((low.min(*y), high.max(*y))))
+            })
         });
+        let curves = curves.flat_map(|(low, high)| [low, high]);
         let targets = self.targets.iter().flat_map(|target| [target.value - target.band, target.value + target.band]);
         let values = curves.chain(targets).chain(self.y_include.iter().copied()).filter(|value| value.is_finite());
         let (low, high) =

@@ -1,0 +1,11 @@
+//! Curves for the eye: [`chart`] draws them as SVG, [`raster`] makes pixels of that and [`pdf`] a page, with the letters of
+//! [`text`]; [`pack`] hands whole columns to a page's scripts.
+//!
+//! Nothing here knows what the curves are of. It is a crate of its own because it looks at every point of them: the tool
+//! around it, which does so little that it is compiled without optimisation, would take a second longer for a comparison.
+
+pub mod chart;
+pub mod pack;
+pub mod pdf;
+pub mod raster;
+pub mod text;

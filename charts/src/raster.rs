@@ -1,0 +1,187 @@
+//! The very same SVG as PNG, with the embedded font.
+
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::sync::{Arc, OnceLock};
+
+use resvg::tiny_skia::{Pixmap, PremultipliedColorU8, Transform};
+use resvg::usvg::{self, Tree, fontdb};
+
+use crate::text;
+
+/// Pixels of the PNG per px of the SVG.
+pub const SCALE: f32 = 2.0;
+
+/// Renders an SVG document to the bytes of a PNG file.
+///
+/// # Errors
+/// When the SVG is not valid, or too large for memory.
+pub fn to_png(svg: &str) -> Result<Vec<u8>, String> {
+    let tree = parse(&without_layers(svg))?;
+    let size = tree.size().to_int_size().scale_by(SCALE).ok_or("the figure has no size")?;
+    let mut pixmap = Pixmap::new(size.width(), size.height()).ok_or("the figure is too large")?;
+    resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixmap.as_mut());
+    drop(tree);
+    encode(&pixmap).map_err(|error| error.to_string())
+}
+
+/// The same picture without `opacity`: what is pale by that is drawn on a layer of its own, as large as the picture. The colour
+/// itself may be pale instead, where an element has one, a fill or a stroke.
+fn without_layers(svg: &str) -> String {
+    let mut plain = String::with_capacity(svg.len() + 4096);
+    let mut rest = svg;
+    while let Some((before, after)) = rest.split_once(" opacity=\"") {
+        let (value, after) = after.split_once('"').unwrap_or((after, ""));
+        plain.push_str(before);
+        if value != "1" {
+            for attribute in ["fill-opacity", "stroke-opacity"] {
+                let _ = write!(plain, " {attribute}=\"{value}\"");
+            }
+        }
+        rest = after;
+    }
+    plain + rest
+}
+
+/// The pixels as PNG. If none is transparent and they have few colours, they are places in a palette, which makes the file smaller
+/// and its making faster.
+fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
+    if !pixmap.pixels().iter().all(PremultipliedColorU8::is_opaque) {
+        return pixmap.encode_png();
+    }
+    let palette = palette(pixmap.pixels());
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, pixmap.width(), pixmap.height());
+    encoder.set_depth(png::BitDepth::Eight);
+    // Charts are flat: filters make them no smaller.
+    encoder.set_filter(png::Filter::NoFilter);
+    encoder.set_deflate_compression(png::DeflateCompression::Level(EFFORT));
+    match &palette {
+        Some(Palette { colors, .. }) => {
+            encoder.set_color(png::ColorType::Indexed);
+            encoder.set_palette(colors.clone());
+        }
+        None => encoder.set_color(png::ColorType::Rgb),
+    }
+    let mut whole = encoder.write_header()?;
+    let mut writer = whole.stream_writer()?;
+    let mut line = Vec::new();
+    for row in pixmap.pixels().chunks(pixmap.width() as usize) {
+        line.clear();
+        for run in row.chunk_by(PartialEq::eq) {
+            match &palette {
+                Some(Palette { places, .. }) => line.resize(line.len() + run.len(), places[&color(run[0])]),
+                None => run.iter().for_each(|pixel| line.extend(color(*pixel))),
+            }
+        }
+        writer.write_all(&line)?;
+    }
+    writer.finish()?;
+    drop(whole);
+    Ok(file)
+}
+
+/// Of nine: charts become hardly smaller beyond it.
+const EFFORT: u8 = 4;
+
+/// Few enough colours for a byte each.
+struct Palette {
+    /// Red, green and blue of one after the other.
+    colors: Vec<u8>,
+    /// Which one each is.
+    places: HashMap<[u8; 3], u8>,
+}
+
+fn color(pixel: PremultipliedColorU8) -> [u8; 3] {
+    [pixel.red(), pixel.green(), pixel.blue()]
+}
+
+/// The colours of a picture; nothing if there are too many of them.
+fn palette(pixels: &[PremultipliedColorU8]) -> Option<Palette> {
+    let mut palette = Palette { colors: Vec::new(), places: HashMap::new() };
+    for run in pixels.chunk_by(PartialEq::eq) {
+        let color = color(run[0]);
+        if !palette.places.contains_key(&color) {
+            let place = u8::try_from(palette.places.len()).ok()?;
+            palette.places.insert(color, place);
+            palette.colors.extend(color);
+        }
+    }
+    Some(palette)
+}
+
+/// An SVG document with the embedded font.
+///
+/// # Errors
+/// When it is not valid.
+pub(crate) fn parse(svg: &str) -> Result<Tree, String> {
+    let options =
+        usvg::Options { fontdb: fonts(), font_family: text::EMBEDDED_FAMILY.into(), ..usvg::Options::default() };
+    Tree::from_str(svg, &options).map_err(|error| error.to_string())
+}
+
+fn fonts() -> Arc<fontdb::Database> {
+    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
+    let fonts = FONTS.get_or_init(|| {
+        let mut fonts = fontdb::Database::new();
+        for face in text::FACES {
+            fonts.load_font_data(face.to_vec());
+        }
+        fonts.set_sans_serif_family(text::EMBEDDED_FAMILY);
+        Arc::new(fonts)
+    });
+    Arc::clone(fonts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_is_rendered_with_the_embedded_font() {
+        let svg = |text: &str| {
+            format!(
+                "<svg xmlns='http://www.w3.org/2000/svg' width='40' height='20'>\
+                 <text x='2' y='15' font-family='{}' font-size='14'>{text}</text></svg>",
+                text::FAMILIES
+            )
+        };
+        let (with, without) = (to_png(&svg("θ₁")).unwrap(), to_png(&svg("")).unwrap());
+        assert!(with.starts_with(b"\x89PNG") && with.len() > without.len());
+        assert!(to_png("<svg").is_err());
+    }
+
+    /// The pixels of a PNG as red, green and blue.
+    fn pixels(png: &[u8]) -> Vec<u8> {
+        let mut decoder = png::Decoder::new(std::io::Cursor::new(png));
+        decoder.set_transformations(png::Transformations::EXPAND);
+        let mut reader = decoder.read_info().unwrap();
+        let mut data = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut data).unwrap();
+        data
+    }
+
+    #[test]
+    fn pale_colours_are_those_of_pale_layers_and_palettes_lose_nothing() {
+        let svg = "<svg xmlns='http://www.w3.org/2000/svg' width='64' height='48'><rect width='64' height='48' fill='white'/>\
+                   <polyline fill=\"none\" opacity=\"0.45\" stroke=\"#D55E00\" stroke-width='6' points='4,40 30,4 34,40 60,4'/>\
+                   <polygon opacity=\"0.28\" fill=\"#0072B2\" points='4,30 60,20 60,44'/></svg>";
+        let tree = parse(svg).unwrap();
+        let mut pixmap = Pixmap::new(128, 96).unwrap();
+        resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixmap.as_mut());
+        let layered: Vec<u8> = pixmap.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        let plain = pixels(&to_png(svg).unwrap());
+        assert_eq!(plain.len(), layered.len());
+        // Colours of eight bits are rounded in another order.
+        assert!(plain.iter().zip(&layered).all(|(a, b)| a.abs_diff(*b) <= 2));
+        // A ramp has more colours than a palette.
+        let ramp =
+            (0..600).map(|x| format!("<rect x='{x}' width='1' height='9' fill='rgb({},{},9)'/>", x / 3, x % 251));
+        let svg = format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='600' height='9'>{}</svg>",
+            ramp.collect::<String>()
+        );
+        assert_eq!(pixels(&to_png(&svg).unwrap())[..3], [0, 0, 9]);
+    }
+}
