@@ -21,7 +21,7 @@ import numpy as np
 
 from .exchange import Grasp
 
-# Events are looked for at the ends of steps: in none a beam's slow modes (562 rad/s) go there and back.
+# Events are looked for at the ends of steps: in none a beam's slow modes (562 rad/s) go there and back. After one begins a short step.
 LONGEST = 5e-4
 # How near to an event the host comes (s): a hundredth of what is asked for.
 NEAR = 1e-12
@@ -79,18 +79,19 @@ def integrate(
     times: Sequence[float],
     at: Callable[[float, np.ndarray], None],
     tolerance: float,
+    longest: float = LONGEST,
 ) -> list[float]:
     """Runs the grasp from its start to `stop`, calling `at` at the times with the states; when events came.
 
-    Each step may err by `tolerance` times the nominal value of each state but the supplied energy: that is an
-    integral which nothing else follows from, and the product of forces and velocities in it would be the one thing
-    that is not linear. An event is where an event indicator changes its side of zero, located by regula falsi on
+    Each step may err by `tolerance` times the nominal value of each state but the supplied and the lost energy: those
+    are integrals which nothing else follows from, and the products in them would be the one thing that is not linear. An event is where an event indicator changes its side of zero, located by regula falsi on
     steps of other lengths from the same point.
     """
     nominal = np.concatenate([grasp.plant.nominals, grasp.controller.nominals])
     z, t, h = grasp.start(), 0.0, 1e-6
     waiting, found = [time for time in times if time <= stop], []
-    matters = np.array([name != "supplied_energy" for name in (*grasp.plant.states, *grasp.controller.states)])
+    states = (*grasp.plant.states, *grasp.controller.states)
+    matters = np.array([name not in ("supplied_energy", "impact_loss") for name in states])
 
     def rates(u: np.ndarray) -> np.ndarray:
         return grasp.rates(0.0, u * nominal) / nominal
@@ -109,7 +110,7 @@ def integrate(
             factor = min(4.0, 0.9 * (tolerance / max(error, 1e-300)) ** 0.25)
             if error <= tolerance:
                 # A step that only ends where it must says little against longer ones.
-                h = min(LONGEST, max(h, length * factor))
+                h = min(longest, max(h, length * factor))
                 break
             h = length * factor
         if np.any((grasp.indicators(u * nominal) > 0) != (y > 0)):
@@ -117,7 +118,7 @@ def integrate(
             t += length
             grasp.put(u * nominal)
             found.append(t)
-            z = grasp.event()
+            z, h = grasp.event(), min(h, 1e-3 * longest)
             continue
         z, t = u * nominal, target if arrives else t + length
         if arrives and waiting:

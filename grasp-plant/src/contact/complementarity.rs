@@ -15,7 +15,7 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Delassus {
     /// Its diagonal.
-    diagonal: [f64; 2],
+    pub diagonal: [f64; 2],
     /// 1/M.
     coupling: f64,
 }

@@ -6,7 +6,7 @@ use crate::dynamics::FORCES;
 
 /// Gaps that close within this time after another one \[s\] close with it. Far below any time that could matter, far above
 /// the rounding of two arms that do the same.
-const SIMULTANEOUS: f64 = 1e-13;
+pub(super) const SIMULTANEOUS: f64 = 1e-13;
 
 /// Rounding of forces and rates, in units of the numbers they are summed from.
 pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -21,15 +21,19 @@ impl Modes {
     /// complementarity problem. By how much an acceleration \[m/s²\] may be wrong follows from `size`, |(x, g)|.
     pub fn pushing(&self, x: &[f64], forces: &[f64], touching: [bool; 2], size: f64) -> ([f64; 2], [bool; 2]) {
         let object = forces[2] / self.object_mass;
-        let mut noise: f64 = 0.0;
         let opening = [0, 1].map(|i| {
-            let row = self.shear.row(i);
-            let shear: f64 = row.iter().zip(x).map(|(row, x)| row * x).sum();
-            let scale = row.norm() / self.tip_masses[i] + 1.0 / self.object_mass;
-            noise = noise.max(ROUNDING * scale * size);
+            let shear: f64 = self.shear.row(i).iter().zip(x).map(|(row, x)| row * x).sum();
             SIGN[i] * (-shear / self.tip_masses[i] - object)
         });
-        self.delassus.solve(opening, touching, noise)
+        self.delassus.solve(opening, touching, self.noise(size))
+    }
+
+    /// By how much rounding may put accelerations of the gaps wrong \[m/s²\], if `size` is |(x, g)|.
+    pub fn noise(&self, size: f64) -> f64 {
+        (0..2).fold(0.0, |noise: f64, i| {
+            let scale = self.shear.row(i).norm() / self.tip_masses[i] + 1.0 / self.object_mass;
+            noise.max(ROUNDING * scale * size)
+        })
     }
 
     /// The impact of all sides in `closing` on those that touch and each other. Returns the energy it takes and the sides
@@ -73,13 +77,12 @@ impl Modes {
         }
     }
 
-    /// Rigid gaps that are closed or about to be, when side `first` has just closed.
-    pub fn closing_with(&self, x: &[f64], contact: &ContactState, first: usize) -> [bool; 2] {
-        let mut closing = [false; 2];
-        closing[first] = true;
-        let other = 1 - first;
-        let rate = self.opening_rate(x, other);
-        closing[other] = !contact.touching[other] && rate < 0.0 && contact.clearance[other] <= SIMULTANEOUS * -rate;
+    /// Rigid gaps that close with those that are `closing`: within this time \[s\].
+    pub fn closing_with(&self, x: &[f64], contact: &ContactState, mut closing: [bool; 2], within: f64) -> [bool; 2] {
+        for i in 0..2 {
+            let rate = self.opening_rate(x, i);
+            closing[i] |= !contact.touching[i] && rate < 0.0 && contact.clearance[i] <= within * -rate;
+        }
         closing
     }
 }

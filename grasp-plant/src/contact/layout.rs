@@ -3,7 +3,7 @@
 use crate::dynamics::FORCES;
 
 /// Both sides' signs in (12): gap i is σ_i (`Y_i(l)` − (`y_M` − L/2)), since arm 1 is below the object and arm 2 above.
-pub(super) const SIGN: [f64; 2] = [-1.0, 1.0];
+pub const SIGN: [f64; 2] = [-1.0, 1.0];
 
 /// Coordinates x = (a_1, a_2, b_1, b_2, √J_1 θ̇_1, √J_2 θ̇_2, √m_1 v_1(l), √m_2 v_2(l), √M ẏ_M, √k_1 δ_1, √k_2 δ_2), then what a
 /// step adds to them: Θ = ∫(θ̇_1, θ̇_2, ẏ_M), Γ = ∫(rates of both gaps), Ψ = ∫Θ, the forces g and their rates r.
@@ -14,8 +14,13 @@ pub(super) struct Layout {
 }
 
 impl Layout {
+    const LARGEST: Self = Self { order: *crate::parameters::ORDER_RANGE.end() };
+
     /// Coordinates of the largest order.
-    const MOST: usize = Self { order: *crate::parameters::ORDER_RANGE.end() }.extended();
+    pub const MOST_COORDINATES: usize = Self::LARGEST.size();
+
+    /// What a step adds to them, too.
+    const MOST: usize = Self::LARGEST.extended();
 
     /// Panels of the largest vector.
     pub const MOST_PANELS: usize = Self::MOST.div_ceil(crate::kernel::LANES);

@@ -31,14 +31,16 @@
 //!
 //! # Exact
 //! Which sides touch is a mode, and each mode is linear: [`assembly`] has its matrix, [`mode`] its exact motion and the signals that
-//! may end it, [`series`] their first root, [`complementarity`] who pushes when that is not decided by continuity, [`step`] puts
-//! them together. So a step has no cuts of its own: it goes from switch to switch.
+//! may end it, [`series`] their first root, [`complementarity`] who pushes when that is not decided by continuity, [`switch`] what
+//! becomes of a contact then; [`step`] puts them together. So a step has no cuts of its own: it goes from switch to switch. For a
+//! solver of one's own, [`continuous`] has the same grasp as differential equations.
 
 // A side's number stands in several arrays at once.
 #![allow(clippy::needless_range_loop)]
 
 mod assembly;
 mod complementarity;
+mod continuous;
 mod decay;
 mod impact;
 mod layout;
@@ -47,6 +49,7 @@ mod outputs;
 mod series;
 mod start;
 mod step;
+mod switch;
 
 use crate::dynamics::Signals;
 use crate::kernel::{LANES, Panels};
@@ -60,7 +63,12 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+pub(crate) use continuous::Relative;
+pub(crate) use layout::SIGN;
 pub use outputs::Contact;
+
+/// The most coordinates.
+pub(crate) const MOST_COORDINATES: usize = Layout::MOST_COORDINATES;
 
 /// What of the contacts moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

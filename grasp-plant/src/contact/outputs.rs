@@ -4,7 +4,6 @@ use super::layout::SIGN;
 use super::mode::Mode;
 use super::{Contacts, Modes};
 use crate::dynamics::FORCES;
-use crate::kernel::LANES;
 use crate::state::State;
 
 /// The contacts (or their time derivatives).
@@ -30,7 +29,7 @@ pub(crate) struct Moment {
 
 impl Contacts {
     /// The contact forces with g applied, and the mode that follows.
-    fn pushing(&self, state: &State, forces: &[f64; FORCES]) -> ([f64; 2], &Mode) {
+    pub(super) fn pushing(&self, state: &State, forces: &[f64; FORCES]) -> ([f64; 2], &Mode) {
         let (modes, x) = (&*self.modes, &state.coordinates[..]);
         let touching = state.contact.as_deref().map_or([false; 2], |contact| contact.touching);
         if modes.rigid {
@@ -62,7 +61,7 @@ impl Contacts {
         Contact { gap, indentation, loss: contact.loss }
     }
 
-    fn indentation(&self, x: &[f64]) -> [f64; 2] {
+    pub(super) fn indentation(&self, x: &[f64]) -> [f64; 2] {
         if self.modes.rigid {
             return [0.0; 2];
         }
@@ -71,39 +70,21 @@ impl Contacts {
 
     /// The rates with g applied and changing at r.
     pub fn moment(&self, state: &State, forces: &[f64; FORCES], force_rates: &[f64; FORCES]) -> Moment {
-        let (modes, layout) = (&*self.modes, self.modes.layout);
-        let (n, x) = (layout.size(), &state.coordinates[..]);
-        let contact = state.contact.as_deref().copied().unwrap_or_default();
+        let (modes, x) = (&*self.modes, &state.coordinates[..]);
         let mode = self.pushing(state, forces).1;
-        let mut z = [[0.0; LANES]; super::layout::Layout::MOST_PANELS];
-        let flat = z.as_flattened_mut();
-        flat[..n].copy_from_slice(x);
-        flat[layout.force()..layout.force_rate()].copy_from_slice(forces);
-        let mut coordinates = [[0.0; LANES]; super::layout::Layout::MOST_PANELS];
-        mode.panels.multiply(&z.as_flattened()[..layout.extended()], &mut coordinates);
-        let rates = coordinates.as_flattened_mut();
-        rates[n..].fill(0.0);
-        let mut of_contact = Contact::default();
+        let touching = mode.touching;
+        let coordinates = modes.rates(touching, x, forces);
+        let rates = &coordinates.as_flattened()[..modes.layout.size()];
+        let indentation = self.indentation(rates);
+        let mut contact = Contact { indentation, ..Contact::default() };
         for side in 0..2 {
-            let opening = modes.opening_rate(x, side);
-            let place = layout.face(side);
-            let touching = if modes.rigid { mode.touching[side] } else { contact.touching[side] };
-            if !modes.rigid {
-                let face = &modes.faces[side];
-                if touching {
-                    of_contact.loss += face.damping * opening * opening;
-                } else if x[place] != 0.0 {
-                    rates[place] = -modes.relaxation[side] * x[place];
-                    of_contact.loss -= x[place] * rates[place];
-                }
-                of_contact.indentation[side] = rates[place] / face.stiffness.sqrt();
-            }
-            if !touching {
-                of_contact.gap[side] = opening + of_contact.indentation[side];
+            contact.loss += modes.loss_rate(touching, x, x, side);
+            if !touching[side] {
+                contact.gap[side] = modes.opening_rate(x, side) + indentation[side];
             }
         }
-        let force = [0, 1].map(|side| mode.force(side, &rates[..n], force_rates));
-        Moment { coordinates, force, contact: of_contact }
+        let force = [0, 1].map(|side| mode.force(side, rates, force_rates));
+        Moment { coordinates, force, contact }
     }
 
     /// λ_i of contact forces.

@@ -1,6 +1,6 @@
 //! A step from switch to switch.
 
-use super::impact::{ROUNDING, forces_of};
+use super::impact::{ROUNDING, SIMULTANEOUS, forces_of};
 use super::layout::SIGN;
 use super::mode::{Mode, Motion, Piece, RUNGS};
 use super::series::{Series, Undecided};
@@ -139,18 +139,7 @@ impl Part<'_> {
         let n = self.modes.layout.size();
         let touching = self.contact.touching;
         let (_, pushing) = self.modes.pushing(&self.drive[..n], self.forces(), touching, self.magnitude());
-        self.touch(pushing);
-    }
-
-    /// Rigid sides that touch from now on.
-    fn touch(&mut self, touching: [bool; 2]) {
-        for i in 0..2 {
-            if self.contact.touching[i] && !touching[i] {
-                self.contact.openings[i] = self.contact.openings[i].saturating_add(1);
-            }
-        }
-        self.contact.touching = touching;
-        self.modes.merge(&mut self.drive[..self.modes.layout.size()], touching);
+        self.modes.touch(&mut self.drive[..n], self.contact, pushing);
     }
 
     /// Advances by `duration`; `pieces` are the modes' pieces of this duration.
@@ -323,42 +312,23 @@ impl Part<'_> {
 
     /// A side opens, or closes with an impact, now.
     fn switch(&mut self, side: usize) {
-        let (modes, n) = (self.modes, self.modes.layout.size());
-        match (modes.rigid, self.contact.touching[side]) {
+        let (x, forces) = self.drive.split_at_mut(self.modes.layout.size());
+        let (modes, contact) = (self.modes, &mut *self.contact);
+        match (modes.rigid, contact.touching[side]) {
             (true, true) => {
-                let mut touching = self.contact.touching;
+                let mut touching = contact.touching;
                 touching[side] = false;
-                self.contact.clearance[side] = 0.0;
-                self.touch(touching);
+                contact.clearance[side] = 0.0;
+                modes.touch(x, contact, touching);
             }
             (true, false) => {
-                let closing = modes.closing_with(&self.drive[..n], self.contact, side);
-                for i in (0..2).filter(|i| closing[*i]) {
-                    self.contact.clearance[i] = 0.0;
-                    self.contact.impacts[i] = self.contact.impacts[i].saturating_add(1);
-                }
-                let (loss, together) = modes.impact(&mut self.drive[..n], self.contact.touching, closing);
-                self.contact.loss += loss;
-                let size = self.magnitude();
-                let (_, pushing) = modes.pushing(&self.drive[..n], self.forces(), together, size);
-                self.touch(pushing);
+                let mut closing = [false; 2];
+                closing[side] = true;
+                let closing = modes.closing_with(x, contact, closing, SIMULTANEOUS);
+                modes.hit(x, &forces[..FORCES], contact, closing);
             }
-            (false, true) => {
-                self.contact.touching[side] = false;
-                self.contact.openings[side] = self.contact.openings[side].saturating_add(1);
-                let place = modes.layout.face(side);
-                if modes.faces[side].damping == 0.0 {
-                    // A face without damping opens where it is not pressed in: what is left is rounding.
-                    self.drive[place] = 0.0;
-                }
-                self.contact.clearance[side] = -self.drive[place] / modes.faces[side].stiffness.sqrt();
-            }
-            (false, false) => {
-                self.contact.touching[side] = true;
-                self.contact.impacts[side] = self.contact.impacts[side].saturating_add(1);
-                let place = modes.layout.face(side);
-                self.contact.clearance[side] = -self.drive[place] / modes.faces[side].stiffness.sqrt();
-            }
+            (false, true) => modes.leave(x, contact, side),
+            (false, false) => modes.meet(x, contact, side),
         }
     }
 }

@@ -7,19 +7,23 @@
 //! θ_i = (w_i(l) + y_M − L/2)/l,    ẋ = A x + B g(u),    ẏ_M = v,    Ė_supplied = gᵀ Bᵀ x,
 //! ```
 //!
-//! so the constraint holds to rounding whatever a solver's error. ½|x|² is the total energy: all x have one scale. A grasp that
-//! can open ([`Plant::can_open`]) has no such form.
+//! so the constraint holds to rounding whatever a solver's error. ½|x|² is the total energy: all x have one scale.
+//!
+//! A grasp that can open ([`Plant::can_open`]) has seven more, the same in all its modes: the clearances c_i of both tips and their rates,
+//! the deformations of both faces, the energy lost. x is then that of the closed grasp with the momentum of tips and object, and
+//! l θ_i = w_i(l) + y_M − L/2 ± c_i. Which tips touch is discrete, and changes in [`Plant::update_contacts`] alone.
 
 use super::Plant;
 use super::model::Model;
-use super::outputs::{measured, uncertainty};
+use super::outputs::{held, measured, opening_direct, uncertainty};
 use super::step::all_usable;
 use crate::actuator::Actuator;
-use crate::dynamics::{FORCES, VELOCITY};
+use crate::contact::{Contact, Contacts, MOST_COORDINATES, Relative, SIGN};
+use crate::dynamics::{FORCES, Signals, VELOCITY};
 use crate::extended::{MAX_COORDINATES, MAX_PANELS};
 use crate::kernel::{LANES, dot};
 use crate::signals::{Inputs, Rates};
-use crate::state::{Basis, StateError};
+use crate::state::{Basis, State, StateError};
 use parameter_table::StateVariable;
 
 /// Forces on hubs and object, as the states' derivatives need them.
@@ -29,7 +33,8 @@ impl Plant {
     /// Number of event indicators: the kinks of the three actuators, and the two contact forces.
     pub const EVENT_INDICATORS: usize = FORCES * Actuator::MAX_KINKS + 2;
 
-    /// Continuous states of a plant of this order k, in the order of [`continuous_states`](Self::continuous_states).
+    /// Continuous states of a plant of this order k that cannot open, in the order of
+    /// [`continuous_states`](Self::continuous_states).
     ///
     /// The unit of energy coordinates, √J, has no integer exponents and is left empty.
     #[must_use]
@@ -56,34 +61,43 @@ impl Plant {
         coordinates.chain(others).collect()
     }
 
-    /// Number of continuous states, 4k + 3.
+    /// Continuous states that a grasp has besides if it can open.
+    pub const CONTACT_STATES: usize = Relative::COUNT;
+
+    /// Number of continuous states: 4k + 3, or 4k + 10 if the grasp can open.
     #[must_use]
     pub fn state_count(&self) -> usize {
-        self.model.dynamics.size() + 2
+        self.model.dynamics.size() + 2 + if self.can_open() { Self::CONTACT_STATES } else { 0 }
     }
 
-    /// Writes the continuous states: x \[√J\], `y_M` \[m\], supplied energy \[J\].
+    /// Writes the continuous states: x \[√J\], `y_M` \[m\], supplied energy \[J\]; and if the grasp can open, by tip, clearances
+    /// \[m\], their rates \[m/s\], deformations of the faces \[m\], and the energy lost \[J\].
     ///
     /// # Panics
     /// If `out` has not [`state_count`](Self::state_count) entries; so do all functions here that take states.
     pub fn continuous_states(&self, out: &mut [f64]) {
-        let (coordinates, others) = self.split_mut(out);
-        coordinates.copy_from_slice(self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]));
-        others.copy_from_slice(&[self.state.position[2], self.state.supplied_energy]);
+        let (x, others) = self.split_mut(out);
+        let (of_grasp, of_contact) = others.split_at_mut(2);
+        of_grasp.copy_from_slice(&[self.state.position[2], self.state.supplied_energy]);
+        match &self.contacts {
+            None => x.copy_from_slice(self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES])),
+            Some(contacts) => contacts.states(&self.model.dynamics, &self.state, x).write(of_contact),
+        }
     }
 
-    /// Puts the plant into these continuous states; the hub angles follow from (12).
+    /// Puts the plant into these continuous states; the hub angles follow from (12). What a tip that touches does not have (the
+    /// clearance of a rigid face, say) is not read.
     ///
     /// # Errors
-    /// If the grasp can open, the number of states is another one, or a state is not finite or so large that outputs are not; the plant is
-    /// then as it was before.
+    /// If the number of states is another one, or a state is not finite or so large that outputs are not; the plant is then as it was
+    /// before.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), StateError> {
         let (found, expected) = (states.len(), self.state_count());
         if found != expected {
             return Err(StateError::Length { found, expected });
         }
-        if self.can_open() {
-            return Err(StateError::Contact);
+        if let Some(contacts) = &self.contacts {
+            return set_opening_states(&self.model, contacts, &mut self.state, &mut self.signals, states);
         }
         let (coordinates, others) = self.split(states);
         let signals = self.model.dynamics.signals(coordinates);
@@ -111,10 +125,13 @@ impl Plant {
     pub fn derivatives(&self, inputs: &Inputs, out: &mut [f64]) {
         let forces = self.model.forces(inputs);
         let velocity = VELOCITY.map(|index| self.signals[index]);
-        let (coordinates, others) = self.split_mut(out);
-        let mut buffer = [0.0; MAX_COORDINATES];
-        self.motion(self.energy_coordinates_in(&mut buffer), &forces, coordinates);
-        others.copy_from_slice(&[velocity[2], dot(&forces, &velocity)]);
+        let (x, others) = self.split_mut(out);
+        let (of_grasp, of_contact) = others.split_at_mut(2);
+        of_grasp.copy_from_slice(&[velocity[2], dot(&forces, &velocity)]);
+        match &self.contacts {
+            None => self.motion(self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]), &forces, x),
+            Some(contacts) => contacts.state_rates(&self.model.dynamics, &self.state, &forces, x).write(of_contact),
+        }
     }
 
     /// The exact product of the Jacobian of [`derivatives`](Self::derivatives) with a direction of states and inputs. At a
@@ -123,13 +140,20 @@ impl Plant {
     /// # Panics
     /// See [`continuous_states`](Self::continuous_states).
     pub fn derivative_change(&self, inputs: &Inputs, states: &[f64], direction: &Inputs, out: &mut [f64]) {
-        let (x, _) = self.split(states);
         let (forces, force_change) = (self.model.forces(inputs), self.model.force_rates(inputs, direction));
-        let signals = self.model.dynamics.signals(x);
+        let mut buffer = [0.0; MOST_COORDINATES];
+        let Change { coordinates, signals, .. } = self.change(states, &mut buffer);
         let (velocity, change) = (VELOCITY.map(|index| self.signals[index]), VELOCITY.map(|index| signals[index]));
-        let (coordinates, others) = self.split_mut(out);
-        self.motion(x, &force_change, coordinates);
-        others.copy_from_slice(&[change[2], dot(&force_change, &velocity) + dot(&forces, &change)]);
+        let (x, others) = self.split_mut(out);
+        let (of_grasp, of_contact) = others.split_at_mut(2);
+        of_grasp.copy_from_slice(&[change[2], dot(&force_change, &velocity) + dot(&forces, &change)]);
+        let Model { dynamics, .. } = &*self.model;
+        match &self.contacts {
+            None => self.motion(coordinates, &force_change, x),
+            Some(contacts) => {
+                contacts.state_rate_change(dynamics, &self.state, coordinates, &force_change, x).write(of_contact);
+            }
+        }
     }
 
     /// The exact change of all outputs along a direction of states and inputs.
@@ -139,28 +163,77 @@ impl Plant {
     #[must_use]
     pub fn output_change(&self, inputs: &Inputs, states: &[f64], direction: &Inputs) -> Rates {
         let Model { dynamics, parameters, .. } = &*self.model;
-        let (x, others) = self.split(states);
-        let (y, supplied) = (others[0], others[1]);
-        let signals = dynamics.signals(x);
+        let mut buffer = [0.0; MOST_COORDINATES];
+        let Change { coordinates: x, signals, y, supplied, relative } = self.change(states, &mut buffer);
         let tip_deflection = self.model.tip_deflection(x);
-        let [first, second] = tip_deflection.map(|tip| (tip + y) / parameters.length);
+        let [first, second] =
+            [0, 1].map(|i| (tip_deflection[i] + y + SIGN[i] * relative.clearance[i]) / parameters.length);
         let response = self.model.command_response(inputs, direction);
+        let (direct, contact) = match &self.contacts {
+            None => (self.model.direct(&signals, &response, &direction.disturbances()), Contact::default()),
+            Some(contacts) => {
+                let (forces, by) = (self.model.forces(inputs), self.model.force_rates(inputs, direction));
+                let force = contacts.force_change(&self.state, &forces, x, &by);
+                let gap = contacts.gap_change(&self.state, &relative);
+                let contact = Contact { gap, indentation: relative.indentation, loss: relative.loss };
+                (opening_direct(&response, force), contact)
+            }
+        };
         Rates {
             measured: measured(&[first, second, y], &signals),
-            direct: self.model.direct(&signals, &response, &direction.disturbances()),
-            uncertainty: uncertainty(parameters, &signals),
+            direct,
+            uncertainty: held(self.state.contact.as_deref(), uncertainty(parameters, &signals)),
             deflection: [0, 1].map(|arm| dynamics.deflection(arm, x)),
             tip_deflection,
-            // By (12), from which the angles follow.
-            constraint: [0.0; 2],
+            // By (12), from which the angles follow. No negative zeros.
+            constraint: [0, 1].map(|i| 0.0 + SIGN[i] * relative.clearance[i]),
             energy: dot(self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]), x),
             supplied_energy: supplied,
-            contact: crate::Contact::default(),
+            contact,
         }
     }
 
+    /// What a change of the states is a change of.
+    fn change<'a>(&self, states: &'a [f64], buffer: &'a mut [f64; MOST_COORDINATES]) -> Change<'a> {
+        let Model { dynamics, .. } = &*self.model;
+        let (x, others) = self.split(states);
+        let [y, supplied] = [others[0], others[1]];
+        let Some(contacts) = &self.contacts else {
+            let signals = dynamics.signals(x);
+            return Change { coordinates: x, signals, y, supplied, relative: Relative::default() };
+        };
+        let touching = self.state.contact.as_deref().map_or([false; 2], |contact| contact.touching);
+        let coordinates = &mut buffer[..self.state.coordinates.len()];
+        let relative = contacts.reduce(dynamics, touching, x, &Relative::read(&others[2..]), coordinates);
+        Change { signals: contacts.signals(coordinates), coordinates, y, supplied, relative }
+    }
+
+    /// Brings the contacts up to date with the continuous states and the inputs: closes gaps, which is an impact on rigid faces, and opens
+    /// contacts that pull. Returns whether there was anything to do; then states may have jumped, and the inputs that follow from
+    /// them. Called once more with the same inputs, there is nothing to do.
+    pub fn update_contacts(&mut self, inputs: &Inputs) -> bool {
+        let Some(contacts) = &self.contacts else { return false };
+        let forces = self.model.forces(inputs);
+        let changed = contacts.update(&mut self.state, &forces);
+        if changed {
+            self.signals = contacts.signals(&self.state.coordinates);
+            place(&self.model, &mut self.state);
+        }
+        changed
+    }
+
+    /// Whether a tip touches and is pulled, or does not and is in the object and goes on into it: a solver that locates no events, or not this
+    /// one, sees it by this.
+    #[must_use]
+    pub fn contact_is_due(&self, inputs: &Inputs) -> bool {
+        let Some(contacts) = &self.contacts else { return false };
+        contacts.due(&self.state, &self.model.forces(inputs)) != [false; 2]
+    }
+
     /// Event indicators: for each actuator the distances of its command from its kinks, ascending (in the command's unit; 1
-    /// where there are fewer than four), then both contact forces \[N\], whose signs decide `in_contact`.
+    /// where there are fewer than four), then both contact forces \[N\], whose signs decide `in_contact`. If the grasp can open, a tip
+    /// that does not touch has its distance from the face \[m\] there, and what crosses zero downwards is a switch:
+    /// [`update_contacts`](Self::update_contacts).
     ///
     /// # Panics
     /// If `out` has not [`EVENT_INDICATORS`](Self::EVENT_INDICATORS) entries.
@@ -173,7 +246,10 @@ impl Plant {
                 *distance = command - kink;
             }
         }
-        contact.copy_from_slice(&self.direct(inputs).contact_force);
+        contact.copy_from_slice(&match &self.contacts {
+            None => self.direct(inputs).contact_force,
+            Some(contacts) => contacts.indicators(&self.state, &self.model.forces(inputs)),
+        });
     }
 
     /// A x + B g.
@@ -196,4 +272,53 @@ impl Plant {
         assert_eq!(states.len(), self.state_count(), "number of states");
         states.split_at_mut(self.model.dynamics.size())
     }
+}
+
+/// A change of the states, as coordinates and what is read of them.
+struct Change<'a> {
+    coordinates: &'a [f64],
+    signals: Signals,
+    y: f64,
+    supplied: f64,
+    relative: Relative,
+}
+
+/// [`Plant::set_continuous_states`] where the grasp can open.
+fn set_opening_states(
+    model: &Model,
+    contacts: &Contacts,
+    state: &mut State,
+    signals: &mut Signals,
+    states: &[f64],
+) -> Result<(), StateError> {
+    let Some(contact) = state.contact.as_deref_mut() else { return Err(StateError::Contact) };
+    let (x, others) = states.split_at(model.dynamics.size());
+    let mut buffer = [0.0; MOST_COORDINATES];
+    let coordinates = &mut buffer[..state.coordinates.len()];
+    let given = Relative::read(&others[2..]);
+    let relative = contacts.reduce(&model.dynamics, contact.touching, x, &given, coordinates);
+    let new_signals = contacts.signals(coordinates);
+    if !(all_usable(states) & all_usable(coordinates) & all_usable(&new_signals)) {
+        return Err(StateError::NotFinite);
+    }
+    (contact.clearance, contact.loss) = (relative.clearance, relative.loss);
+    state.basis = Basis::Energy;
+    state.coordinates.copy_from_slice(coordinates);
+    state.supplied_energy = others[1];
+    state.position[2] = others[0];
+    place(model, state);
+    *signals = new_signals;
+    Ok(())
+}
+
+/// Puts the hubs where tips and clearances say.
+fn place(model: &Model, state: &mut State) {
+    let p = &model.parameters;
+    let tips = model.tip_deflection(&state.coordinates);
+    let clearance = state.contact.as_deref().map_or([0.0; 2], |contact| contact.clearance);
+    for i in 0..2 {
+        let above = state.position[2] - p.object_width / 2.0 + SIGN[i] * clearance[i];
+        state.position[i] = (tips[i] + above) / p.length;
+    }
+    state.carry = [0.0; FORCES];
 }

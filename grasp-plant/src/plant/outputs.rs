@@ -180,13 +180,13 @@ impl Plant {
 }
 
 /// Direct outputs from contact forces.
-fn opening_direct(applied: &[f64; FORCES], contact_force: [f64; 2]) -> Direct {
+pub(super) fn opening_direct(applied: &[f64; FORCES], contact_force: [f64; 2]) -> Direct {
     let lambda = Contacts::lambda(contact_force);
     Direct { torque: [applied[0], applied[1]], force: applied[2], lambda, contact_force }
 }
 
 /// The built-in ΔF is there while both tips touch.
-fn held(contact: Option<&ContactState>, uncertainty: Uncertainty) -> Uncertainty {
+pub(super) fn held(contact: Option<&ContactState>, uncertainty: Uncertainty) -> Uncertainty {
     match contact {
         Some(contact) if contact.touching != [true; 2] => Uncertainty { delta_force: 0.0, ..uncertainty },
         _ => uncertainty,

@@ -1,6 +1,6 @@
 //! The plant for a host that integrates: the states of [`grasp_plant`] as variables, and what follows from them.
 
-use fmi2_export::{Completed, Experiment, Failure, Model, ModelExchange, Moment, Variables};
+use fmi2_export::{Completed, Evaluation, EventUpdate, Experiment, Failure, Model, ModelExchange, Moment, Variables};
 use grasp_plant::{ORDER_RANGE, Plant};
 
 use super::DualArmPlant;
@@ -10,10 +10,14 @@ use super::DualArmPlant;
 pub const ORDER: usize = packaged_order(option_env!("DUALARM_PLANT_ORDER"));
 /// Energy coordinates x.
 const COORDINATES: usize = 4 * ORDER + 1;
-/// These, the object's position and the supplied energy.
-const STATES: usize = COORDINATES + 2;
-/// The place of the last one.
+/// The place of the supplied energy, after the object's position.
 const SUPPLIED_ENERGY: usize = COORDINATES + 1;
+/// Where what only a grasp that can open has begins: both clearances, their rates, the faces' deformations, the energy lost. In one
+/// that cannot they are zero and stay so: an FMU has one number of states for all contact models.
+const CONTACT: usize = SUPPLIED_ENERGY + 1;
+const STATES: usize = CONTACT + Plant::CONTACT_STATES;
+/// The most states at any order.
+const MOST_STATES: usize = 4 * *ORDER_RANGE.end() + 3 + Plant::CONTACT_STATES;
 
 const _: () = assert!(
     *ORDER_RANGE.start() <= ORDER && ORDER <= *ORDER_RANGE.end(),
@@ -36,34 +40,54 @@ const fn packaged_order(text: Option<&str>) -> usize {
 #[derive(Clone)]
 pub(super) struct Continuous {
     coordinates: [f64; COORDINATES],
+    clearance: [f64; 2],
+    opening: [f64; 2],
     rates: [f64; STATES],
     indicators: [f64; Plant::EVENT_INDICATORS],
 }
 
 impl Default for Continuous {
     fn default() -> Self {
-        Self { coordinates: [0.0; COORDINATES], rates: [0.0; STATES], indicators: [0.0; Plant::EVENT_INDICATORS] }
+        Self {
+            coordinates: [0.0; COORDINATES],
+            clearance: [0.0; 2],
+            opening: [0.0; 2],
+            rates: [0.0; STATES],
+            indicators: [0.0; Plant::EVENT_INDICATORS],
+        }
     }
 }
 
 impl DualArmPlant {
-    /// The plant, if it has the FMU's states: in co-simulation the order is free, and the grasp may open.
+    /// The plant, if it has the FMU's states: in co-simulation the order is free.
     fn with_states(&self) -> Option<&Plant> {
-        self.plant.as_ref().filter(|plant| !plant.can_open() && plant.state_count() == STATES)
+        self.plant.as_ref().filter(|plant| plant.parameters().order == ORDER)
     }
 
     fn coordinates(&mut self) {
-        let mut states = [0.0; STATES];
-        if let Some(plant) = self.with_states() {
-            plant.continuous_states(&mut states);
+        let mut states = [0.0; MOST_STATES];
+        let (mut coordinates, mut contact) = ([0.0; COORDINATES], [0.0; 4]);
+        if let Some(plant) = &self.plant {
+            let states = &mut states[..plant.state_count()];
+            plant.continuous_states(states);
+            if plant.parameters().order == ORDER {
+                coordinates.copy_from_slice(&states[..COORDINATES]);
+            }
+            if plant.can_open() {
+                // At any order.
+                let first = states.len() - Plant::CONTACT_STATES;
+                contact.copy_from_slice(&states[first..first + 4]);
+            }
         }
-        self.continuous.coordinates.copy_from_slice(&states[..COORDINATES]);
+        self.continuous.coordinates = coordinates;
+        let [clearance1, clearance2, opening1, opening2] = contact;
+        (self.continuous.clearance, self.continuous.opening) = ([clearance1, clearance2], [opening1, opening2]);
     }
 
     fn state_rates(&mut self) {
         let mut rates = [0.0; STATES];
         if let Some(plant) = self.with_states() {
-            plant.derivatives(&self.inputs, &mut rates);
+            plant.derivatives(&self.inputs, &mut rates[..plant.state_count()]);
         }
         self.continuous.rates = rates;
     }
@@ -81,13 +105,19 @@ impl DualArmPlant {
         let mut states = [0.0; STATES];
         let (coordinates, others) = states.split_at_mut(COORDINATES);
         coordinates.copy_from_slice(&self.continuous.coordinates);
-        others.copy_from_slice(&[self.outputs.measured.y_object, self.outputs.shape.supplied_energy]);
+        let (of_grasp, of_contact) = others.split_at_mut(CONTACT - COORDINATES);
+        of_grasp.copy_from_slice(&[self.outputs.measured.y_object, self.outputs.shape.supplied_energy]);
+        let pairs = [self.continuous.clearance, self.continuous.opening, self.outputs.contact.indentation];
+        let (pairs_of_states, loss) = of_contact.split_at_mut(6);
+        pairs_of_states.copy_from_slice(pairs.as_flattened());
+        loss[0] = self.outputs.contact.loss;
         states
     }
 }
 
-/// The energy coordinates and the time derivatives of all states. Position and supplied energy are outputs, and declared there.
-pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
+/// The energy coordinates and what of the contacts is no output, and the time derivatives of all states. Other states are outputs, and
+/// declared there.
+pub(super) fn declare(variables: &mut Variables<DualArmPlant>) -> Evaluations {
     let coordinates = variables.evaluation(DualArmPlant::coordinates);
     let rates = variables.evaluation(DualArmPlant::state_rates);
     let indicators = variables.evaluation(DualArmPlant::indicators);
@@ -106,6 +136,52 @@ pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
         .unit("W")
         .description("Power of the actuators and the external disturbances");
     variables.event_indicators(indicators, |m| &mut m.continuous.indicators);
+    Evaluations { coordinates, rates }
+}
+
+/// What fills in states and their time derivatives.
+pub(super) struct Evaluations {
+    coordinates: Evaluation,
+    rates: Evaluation,
+}
+
+/// The states that only a grasp that can open has, but for those that are outputs.
+pub(super) fn declare_contact(variables: &mut Variables<DualArmPlant>, evaluations: &Evaluations) {
+    let Evaluations { coordinates, rates } = *evaluations;
+    variables
+        .local_array("clearance{}", coordinates, |m| &mut m.continuous.clearance)
+        .state()
+        .unit("m")
+        .nominal(0.01)
+        .description(
+            "Distance of tip {} from the object's undeformed face, negative by as much as it is pressed in; zero with \
+             contact_model = bilateral",
+        );
+    variables
+        .local_array("clearance{}_dot", coordinates, |m| &mut m.continuous.opening)
+        .state()
+        .derivative_of("clearance{}")
+        .depends_on_states(["clearance{}_dot"])
+        .unit("m/s")
+        .nominal(0.1)
+        .description("Rate of clearance{}: all that an impact on a rigid face changes at once");
+    variables
+        .local_array("der(clearance{}_dot)", rates, |m| &mut m.continuous.rates[CONTACT + 2..CONTACT + 4])
+        .derivative_of("clearance{}_dot")
+        .unit("m/s2")
+        .description("Time derivative of clearance{}_dot");
+    variables
+        .local_array("der(indentation{})", rates, |m| &mut m.continuous.rates[CONTACT + 4..CONTACT + 6])
+        .derivative_of("indentation{}")
+        .depends_on_states(["clearance{}_dot", "indentation{}"])
+        .unit("m/s")
+        .description("Time derivative of indentation{}");
+    variables
+        .local("der(impact_loss)", rates, |m| &mut m.continuous.rates[CONTACT + 6])
+        .derivative_of("impact_loss")
+        .depends_on_states(["clearance1_dot", "clearance2_dot", "indentation1", "indentation2"])
+        .unit("W")
+        .description("Power that the object's faces take");
 }
 
 /// Names of the energy coordinates.
@@ -125,32 +201,36 @@ impl ModelExchange for DualArmPlant {
                  dualarm package --plant-order {order}"
             )));
         }
-        if self.contact_model != super::variables::ContactChoice::default() {
-            return Err(Failure::error(
-                "for model exchange contact_model must be bilateral: a grasp that can open goes from switch to switch by itself, in \
-                 co-simulation",
-            ));
-        }
         self.initialize(experiment)
     }
 
     fn states_set(&mut self) -> Result<(), Failure> {
         let states = self.states();
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
-        plant.set_continuous_states(&states).map_err(Failure::discard)
+        let count = plant.state_count();
+        plant.set_continuous_states(&states[..count]).map_err(Failure::discard)
+    }
+
+    fn new_discrete_states(&mut self, _: &mut Moment<'_>) -> Result<EventUpdate, Failure> {
+        let again = self.plant.as_mut().is_some_and(|plant| plant.update_contacts(&self.inputs));
+        // Commands may follow what has jumped, and contacts may follow commands.
+        Ok(EventUpdate { again, ..EventUpdate::default() })
     }
 
     fn step_completed(&mut self, moment: &mut Moment<'_>) -> Result<Completed, Failure> {
         self.watch_contact(moment.time, &mut |said| moment.warn(said));
-        Ok(Completed::Continue)
+        let due = self.plant.as_ref().is_some_and(|plant| plant.contact_is_due(&self.inputs));
+        Ok(if due { Completed::EnterEventMode } else { Completed::Continue })
     }
 
     fn jacobian_product(&mut self, direction: &mut Self) {
         let Some(plant) = self.with_states() else { return };
-        let states = direction.states();
+        let (states, count) = (direction.states(), plant.state_count());
         let mut rates = [0.0; STATES];
-        plant.derivative_change(&self.inputs, &states, &direction.inputs, &mut rates);
+        plant.derivative_change(&self.inputs, &states[..count], &direction.inputs, &mut rates[..count]);
         direction.continuous.rates = rates;
-        direction.outputs.change(&plant.output_change(&self.inputs, &states, &direction.inputs));
+        // The time derivatives of the clearances have a field of their own.
+        direction.continuous.opening = [rates[CONTACT], rates[CONTACT + 1]];
+        direction.outputs.change(&plant.output_change(&self.inputs, &states[..count], &direction.inputs));
     }
 }

@@ -14,8 +14,9 @@ pub(super) fn declare(variables: &mut Variables<DualArmPlant>) {
     shape_outputs(variables, rates);
     parameters(variables);
     // What is new comes last, so that all others keep their value references.
-    exchange::declare(variables);
+    let states = exchange::declare(variables);
     contact(variables, rates);
+    exchange::declare_contact(variables, &states);
 }
 
 fn inputs(variables: &mut Variables<DualArmPlant>) {
@@ -73,6 +74,7 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
         .rate(rates, |m| &mut m.outputs.rates.measured.y_object_dot)
         .derivative_of("y_object")
         .depends_on_states(exchange::coordinate_names())
+        .depends_on_states(["clearance1_dot", "clearance2_dot"])
         .unit("m/s")
         .nominal(0.1)
         .description("Velocity of the object");
@@ -130,7 +132,7 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .description("Whether both contact forces are compressive; with contact_model = bilateral the arms stay on the object anyway");
 }
 
-/// What a grasp that can open has besides. Model exchange knows only the closed one, in which these outputs stay zero.
+/// What a grasp that can open has besides: in one that cannot, these outputs stay zero.
 fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     const NONE: [&str; 0] = [];
     let pressing = variables.evaluation(DualArmPlant::pressing);
@@ -142,7 +144,7 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     variables
         .output_field("gap{}", contact, field!(DualArmPlant, outputs.contact.gap))
         .rate_array(rates, |m| &mut m.outputs.rates.contact.gap)
-        .depends_on_states(NONE)
+        .depends_on_states(["clearance{}", "indentation{}"])
         .unit("m")
         .nominal(0.01)
         .description(
@@ -151,14 +153,16 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     variables
         .output_field("indentation{}", contact, field!(DualArmPlant, outputs.contact.indentation))
         .rate_array(rates, |m| &mut m.outputs.rates.contact.indentation)
-        .depends_on_states(NONE)
+        .state()
+        .depends_on_states(["clearance{}", "indentation{}"])
         .unit("m")
         .nominal(1e-3)
         .description("How far the object's face at tip {} is pressed in, with contact_model = compliant");
     variables
         .output_field("impact_loss", contact, field!(DualArmPlant, outputs.contact.loss))
         .rate(rates, |m| &mut m.outputs.rates.contact.loss)
-        .depends_on_states(NONE)
+        .state()
+        .depends_on_states(["impact_loss"])
         .unit("J")
         .nominal(1e-3)
         .description("Energy lost in impacts and in the object's faces since the start");
