@@ -48,7 +48,7 @@ def test_model_exchange_at_another_order(plant: Fmu, tmp_path: Path) -> None:
         error = np.abs(np.array(solved[name]) - stepped[name]).max() / np.abs(np.array(stepped[name])).max()
         assert error < 1e-4, name
     other = Fmu(path)
-    assert other.description.numberOfContinuousStates == 4 * int(ORDER) + 3
+    assert other.description.numberOfContinuousStates == 4 * int(ORDER) + 10
     assert other.variables["order"].start == ORDER
     for order in (8, int(ORDER)):
         with other.instantiate() as slave:

@@ -370,7 +370,8 @@ fn contacts_are_brought_up_to_date_from_anywhere() {
                 // What is deep inside is on its way out.
                 let closed = now.touching[side] || after[first + side] + after[first + 4 + side] >= -1e-8;
                 let opens = derivatives(&plant, &inputs)[first + side] + derivatives(&plant, &inputs)[first + 4 + side];
-                assert!(closed || opens >= -1e-14, "{case} {side} {opens}");
+                // But for what is slower than any bounce.
+                assert!(closed || opens >= -1e-10 - 1e-14, "{case} {side} {opens}");
             }
         }
         assert!(switches > 500, "{switches}");

@@ -15,7 +15,7 @@ use crate::status::{Outcome, Refusal};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EventInfo {
     pub update: EventUpdate,
-    /// A continuous state has another value than before.
+    /// A continuous state has another value than when the event began.
     pub states_changed: bool,
 }
 
@@ -23,6 +23,7 @@ impl Slave {
     pub fn enter_event_mode(&mut self) -> Outcome {
         self.check_exchange(ExchangeCall::EnterEventMode)?;
         self.frame.phase = Phase::EventMode;
+        self.frame.jumped = false;
         Ok(())
     }
 
@@ -43,12 +44,17 @@ impl Slave {
             Err(failure) => Err(failure),
         };
         self.values = before;
-        result.map_err(|failure| self.failed(&failure))
+        let mut info = result.map_err(|failure| self.failed(&failure))?;
+        // Hosts may look at the last answer of an event alone, as the standard's example does.
+        info.states_changed |= self.frame.jumped;
+        self.frame.jumped = info.states_changed;
+        Ok(info)
     }
 
     pub fn enter_continuous_time_mode(&mut self) -> Outcome {
         self.check_exchange(ExchangeCall::EnterContinuousTimeMode)?;
         self.frame.phase = Phase::ContinuousTimeMode;
+        self.frame.jumped = false;
         Ok(())
     }
 

@@ -44,6 +44,9 @@ struct Frame {
     uninitialized: bool,
     /// An input has a slope for the next step.
     ramped: bool,
+    /// In event mode: continuous states have jumped in this event. Bytes do not hold it; the host that reads them reads the states, too.
+    #[serde(skip)]
+    jumped: bool,
 }
 
 /// Every evaluation.
@@ -61,6 +64,7 @@ impl Frame {
             stale: u64::MAX,
             uninitialized: true,
             ramped: false,
+            jumped: false,
         }
     }
 }

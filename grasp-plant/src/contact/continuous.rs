@@ -17,22 +17,27 @@
 //!
 //! # Switches
 //! Which sides touch stays as it is until [`Contacts::update`]. An indicator falls through zero when a side has to switch: the contact force
-//! of a mode that goes on, or the distance from the face. Both are raised a little, a force by its rounding: FMI 2.0 asks for
-//! indicators that are not zero after an event. A solver that finds no events leaves gaps that have gone too deep: they are closed where
-//! they are found. A gap that is below zero and opens is let go.
+//! of a mode that goes on; or the larger one of the distance d_i from the face and of τ (ḋ_i + ε), ε being slower than any impact that
+//! could bounce. For a solver's error may well be larger than the bounces of rigid faces, and have a tip that leaves one a little inside; that
+//! is no matter while it does not move in. After an event no indicator is zero, as FMI 2.0 asks for: a gap's is at least τ ε then, and a force is
+//! raised by its rounding. A solver that finds no events leaves gaps that have gone too deep: they are closed where they are found.
 
 use super::layout::SIGN;
-use super::mode::Scratch;
 use super::{Contacts, Modes};
 use crate::dynamics::{Dynamics, FORCES};
-use crate::kernel::LANES;
 use crate::state::State;
 
 /// Rigid gaps that close within this time after another one \[s\] close with it. Solvers put two arms that do the same that far
 /// apart.
 const SIMULTANEOUS: f64 = 1e-9;
 
-/// What indicators are raised by \[m, N\]: as good as nothing, but not zero.
+/// τ: so long a way of a tip counts like its distance \[s\].
+const WAY: f64 = 1e-3;
+
+/// ε \[m/s\]: less than any `plastic_speed`, more than rounding.
+const SLOW: f64 = 1e-10;
+
+/// What forces are raised by besides their rounding \[N\].
 const RAISED: f64 = 1e-24;
 
 /// Switches at one instant after which the contacts are left as they are. Two sides can need four.
@@ -202,7 +207,8 @@ impl Contacts {
         })
     }
 
-    /// What must not become negative on each side: the contact force \[N\] where it touches, else the distance from the face \[m\].
+    /// What must not become negative on each side: the contact force \[N\] where it touches, else the distance from the face \[m\], or
+    /// τ (ḋ + ε) if that is more.
     pub fn indicators(&self, state: &State, forces: &[f64; FORCES]) -> [f64; 2] {
         let (modes, x) = (&*self.modes, &state.coordinates[..]);
         let contact = state.contact.as_deref().copied().unwrap_or_default();
@@ -214,16 +220,14 @@ impl Contacts {
                 let rounding = noise / modes.delassus.diagonal[i];
                 modes.mode(contact.touching).force(i, x, forces) + rounding + RAISED
             } else {
-                contact.clearance[i] + indentation[i] + RAISED
+                (contact.clearance[i] + indentation[i]).max(WAY * (modes.gap_rate(x, i) + SLOW))
             }
         })
     }
 
     /// Sides that are closed or open, and cannot stay so.
     pub fn due(&self, state: &State, forces: &[f64; FORCES]) -> [bool; 2] {
-        let touching = touching(state);
-        let indicators = self.indicators(state, forces);
-        [0, 1].map(|i| indicators[i] <= 0.0 && (touching[i] || self.modes.gap_rate(&state.coordinates, i) < 0.0))
+        self.indicators(state, forces).map(|indicator| indicator <= 0.0)
     }
 
     /// Switches the sides that have to. Returns whether there was one.
@@ -257,53 +261,6 @@ impl Contacts {
         }
         modes.touch(x, contact, pushing);
         true
-    }
-}
-
-impl Modes {
-    /// m.
-    fn moving_mass(&self) -> f64 {
-        self.tip_masses[0] + self.tip_masses[1] + self.object_mass
-    }
-
-    /// The rate of the distance between tip and face on a side that is open.
-    fn gap_rate(&self, x: &[f64], side: usize) -> f64 {
-        self.opening_rate(x, side) + self.relaxing(x, side) / self.faces[side].stiffness.sqrt()
-    }
-
-    /// The rate of a free face's coordinate.
-    fn relaxing(&self, x: &[f64], side: usize) -> f64 {
-        let deformed = x[self.layout.face(side)];
-        if deformed == 0.0 { 0.0 } else { -self.relaxation[side] * deformed }
-    }
-
-    /// ẋ in the mode in which these sides touch: linear in x and g.
-    pub fn rates(&self, touching: [bool; 2], x: &[f64], forces: &[f64]) -> Scratch {
-        let layout = self.layout;
-        let n = layout.size();
-        let mut z = [[0.0; LANES]; super::layout::Layout::MOST_PANELS];
-        let flat = z.as_flattened_mut();
-        flat[..n].copy_from_slice(x);
-        flat[layout.force()..layout.force_rate()].copy_from_slice(forces);
-        let mut rates = [[0.0; LANES]; super::layout::Layout::MOST_PANELS];
-        self.mode(touching).panels.multiply(&z.as_flattened()[..layout.extended()], &mut rates);
-        let of_coordinates = rates.as_flattened_mut();
-        of_coordinates[n..].fill(0.0);
-        for side in (0..2).filter(|side| !self.rigid && !touching[*side]) {
-            of_coordinates[layout.face(side)] = self.relaxing(x, side);
-        }
-        rates
-    }
-
-    /// What a compliant face takes \[W\], as the bilinear form of which the losses are the square.
-    pub fn loss_rate(&self, touching: [bool; 2], x: &[f64], y: &[f64], side: usize) -> f64 {
-        if self.rigid {
-            return 0.0;
-        }
-        if touching[side] {
-            return self.faces[side].damping * self.opening_rate(x, side) * self.opening_rate(y, side);
-        }
-        -x[self.layout.face(side)] * self.relaxing(y, side)
     }
 }
 

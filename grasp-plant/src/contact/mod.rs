@@ -46,6 +46,7 @@ mod impact;
 mod layout;
 mod mode;
 mod outputs;
+mod rates;
 mod series;
 mod start;
 mod step;

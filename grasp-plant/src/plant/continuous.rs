@@ -15,14 +15,13 @@
 
 use super::Plant;
 use super::model::Model;
-use super::outputs::{held, measured, opening_direct, uncertainty};
 use super::step::all_usable;
 use crate::actuator::Actuator;
-use crate::contact::{Contact, Contacts, MOST_COORDINATES, Relative, SIGN};
+use crate::contact::{Contacts, MOST_COORDINATES, Relative, SIGN};
 use crate::dynamics::{FORCES, Signals, VELOCITY};
 use crate::extended::{MAX_COORDINATES, MAX_PANELS};
 use crate::kernel::{LANES, dot};
-use crate::signals::{Inputs, Rates};
+use crate::signals::Inputs;
 use crate::state::{Basis, State, StateError};
 use parameter_table::StateVariable;
 
@@ -134,80 +133,6 @@ impl Plant {
         }
     }
 
-    /// The exact product of the Jacobian of [`derivatives`](Self::derivatives) with a direction of states and inputs. At a
-    /// kink of an actuator it is that of the flat side.
-    ///
-    /// # Panics
-    /// See [`continuous_states`](Self::continuous_states).
-    pub fn derivative_change(&self, inputs: &Inputs, states: &[f64], direction: &Inputs, out: &mut [f64]) {
-        let (forces, force_change) = (self.model.forces(inputs), self.model.force_rates(inputs, direction));
-        let mut buffer = [0.0; MOST_COORDINATES];
-        let Change { coordinates, signals, .. } = self.change(states, &mut buffer);
-        let (velocity, change) = (VELOCITY.map(|index| self.signals[index]), VELOCITY.map(|index| signals[index]));
-        let (x, others) = self.split_mut(out);
-        let (of_grasp, of_contact) = others.split_at_mut(2);
-        of_grasp.copy_from_slice(&[change[2], dot(&force_change, &velocity) + dot(&forces, &change)]);
-        let Model { dynamics, .. } = &*self.model;
-        match &self.contacts {
-            None => self.motion(coordinates, &force_change, x),
-            Some(contacts) => {
-                contacts.state_rate_change(dynamics, &self.state, coordinates, &force_change, x).write(of_contact);
-            }
-        }
-    }
-
-    /// The exact change of all outputs along a direction of states and inputs.
-    ///
-    /// # Panics
-    /// See [`continuous_states`](Self::continuous_states).
-    #[must_use]
-    pub fn output_change(&self, inputs: &Inputs, states: &[f64], direction: &Inputs) -> Rates {
-        let Model { dynamics, parameters, .. } = &*self.model;
-        let mut buffer = [0.0; MOST_COORDINATES];
-        let Change { coordinates: x, signals, y, supplied, relative } = self.change(states, &mut buffer);
-        let tip_deflection = self.model.tip_deflection(x);
-        let [first, second] =
-            [0, 1].map(|i| (tip_deflection[i] + y + SIGN[i] * relative.clearance[i]) / parameters.length);
-        let response = self.model.command_response(inputs, direction);
-        let (direct, contact) = match &self.contacts {
-            None => (self.model.direct(&signals, &response, &direction.disturbances()), Contact::default()),
-            Some(contacts) => {
-                let (forces, by) = (self.model.forces(inputs), self.model.force_rates(inputs, direction));
-                let force = contacts.force_change(&self.state, &forces, x, &by);
-                let gap = contacts.gap_change(&self.state, &relative);
-                let contact = Contact { gap, indentation: relative.indentation, loss: relative.loss };
-                (opening_direct(&response, force), contact)
-            }
-        };
-        Rates {
-            measured: measured(&[first, second, y], &signals),
-            direct,
-            uncertainty: held(self.state.contact.as_deref(), uncertainty(parameters, &signals)),
-            deflection: [0, 1].map(|arm| dynamics.deflection(arm, x)),
-            tip_deflection,
-            // By (12), from which the angles follow. No negative zeros.
-            constraint: [0, 1].map(|i| 0.0 + SIGN[i] * relative.clearance[i]),
-            energy: dot(self.energy_coordinates_in(&mut [0.0; MAX_COORDINATES]), x),
-            supplied_energy: supplied,
-            contact,
-        }
-    }
-
-    /// What a change of the states is a change of.
-    fn change<'a>(&self, states: &'a [f64], buffer: &'a mut [f64; MOST_COORDINATES]) -> Change<'a> {
-        let Model { dynamics, .. } = &*self.model;
-        let (x, others) = self.split(states);
-        let [y, supplied] = [others[0], others[1]];
-        let Some(contacts) = &self.contacts else {
-            let signals = dynamics.signals(x);
-            return Change { coordinates: x, signals, y, supplied, relative: Relative::default() };
-        };
-        let touching = self.state.contact.as_deref().map_or([false; 2], |contact| contact.touching);
-        let coordinates = &mut buffer[..self.state.coordinates.len()];
-        let relative = contacts.reduce(dynamics, touching, x, &Relative::read(&others[2..]), coordinates);
-        Change { signals: contacts.signals(coordinates), coordinates, y, supplied, relative }
-    }
-
     /// Brings the contacts up to date with the continuous states and the inputs: closes gaps, which is an impact on rigid faces, and opens
     /// contacts that pull. Returns whether there was anything to do; then states may have jumped, and the inputs that follow from
     /// them. Called once more with the same inputs, there is nothing to do.
@@ -232,7 +157,8 @@ impl Plant {
 
     /// Event indicators: for each actuator the distances of its command from its kinks, ascending (in the command's unit; 1
     /// where there are fewer than four), then both contact forces \[N\], whose signs decide `in_contact`. If the grasp can open, a tip
-    /// that does not touch has its distance from the face \[m\] there, and what crosses zero downwards is a switch:
+    /// that does not touch has its distance from the face \[m\] there, or 1 ms times the rate of that if it is more, and what crosses zero downwards is
+    /// a switch:
     /// [`update_contacts`](Self::update_contacts).
     ///
     /// # Panics
@@ -253,7 +179,7 @@ impl Plant {
     }
 
     /// A x + B g.
-    fn motion(&self, x: &[f64], forces: &Forces, out: &mut [f64]) {
+    pub(super) fn motion(&self, x: &[f64], forces: &Forces, out: &mut [f64]) {
         let dynamics = &self.model.dynamics;
         let mut rate = [[0.0; LANES]; MAX_PANELS];
         dynamics.system_panels.multiply(x, &mut rate);
@@ -263,24 +189,15 @@ impl Plant {
     }
 
     /// Energy coordinates, and the other two states.
-    fn split<'a>(&self, states: &'a [f64]) -> (&'a [f64], &'a [f64]) {
+    pub(super) fn split<'a>(&self, states: &'a [f64]) -> (&'a [f64], &'a [f64]) {
         assert_eq!(states.len(), self.state_count(), "number of states");
         states.split_at(self.model.dynamics.size())
     }
 
-    fn split_mut<'a>(&self, states: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
+    pub(super) fn split_mut<'a>(&self, states: &'a mut [f64]) -> (&'a mut [f64], &'a mut [f64]) {
         assert_eq!(states.len(), self.state_count(), "number of states");
         states.split_at_mut(self.model.dynamics.size())
     }
-}
-
-/// A change of the states, as coordinates and what is read of them.
-struct Change<'a> {
-    coordinates: &'a [f64],
-    signals: Signals,
-    y: f64,
-    supplied: f64,
-    relative: Relative,
 }
 
 /// [`Plant::set_continuous_states`] where the grasp can open.

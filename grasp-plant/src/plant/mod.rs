@@ -2,6 +2,7 @@
 
 #[cfg(test)]
 mod bits;
+mod changes;
 mod continuous;
 mod modal;
 mod model;
