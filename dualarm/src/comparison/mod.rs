@@ -150,6 +150,9 @@ impl Runs {
         let sentence = page::setup(setup);
         let sketches = figures::all(&self.runs);
         self.figures = files::draw_all(&setup.out.join("figures"), &sketches, wanted.untitled, results, progress)?;
+        // The figures were the last to need every step.
+        drop(sketches);
+        self.runs.iter_mut().for_each(|run| run.table = Table::default());
         files::write(setup.out, self, &sentence, matrix, results)?;
         let rows = std::mem::take(&mut self.rows);
         let shown: Vec<html::Run> = self.runs.iter().zip(rows).map(|(run, rows)| page::shown(run, rows)).collect();
