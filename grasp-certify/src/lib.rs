@@ -8,6 +8,7 @@
 //! * [`spectrum`]: the exact eigenvalues of linear loops, counted so that none is missed.
 //! * [`law`] and [`controllers`]: any of the project's laws as a sampled linear system.
 //! * [`sampled`]: spectral radii of loops whose commands are held over a step.
+//! * [`realisation`]: eigenvalues of any stepped linear system from its pulse responses.
 //!
 //! Everything except [`sampled`] is in continuous time and about the undiscretised beams.
 // Formulas are written with the paper's letters, not as code.
@@ -22,6 +23,7 @@ pub mod law;
 mod loops;
 pub mod monitor;
 pub mod printed;
+pub mod realisation;
 pub mod root_strain;
 pub mod sampled;
 mod search;

@@ -1,12 +1,13 @@
 //! Plant and controller co-simulated, against exact poles and against one stiff ODE.
 
-use super::identify::{self, nearest};
+use super::identify;
 use super::oracle::{self, MONOLITH, Pole, elements, entries, number};
 use super::plant::pole_checks;
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
 use crate::grasp::{self, Controller};
 use fmi2_cosim::settings::Setting;
+use grasp_certify::realisation::nearest;
 use nalgebra::ComplexField;
 
 /// Limit of a quantity as the step goes to zero, from its values at steps that are halved: the diagonal of Richardson's

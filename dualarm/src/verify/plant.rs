@@ -1,12 +1,13 @@
 //! Checks of the plant against the exact solution of the beam equations, and its convergence over the order of the
 //! discretisation.
 
-use super::identify::{self, nearest};
+use super::identify;
 use super::oracle::{self, EXACT, Pole, elements, entries, number};
 use super::rig::{Rig, Settings, settings};
 use super::{Check, Fmus, Subject, VerifyError};
 use crate::report::figures::NamedFigure;
 use charts::chart::{Curve, Figure, Panel, palette};
+use grasp_certify::realisation::nearest;
 use nalgebra::ComplexField;
 
 const COMMANDS: [&str; 3] = ["tau1_cmd", "tau2_cmd", "u_cmd"];
