@@ -5,7 +5,6 @@
 
 mod common;
 
-use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -58,15 +57,18 @@ fn coupled(criterion: &mut Criterion, name: &str, mut master: Master) {
     });
 }
 
-/// The bare arithmetic of a step: see `common`.
-fn floors(criterion: &mut Criterion) {
-    let mut modal = common::ModalStep::new(8);
-    criterion.bench_function("floor/modal step of 16 blocks", |bencher| {
-        bencher.iter(|| modal.make(black_box([0.1, -0.1, 0.05])));
-    });
-    criterion.bench_function("floor/exp and tanh of NABFC", |bencher| {
-        bencher.iter(|| common::transcendentals(black_box(-1e-3)));
-    });
+/// The same algorithms in C: see `common::peer`.
+fn peers(criterion: &mut Criterion) {
+    let peers = match common::peer::Peers::compile(common::peer::has_wide_registers(), 8) {
+        Ok(peers) => peers,
+        Err(error) => return eprintln!("SKIPPED: no peer in C: {error}"),
+    };
+    let mut plant = peers.plant().expect("a plant");
+    let mut measured = [0.0; 12];
+    criterion
+        .bench_function("peer in C/plant", |bencher| bencher.iter(|| plant.step(&[0.01, -0.01, 0.1], &mut measured)));
+    let mut pair = common::peer::Pair::new(&peers, &common::dist()).expect("a pair");
+    criterion.bench_function("peer in C/coupled", |bencher| bencher.iter(|| pair.step()));
 }
 
 /// A step with every wired signal handed over and fetched.
@@ -82,7 +84,7 @@ fn whole_steps(criterion: &mut Criterion) {
 }
 
 fn benches(criterion: &mut Criterion) {
-    floors(criterion);
+    peers(criterion);
     whole_steps(criterion);
     let Some(plant) = open(PLANT) else { return };
     let mut alone = initialized(std::slice::from_ref(&plant), None, Coupling::GaussSeidel);

@@ -2,8 +2,9 @@
 //!
 //! ```text
 //! step_cost count CASE [FOLDER]   steps a case; run under callgrind with --toggle-collect='step_cost_counted*'
-//! step_cost time [FOLDER]         wall times of all cases and of the floors, in one run
-//! step_cost sizes [FOLDER]        the plant's step against its order and against the number of instances, as CSV
+//! step_cost same [FOLDER]         whether the same in C gives the same commands, if there is a C compiler
+//! step_cost time [FOLDER]         wall times of all cases and of the same in C, in one run
+//! step_cost sizes [FOLDER]        the plant's step against its order, and that of pairs against their number, as CSV
 //! ```
 //!
 //! FOLDER holds the `.fmu` files (default: `dist`). `cargo xtask counts` runs the first form for every case and compares
@@ -16,11 +17,12 @@ mod common;
 
 use std::hint::black_box;
 use std::iter::empty;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
-use common::{Case, ModalStep, RUN, Result, Slave, open, transcendentals};
+use common::peer::{Pair as PeerPair, Peers, has_wide_registers};
+use common::{Case, Pair, RUN, Result, Slave, open};
 use dualarm::grasp::{NABFC, PLANT};
 
 /// Steps before counting begins: the caches of step sizes are filled, the motion is under way.
@@ -38,9 +40,10 @@ fn main() -> ExitCode {
             step_cost_counted(&mut case);
             println!("{}", RUN - WARM_UP);
         }),
+        ["same", ..] => same(&folder(1)),
         ["time", ..] => time(&folder(1)),
         ["sizes", ..] => sizes(&folder(1)),
-        _ => Err("usage: step_cost count CASE [FOLDER] | step_cost time|sizes [FOLDER]".into()),
+        _ => Err("usage: step_cost count CASE [FOLDER] | step_cost same|time|sizes [FOLDER]".into()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -73,24 +76,84 @@ fn nanoseconds(repetitions: u32, mut task: impl FnMut()) -> f64 {
     best
 }
 
-fn time(folder: &std::path::Path) -> Result<()> {
+/// What the same costs in C.
+struct InC {
+    plant: f64,
+    paper: f64,
+    coupled: f64,
+}
+
+impl InC {
+    fn measure(folder: &Path, wide: bool) -> Result<Self> {
+        let peers = Peers::compile(wide, 8)?;
+        let (mut plant, mut paper) = (peers.plant()?, peers.paper()?);
+        let (mut measured, mut commands) = ([0.0; 12], [0.0; 3]);
+        let mut pair = PeerPair::new(&peers, folder)?;
+        Ok(Self {
+            plant: nanoseconds(4000, || plant.step(&[0.01, -0.01, 0.1], &mut measured)),
+            paper: nanoseconds(4000, || paper.step(&[1e-3; 12], &mut commands)),
+            coupled: nanoseconds(u32::try_from(RUN)?, || pair.step()),
+        })
+    }
+
+    fn of(&self, name: &str) -> Option<f64> {
+        match name {
+            "plant" => Some(self.plant),
+            "nabfc" => Some(self.paper),
+            "coupled" | "get_first" | "master" => Some(self.coupled),
+            _ => None,
+        }
+    }
+}
+
+/// Commands may differ by this share of the largest: the sums have another order, and a squeeze forgets rounding.
+const SAME: f64 = 1e-12;
+
+/// Whether the same in C gives the commands that ours do.
+fn same(folder: &Path) -> Result<()> {
+    for wide in [false, true] {
+        if wide && !has_wide_registers() {
+            continue;
+        }
+        let peers = match Peers::compile(wide, 8) {
+            Ok(peers) => peers,
+            Err(error) => {
+                println!("SKIPPED: the same in C: {error}");
+                return Ok(());
+            }
+        };
+        let difference = PeerPair::new(&peers, folder)?.difference();
+        println!("commands in C differ from ours by {difference:.0e} of the largest");
+        if difference.is_nan() || difference > SAME {
+            return Err("benches/peer/peer.c is no longer the law that the FMU has".into());
+        }
+    }
+    Ok(())
+}
+
+fn time(folder: &Path) -> Result<()> {
+    same(folder)?;
     println!("{:<44}{:>10}", "", "ns");
-    let mut modal = ModalStep::new(8);
-    let plant_floor = nanoseconds(2000, || _ = black_box(modal.make(black_box([0.1, -0.1, 0.05]))));
-    let controller_floor = nanoseconds(2000, || _ = black_box(transcendentals(black_box(-1e-3))));
-    let floor = |name: &str| match name {
-        "plant" => Some(plant_floor),
-        "nabfc" => Some(controller_floor),
-        "coupled" | "master" => Some(plant_floor + controller_floor),
-        _ => None,
-    };
-    println!("{:<44}{plant_floor:>10.0}", "floor plant: 16 blocks, 14 readings");
-    println!("{:<44}{controller_floor:>10.0}", "floor nabfc: 38 exp, 3 tanh");
+    let wide = has_wide_registers();
+    let in_c = InC::measure(folder, wide);
+    match &in_c {
+        Ok(InC { plant, paper, coupled }) => {
+            println!("{:<44}{plant:>10.0}", "in C, plant");
+            println!("{:<44}{paper:>10.0}", "in C, nabfc");
+            println!("{:<44}{coupled:>10.0}", "in C, coupled");
+        }
+        Err(error) => println!("SKIPPED: the same in C: {error}"),
+    }
+    if wide && let Ok(InC { plant, paper, coupled }) = InC::measure(folder, false) {
+        println!("{:<44}{plant:>10.0}", "in C without wide registers, plant");
+        println!("{:<44}{paper:>10.0}", "in C without wide registers, nabfc");
+        println!("{:<44}{coupled:>10.0}", "in C without wide registers, coupled");
+    }
     for name in Case::NAMES.into_iter().chain([Case::DEFAULT]) {
         let mut case = Case::new(name, folder)?;
         let cost = nanoseconds(u32::try_from(RUN)?, || case.step());
-        match floor(name) {
-            Some(floor) => println!("{:<44}{cost:>10.0}   {:.2} x floor", format!("step, {name}"), cost / floor),
+        match in_c.as_ref().ok().and_then(|in_c| in_c.of(name)) {
+            Some(peer) => println!("{:<44}{cost:>10.0}   {:.2} x C", format!("step, {name}"), cost / peer),
             None => println!("{:<44}{cost:>10.0}", format!("step, {name}")),
         }
     }
@@ -128,83 +191,98 @@ fn time(folder: &std::path::Path) -> Result<()> {
     Ok(())
 }
 
-/// Plants measured together: of an order, so many in one process.
-const SIZES: [(i32, usize); 12] =
-    [(4, 1), (6, 1), (8, 1), (10, 1), (12, 1), (16, 1), (20, 1), (24, 1), (8, 10), (8, 100), (8, 1000), (8, 10_000)];
+/// Orders of a plant alone.
+const ORDERS: [i32; 8] = [4, 6, 8, 10, 12, 16, 20, 24];
 
-/// How often each of [`SIZES`] is measured, in turns: what disturbs one round may leave another alone.
+/// Numbers of pairs in one process.
+const PAIRS: [usize; 5] = [1, 10, 100, 1000, 10_000];
+
+/// How often each of these is measured, in turns: what disturbs one round may leave another alone.
 const ROUNDS: usize = 3;
 
-/// What the plant costs: by order for one instance, by number of instances at order 8. The lowest of the rounds, but for
-/// the memory, which only the first round takes from the system.
-fn sizes(folder: &std::path::Path) -> Result<()> {
-    let mut lowest = Vec::new();
+/// What a step costs: of one plant by its order, of pairs of plant (order 8) and NABFC (the paper's law) by their number. The lowest of the
+/// rounds, but for the memory, which only the first round takes from the system.
+fn sizes(folder: &Path) -> Result<()> {
+    let mut lowest: Vec<Cost> = Vec::new();
     for round in 0..ROUNDS {
-        for (index, (order, count)) in SIZES.into_iter().enumerate() {
-            let found = cost(folder, order, count)?;
-            match lowest.get_mut(index) {
-                None => lowest.push(found),
-                Some(row) => {
-                    let Cost { step, floor, new_size, start, .. } = row;
-                    for (low, now) in [step, floor, new_size, start].into_iter().zip(found.times()) {
-                        *low = low.min(now);
-                    }
-                }
+        let mut found = Vec::new();
+        for order in ORDERS {
+            found.push(plant_cost(folder, order)?);
+        }
+        for count in PAIRS {
+            found.push(pair_cost(folder, count)?);
+        }
+        if lowest.is_empty() {
+            lowest = found;
+        } else {
+            for (low, found) in lowest.iter_mut().zip(found) {
+                low.step = low.step.min(found.step);
+                low.in_c = low.in_c.min(found.in_c);
+                low.start = low.start.min(found.start);
             }
         }
         eprintln!("round {} of {ROUNDS} done", round + 1);
     }
-    println!("order,instances,step_ns,floor_ns,new_size_us,start_us,resident_kib");
-    for ((order, count), Cost { step, floor, new_size, start, memory }) in SIZES.into_iter().zip(lowest) {
-        println!("{order},{count},{step:.0},{floor:.0},{new_size:.0},{start:.0},{memory:.0}");
+    println!("what,order,instances,step_ns,in_c_ns,start_us,kib_each");
+    for Cost { what, order, count, step, in_c, start, memory } in lowest {
+        println!("{what},{order},{count},{step:.0},{in_c:.0},{start:.0},{memory:.1}");
     }
     Ok(())
 }
 
-/// Cost of one plant among some.
+/// Cost of one among some.
 struct Cost {
+    what: &'static str,
+    order: i32,
+    count: usize,
     /// A step \[ns\].
     step: f64,
-    /// The bare arithmetic \[ns\].
-    floor: f64,
-    /// The first step \[µs\].
-    new_size: f64,
-    /// Instantiation and initialisation \[µs\].
+    /// The same in C \[ns\]; NaN without a C compiler.
+    in_c: f64,
+    /// Instantiation, initialisation and the first step \[µs\].
     start: f64,
-    /// Resident \[KiB\].
+    /// Memory beyond that of the first \[KiB\]; for one alone what it takes.
     memory: f64,
 }
 
-impl Cost {
-    fn times(&self) -> [f64; 4] {
-        [self.step, self.floor, self.new_size, self.start]
-    }
-}
-
-fn cost(folder: &std::path::Path, order: i32, count: usize) -> Result<Cost> {
+fn plant_cost(folder: &Path, order: i32) -> Result<Cost> {
     let resident = resident_kib();
     let fmu = open(folder, PLANT)?;
     let begin = Instant::now();
-    let mut plants = Vec::new();
-    for _ in 0..count {
-        plants.push(Slave::new(&fmu, &common::COMMANDS, &common::MEASURED, Some(order), empty())?);
-    }
-    let start = begin.elapsed().as_secs_f64() * 1e6 / count as f64;
-    // The first step finds the modes, and what the size does to them.
-    let begin = Instant::now();
-    plants.iter_mut().for_each(Slave::do_step);
-    let new_size = begin.elapsed().as_secs_f64() * 1e6 / count as f64;
-    let memory = (resident_kib() - resident) / count as f64;
+    let mut plant = Slave::new(&fmu, &common::COMMANDS, &common::MEASURED, Some(order), empty())?;
+    plant.do_step();
+    let start = begin.elapsed().as_secs_f64() * 1e6;
+    let memory = resident_kib() - resident;
     let mut outputs = [0.0; 12];
-    let rounds = u32::try_from(20_000 / count.min(20_000)).unwrap_or(1).max(1);
-    let step = nanoseconds(rounds, || {
-        for plant in &mut plants {
-            plant.step(&[0.01, -0.01, 0.1], &mut outputs);
-        }
-    }) / count as f64;
-    let mut modal = ModalStep::new(usize::try_from(order).unwrap_or_default());
-    let floor = nanoseconds(2000, || _ = black_box(modal.make(black_box([0.1, -0.1, 0.05]))));
-    Ok(Cost { step, floor, new_size, start, memory })
+    let step = nanoseconds(10_000, || plant.step(&[0.01, -0.01, 0.1], &mut outputs));
+    let peer = Peers::compile(has_wide_registers(), usize::try_from(order)?).and_then(|peers| peers.plant());
+    let in_c = peer.map_or(f64::NAN, |mut peer| nanoseconds(10_000, || peer.step(&[0.01, -0.01, 0.1], &mut outputs)));
+    Ok(Cost { what: "plant", order, count: 1, step, in_c, start, memory })
+}
+
+fn pair_cost(folder: &Path, count: usize) -> Result<Cost> {
+    let fmus = (open(folder, PLANT)?, open(folder, NABFC.fmu)?);
+    let mut pairs = vec![Pair::of(&fmus, &NABFC)?];
+    pairs[0].step();
+    let resident = resident_kib();
+    let begin = Instant::now();
+    while pairs.len() < count {
+        let mut pair = Pair::of(&fmus, &NABFC)?;
+        pair.step();
+        pairs.push(pair);
+    }
+    let more = (count - 1).max(1) as f64;
+    let start = begin.elapsed().as_secs_f64() * 1e6 / more;
+    let memory = (resident_kib() - resident) / more;
+    // All pairs take a step, then all the next: each finds the caches as the others left them.
+    let rounds = u32::try_from(4000 / count.min(4000)).unwrap_or(1).max(1);
+    let step = nanoseconds(rounds, || pairs.iter_mut().for_each(Pair::step)) / count as f64;
+    let peer = Peers::compile(has_wide_registers(), 8).and_then(|peers| PeerPair::new(&peers, folder));
+    let in_c = match peer {
+        Ok(mut peer) if count == 1 => nanoseconds(4000, || peer.step()),
+        _ => f64::NAN,
+    };
+    Ok(Cost { what: "pair", order: 8, count, step, in_c, start, memory })
 }
 
 /// Memory of this process that is in use, where the system tells.

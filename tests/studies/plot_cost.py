@@ -1,7 +1,6 @@
 """Draws docs/figures/cost.svg from docs/performance/cost.csv; needs matplotlib.
 
-cargo run --release -p dualarm --example step_cost -- sizes > docs/performance/cost.csv
-python tests/studies/plot_cost.py
+`python -m tests.studies.performance` measures, writes that file and draws.
 """
 
 from __future__ import annotations
@@ -16,6 +15,8 @@ matplotlib.use("svg")
 import matplotlib.pyplot as plt
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
+#: From this order on the slope is taken: below, what does not grow is most of a step.
+LARGE = 10
 
 
 def slope(x: list[float], y: list[float]) -> float:
@@ -23,40 +24,41 @@ def slope(x: list[float], y: list[float]) -> float:
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
-def main() -> None:
+def draw() -> list[str]:
+    """Draws, and says what the slopes are."""
     plt.rcParams["svg.hashsalt"] = "cost"
     with (DOCS / "performance/cost.csv").open(newline="") as file:
-        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
-    orders = [row for row in rows if row["instances"] == 1]
-    instances = [row for row in rows if row["order"] == 8]
-    instances.sort(key=lambda row: row["instances"])
+        rows = list(csv.DictReader(file))
+    plants = [row for row in rows if row["what"] == "plant"]
+    pairs = [row for row in rows if row["what"] == "pair"]
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 
-    k = [row["order"] for row in orders]
-    for key, label, marker in (
-        ("step_ns", "step", "o"), ("floor_ns", "its arithmetic alone", "s"),
-    ):
-        y = [row[key] for row in orders]
-        large = [i for i, order in enumerate(k) if order >= 10]
-        exponent = slope([k[i] for i in large], [y[i] for i in large])
-        left.loglog(k, y, marker=marker, label=f"{label}: slope {exponent:.2f} from k = 10")
-        print(f"order, {label}: {exponent:.2f} from k = 10")
-    left.loglog(k, [orders[-1]["floor_ns"] * order / k[-1] for order in k], "k:", label="slope 1")
+    said = []
+    k = [float(row["order"]) for row in plants]
+    for key, label, marker in (("step_ns", "step through the C interface", "o"), ("in_c_ns", "the same in C", "s")):
+        y = [float(row[key]) for row in plants]
+        if not np.isfinite(y).all():
+            continue
+        exponent = slope(*zip(*((order, cost) for order, cost in zip(k, y, strict=True) if order >= LARGE), strict=True))
+        left.loglog(k, y, marker=marker, label=f"{label}: slope {exponent:.2f} from k = {LARGE}")
+        said.append(f"* Order, {label}: slope {exponent:.2f} from k = {LARGE}.")
+    last = float(plants[-1]["step_ns"])
+    left.loglog(k, [last * order / k[-1] for order in k], "k:", label="slope 1")
     left.set(xlabel="order k", ylabel="ns per step", title="One plant")
     left.set_xticks(k, [f"{order:.0f}" for order in k])
     left.minorticks_off()
-    left.set_ylim(bottom=12)  # room for the legend below all lines
-    left.legend(fontsize=8, loc="lower right")
+    left.legend(fontsize=8)
 
-    n = [row["instances"] for row in instances]
-    total = [row["instances"] * row["step_ns"] * 1e-3 for row in instances]
-    print(f"instances: {slope(n, total):.2f}")
+    n = [float(row["instances"]) for row in pairs]
+    total = [float(row["instances"]) * float(row["step_ns"]) * 1e-3 for row in pairs]
+    said.append(f"* Pairs: a step of all has slope {slope(n, total):.2f}.")
     right.loglog(n, total, marker="o", label=f"a step of all: slope {slope(n, total):.2f}")
     right.loglog(n, [total[0] * count for count in n], "k:", label="slope 1")
-    right.set(xlabel="instances in one process", ylabel="us per step of all", title="Order 8")
+    right.set(xlabel="pairs in one process", ylabel="us per step of all", title="Plant of order 8 and NABFC")
     right.legend(fontsize=8)
     figure.savefig(DOCS / "figures/cost.svg", metadata={"Date": None})
+    return said
 
 
 if __name__ == "__main__":
-    main()
+    print("\n".join(draw()))

@@ -13,7 +13,7 @@ use crate::steps::Outcome;
 use crate::tree::Tree;
 
 /// The cases of `step_cost`, and [`SIMULATE`]: the columns of the history.
-const CASES: [&str; 7] = ["plant", "nabfc", "pds", "pd", "coupled", "master", SIMULATE];
+const CASES: [&str; 9] = ["plant", "nabfc", "pds", "pd", "coupled", "master", SIMULATE, "get_first", "nabfc-r"];
 
 /// `dualarm simulate` of the paper's case without an output file.
 const SIMULATE: &str = "simulate";
@@ -78,6 +78,13 @@ fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
     let build = crate::steps::run(tree.cargo_all("build", &["--example", "step_cost", "--bin", "dualarm"]));
     if build != Outcome::Passed {
         return Err(build);
+    }
+    // What the times are compared with must still be the same algorithm.
+    let mut same = Command::new(tree.target.join("release").join("examples").join("step_cost"));
+    same.arg("same").arg(tree.root.join("dist"));
+    let same = crate::steps::run(same);
+    if same != Outcome::Passed {
+        return Err(same);
     }
     let mut all = [0; CASES.len()];
     for (count, case) in all.iter_mut().zip(CASES) {
@@ -188,20 +195,22 @@ mod tests {
     use super::*;
 
     const HISTORY: &str =
-        "date,note,plant\n2026-01-01,first,1,2,3,4,5,6\n2026-01-02,second,100,200,300,400,500,600,700\n";
+        "date,note,plant\n2026-01-01,first,1,2,3,4,5,6,,,\n2026-01-02,second,100,200,300,400,500,600,700,800,900\n";
 
     #[test]
     fn the_last_entry_is_the_standard() {
         let last = last(HISTORY).unwrap();
         assert_eq!((last.date.as_str(), last.note.as_str()), ("2026-01-02", "second"));
-        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630, 735]), Outcome::Passed);
-        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0, 0]) else { panic!("211 is too many") };
+        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630, 735, 840, 945]), Outcome::Passed);
+        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0, 0, 0, 0]) else {
+            panic!("211 is too many")
+        };
         assert!(reason.contains("nabfc from 200 to 211 (+5.5 %)"), "{reason}");
     }
 
     #[test]
     fn a_damaged_history_is_refused() {
-        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,6,x\n"] {
+        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,6,7,8,x\n"] {
             assert!(super::last(text).is_err(), "{text:?}");
         }
     }

@@ -135,9 +135,9 @@ pub struct Controller<L: FmuLaw> {
     /// The variables that the host may read.
     #[serde(skip)]
     outputs: Outputs<L::Extra>,
-    /// Time derivatives of the outputs.
+    /// Time derivatives of the outputs, from when a host asks for them.
     #[serde(skip)]
-    rates: Outputs<L::Extra>,
+    rates: Option<Box<Outputs<L::Extra>>>,
     /// The variables that a host of model exchange may read.
     #[serde(skip, default = "States::of::<L>")]
     states: States,
@@ -163,7 +163,7 @@ impl<L: FmuLaw> Default for Controller<L> {
             is_integrated: false,
             regimes: Regimes::default(),
             outputs: Outputs::default(),
-            rates: Outputs::default(),
+            rates: None,
             states: States::of::<L>(),
         }
     }
@@ -189,11 +189,16 @@ impl<L: FmuLaw> Controller<L> {
     }
 
     fn rates(&mut self) {
-        (self.rates.targets, self.rates.errors) = target_change(&self.arms, &self.input_rates);
+        let rates = self.rates.get_or_insert_default();
+        (rates.targets, rates.errors) = target_change(&self.arms, &self.input_rates);
         if let Some(law) = &mut self.law {
-            self.rates.commands = law.command_rates(&self.inputs, &self.input_rates);
-            self.rates.extra = law.extra_rates(&self.inputs, &self.input_rates);
+            rates.commands = law.command_rates(&self.inputs, &self.input_rates);
+            rates.extra = law.extra_rates(&self.inputs, &self.input_rates);
         }
+    }
+
+    fn output_rates(&mut self) -> &mut Outputs<L::Extra> {
+        self.rates.get_or_insert_default()
     }
 }
 

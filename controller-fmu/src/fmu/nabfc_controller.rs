@@ -328,7 +328,7 @@ impl FmuLaw for NabfcLaw {
 fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation, rates: Evaluation) {
     variables
         .output_field("s", extra, field!(NabfcController, outputs.extra.surfaces.object))
-        .rate(rates, |m| &mut m.rates.extra.surfaces.object)
+        .rate(rates, |m| &mut m.output_rates().extra.surfaces.object)
         .unit("m/s")
         .depends_on(["y_object", "y_object_dot", "tip_shear1", "tip_shear2", "lambda1_ref", "theta1_ref"])
         .description("Sliding variable of the object loop, eq. (33) or its counterpart of the root-strain law");
@@ -342,7 +342,7 @@ fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation
         output
             .unit("rad/s")
             .display_degrees()
-            .rate(rates, move |m| &mut m.rates.extra.surfaces.posture[i])
+            .rate(rates, move |m| &mut m.output_rates().extra.surfaces.posture[i])
             .depends_on([format!("theta{n}"), format!("theta{n}_dot"), format!("root_moment{n}")])
             .depends_on(["theta1_ref", "lambda1_ref"])
             .description(&format!(
@@ -367,7 +367,7 @@ fn estimate_outputs(variables: &mut Variables<NabfcController>, extra: Evaluatio
     for (name, field, unit, nominal, description) in fields {
         variables
             .output(name, extra, move |m| field(&mut m.outputs.extra.estimates))
-            .rate(rates, move |m| field(&mut m.rates.extra.estimates))
+            .rate(rates, move |m| field(&mut m.output_rates().extra.estimates))
             .unit(unit)
             .nominal(nominal)
             .description(description);

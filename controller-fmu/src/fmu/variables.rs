@@ -74,14 +74,14 @@ pub(super) fn commands<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rate
     let commands = variables.evaluation(Controller::<L>::commands);
     variables
         .output_field("tau{}_cmd", commands, field!(Controller<L>, outputs.commands.tau))
-        .rate_array(rates, |m| &mut m.rates.commands.tau)
+        .rate_array(rates, |m| &mut m.output_rates().commands.tau)
         .unit("N.m")
         .depends_on(["theta{}", "theta{}_dot", "root_moment{}", "lambda1_ref", "theta1_ref"])
         .depends_on(L::TORQUE_ALSO_DEPENDS_ON.iter().copied())
         .description("Commanded torque on hub {}");
     variables
         .output_field("u_cmd", commands, field!(Controller<L>, outputs.commands.u))
-        .rate(rates, |m| &mut m.rates.commands.u)
+        .rate(rates, |m| &mut m.output_rates().commands.u)
         .unit("N")
         .nominal(0.1)
         .depends_on(["y_object", "y_object_dot", "tip_shear1", "tip_shear2", "lambda1_ref", "theta1_ref"])
@@ -93,7 +93,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
     let targets = variables.evaluation(Controller::<L>::targets);
     variables
         .output_field("theta1_d", targets, field!(Controller<L>, outputs.targets.theta).element(0))
-        .rate(rates, |m| &mut m.rates.targets.theta[0])
+        .rate(rates, |m| &mut m.output_rates().targets.theta[0])
         .unit("rad")
         .display_degrees()
         .nominal(0.1)
@@ -102,7 +102,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .description("Target of theta1");
     variables
         .output_field("theta2_d", targets, field!(Controller<L>, outputs.targets.theta).element(1))
-        .rate(rates, |m| &mut m.rates.targets.theta[1])
+        .rate(rates, |m| &mut m.output_rates().targets.theta[1])
         .unit("rad")
         .display_degrees()
         .nominal(0.1)
@@ -111,7 +111,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .description("Target of theta2, eq. (16)");
     variables
         .output_field("y_object_d", targets, field!(Controller<L>, outputs.targets.y_object))
-        .rate(rates, |m| &mut m.rates.targets.y_object)
+        .rate(rates, |m| &mut m.output_rates().targets.y_object)
         .unit("m")
         .nominal(0.05)
         .depends_linearly_on(["theta1_ref", "lambda1_ref"])
@@ -119,14 +119,14 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .description("Target of y_object, eq. (16) with the L/2 it leaves out");
     variables
         .output_field("lambda2_d", targets, field!(Controller<L>, outputs.targets.lambda).element(1))
-        .rate(rates, |m| &mut m.rates.targets.lambda[1])
+        .rate(rates, |m| &mut m.output_rates().targets.lambda[1])
         .unit("N")
         .depends_linearly_on(["lambda1_ref"])
         .depends_on_states(NO_STATES)
         .description("Target of lambda2, eq. (16)");
     variables
         .output_field("e1", targets, field!(Controller<L>, outputs.errors.e).element(0))
-        .rate(rates, |m| &mut m.rates.errors.e[0])
+        .rate(rates, |m| &mut m.output_rates().errors.e[0])
         .unit("rad")
         .display_degrees()
         .nominal(0.1)
@@ -135,7 +135,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .description("Angle error theta1 - theta1_d");
     variables
         .output_field("e2", targets, field!(Controller<L>, outputs.errors.e).element(1))
-        .rate(rates, |m| &mut m.rates.errors.e[1])
+        .rate(rates, |m| &mut m.output_rates().errors.e[1])
         .unit("rad")
         .display_degrees()
         .nominal(0.1)
@@ -144,7 +144,7 @@ pub(super) fn targets<L: FmuLaw>(variables: &mut Variables<Controller<L>>, rates
         .description("Angle error theta2 - theta2_d");
     variables
         .output_field("p", targets, field!(Controller<L>, outputs.errors.p))
-        .rate(rates, |m| &mut m.rates.errors.p)
+        .rate(rates, |m| &mut m.output_rates().errors.p)
         .unit("m")
         .nominal(0.01)
         .depends_linearly_on(["y_object", "theta1_ref", "lambda1_ref"])

@@ -1,9 +1,11 @@
 //! What the benchmark, the instruction counts and the cost curves measure: one communication step through the C interface,
-//! with every wired signal handed over and fetched, of each FMU alone and of plant and controller together; and floors,
-//! the bare arithmetic of the same step.
+//! with every wired signal handed over and fetched, of each FMU alone and of plant and controller together; and a [`peer`], the
+//! same algorithms in C.
 
 // Each program uses a part of this.
 #![allow(dead_code)]
+
+pub mod peer;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -124,9 +126,14 @@ pub struct Pair {
 
 impl Pair {
     pub fn new(folder: &Path, scenario: &Controller) -> Result<Self> {
+        Self::of(&(open(folder, PLANT)?, open(folder, scenario.fmu)?), scenario)
+    }
+
+    /// Of FMUs that are open already: many share their libraries.
+    pub fn of((plant, controller): &(Fmu, Fmu), scenario: &Controller) -> Result<Self> {
         Ok(Self {
-            plant: Slave::plant(folder, None)?,
-            controller: Slave::controller(folder, scenario)?,
+            plant: Slave::new(plant, &COMMANDS, &MEASURED, None, std::iter::empty())?,
+            controller: Slave::new(controller, &MEASURED, &COMMANDS, None, scenario.settings())?,
             measured: [0.0; 12],
             commands: [0.0; 3],
         })
@@ -137,6 +144,16 @@ impl Pair {
         self.plant.step(&self.commands, &mut self.measured);
         self.controller.step(&self.measured, &mut self.commands);
     }
+
+    /// The other order of calls: the controller is asked for its commands before its step and not after it.
+    #[inline]
+    pub fn step_get_first(&mut self) {
+        let Slave { instance, inputs, outputs, .. } = &mut self.controller;
+        instance.set_real(inputs, &self.measured).expect("finite inputs");
+        instance.get_real(outputs, &mut self.commands).expect("outputs");
+        self.controller.do_step();
+        self.plant.step(&self.commands, &mut self.measured);
+    }
 }
 
 /// Something whose step is measured.
@@ -145,6 +162,8 @@ pub enum Case {
     Alone { slave: Slave, inputs: Vec<f64>, outputs: Vec<f64>, next: usize },
     /// Two FMUs, coupled by hand.
     Coupled(Pair),
+    /// The same in the other order of calls.
+    GetFirst(Pair),
     /// The same two under the native master.
     Master(Box<Master>, u32),
 }
@@ -155,7 +174,7 @@ pub const RUN: usize = 4000;
 
 impl Case {
     /// The names, in the order of a table; `nabfc` and what it is part of have the paper's law.
-    pub const NAMES: [&str; 6] = ["plant", "nabfc", "pds", "pd", "coupled", "master"];
+    pub const NAMES: [&str; 7] = ["plant", "nabfc", "pds", "pd", "coupled", "get_first", "master"];
     /// The law by default.
     pub const DEFAULT: &str = "nabfc-r";
 
@@ -185,6 +204,7 @@ impl Case {
                 Self::Alone { slave, inputs, outputs: vec![0.0; 3], next: 0 }
             }
             "coupled" => Self::Coupled(pair),
+            "get_first" => Self::GetFirst(pair),
             "master" => {
                 let fmus = [open(folder, PLANT)?, open(folder, scenario.fmu)?];
                 let mut master = Master::new(&fmus, Coupling::GaussSeidel)?;
@@ -208,74 +228,11 @@ impl Case {
                 *next = if *next + 1 == RUN { 0 } else { *next + 1 };
             }
             Self::Coupled(pair) => pair.step(),
+            Self::GetFirst(pair) => pair.step_get_first(),
             Self::Master(master, steps) => {
                 master.step(f64::from(*steps) * STEP, STEP).expect("a step");
                 *steps += 1;
             }
         }
     }
-}
-
-/// Signals and travels that the plant reads from its coordinates in every step.
-const READINGS: usize = 14;
-
-/// The arithmetic of the plant's step in modal coordinates in the plainest form that vectorises, and nothing else: for each of 2k
-/// blocks a 2 × 2 matrix and a gain for three forces, then eleven signals of all coordinates and the travel of three points.
-pub struct ModalStep {
-    /// Four entries of the matrix and six of the gain, by block.
-    blocks: [Vec<f64>; 10],
-    coordinates: [Vec<f64>; 2],
-    readings: [Vec<[f64; READINGS]>; 2],
-}
-
-impl ModalStep {
-    pub fn new(order: usize) -> Self {
-        let size = 2 * order;
-        let entries = |first: usize| (first..first + size).map(|i| (i as f64).sin() * 0.01).collect::<Vec<f64>>();
-        let readings = |first: usize| (first..first + size).map(|i| [(i as f64).cos(); READINGS]).collect();
-        Self {
-            blocks: std::array::from_fn(entries),
-            coordinates: [entries(3), entries(5)],
-            readings: [readings(1), readings(2)],
-        }
-    }
-
-    #[inline(never)]
-    pub fn make(&mut self, forces: [f64; 3]) -> f64 {
-        let size = self.readings[0].len();
-        let [a, b, c, d, gains @ ..] = self.blocks.each_ref().map(|entries| &entries[..size]);
-        let [x, y] = self.coordinates.each_mut().map(|entries| &mut entries[..size]);
-        let [f, g, h] = forces;
-        for i in 0..size {
-            let (before, other) = (x[i], y[i]);
-            x[i] += a[i] * before + b[i] * other + (gains[0][i] * f + gains[1][i] * g + gains[2][i] * h);
-            y[i] += c[i] * before + d[i] * other + (gains[3][i] * f + gains[4][i] * g + gains[5][i] * h);
-        }
-        let mut sums = [0.0; READINGS];
-        for (rows, coordinates) in self.readings.iter().zip([x, y]) {
-            for (row, coordinate) in rows.iter().zip(coordinates) {
-                for (sum, entry) in sums.iter_mut().zip(row) {
-                    *sum += entry * *coordinate;
-                }
-            }
-        }
-        sums.iter().sum()
-    }
-}
-
-/// Exponentials and hyperbolic tangents that NABFC's formulas ask for in a step with the default gains, by the system's
-/// mathematics library, and nothing else: each axis of a network needs two exponentials wherever it is evaluated, at one
-/// point for the two posture networks (3 axes) and at three for the object's (7 axes, 3 of which change from point to
-/// point); each loop a tanh.
-pub fn transcendentals(x: f64) -> f64 {
-    const EXPONENTIALS: u32 = 2 * (2 * 3) + 2 * (7 + 3 + 3);
-    const TANGENTS: u32 = 3;
-    let mut sum = 0.0;
-    for i in 0..EXPONENTIALS {
-        sum += (x * f64::from(i)).exp();
-    }
-    for i in 0..TANGENTS {
-        sum += (x * f64::from(i)).tanh();
-    }
-    sum
 }

@@ -68,7 +68,7 @@ struct Caches {
 struct Workspace {
     /// (x, g, r), or the whole extended vector.
     drive: Vec<f64>,
-    /// Increments, padded.
+    /// Increments, padded. Dense plants alone have any: it is empty until the first dense step.
     increment: Vec<[f64; LANES]>,
     /// The modal step of a size that is not kept.
     table: Option<Table>,
@@ -88,16 +88,16 @@ impl Plant {
             None => (None, State::start(&parameters, &model.dynamics)),
         };
         let size = model.extended.layout.size();
-        let work = Workspace {
-            drive: vec![0.0; size],
-            increment: vec![[0.0; LANES]; size.div_ceil(LANES)],
-            table: None,
-            next: state.clone(),
-        };
+        let work = Workspace { drive: vec![0.0; size], increment: Vec::new(), table: None, next: state.clone() };
         let mut plant =
             Self { signals: Signals::default(), parameters, model, state, cache: Caches::default(), work, contacts };
         plant.read_signals();
         Ok(plant)
+    }
+
+    /// Makes room for increments.
+    fn prepare_increments(&mut self) {
+        self.work.increment.resize(self.model.extended.layout.size().div_ceil(LANES), [0.0; LANES]);
     }
 
     /// Makes the signals those of the state.

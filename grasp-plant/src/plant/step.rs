@@ -104,6 +104,7 @@ impl Plant {
 
     /// One step with forces g + r t, into the workspace's next state.
     fn whole_step(&mut self, h: f64, forces: &[f64; FORCES], rates: Option<&[f64; FORCES]>) {
+        self.prepare_increments();
         let n = self.state.coordinates.len();
         let Model { extended, propagators, .. } = &*self.model;
         let propagator = self.cache.propagators.get(propagators, h, || Propagator::new(extended, h));
@@ -133,6 +134,7 @@ impl Plant {
     /// One step whose forces have kinks at the given times, if any, without a matrix of its own, into the workspace's next
     /// state.
     fn broken_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs, kinks: &[f64]) {
+        self.prepare_increments();
         let Model { extended, dynamics, parameters, .. } = &*self.model;
         let layout = extended.layout;
         let n = self.state.coordinates.len();

@@ -29,7 +29,7 @@ pub struct DualArmPlant {
     plant: Option<Plant>,
     /// The plant of the run before a reset: one of equal parameters takes over what was computed for it.
     #[serde(skip)]
-    before: Option<Plant>,
+    before: Option<Box<Plant>>,
     /// When and where contact was lost in this run.
     grip: Grip,
     /// Whether that has been said.
@@ -60,7 +60,8 @@ struct Outputs {
     uncertainty: Uncertainty,
     shape: Shape,
     deflection: [[f64; DEFLECTION_POINTS]; 2],
-    rates: Rates,
+    /// Time derivatives, from when a host asks for them.
+    rates: Option<Box<Rates>>,
 }
 
 /// Outputs that are for looking at rather than for feeding back.
@@ -94,6 +95,10 @@ impl Default for DualArmPlant {
 }
 
 impl Outputs {
+    fn rates(&mut self) -> &mut Rates {
+        self.rates.get_or_insert_with(Box::default)
+    }
+
     /// Takes the change of all outputs along a direction.
     fn change(&mut self, change: &Rates) {
         (self.measured, self.direct) = (change.measured, change.direct);
@@ -218,7 +223,7 @@ impl DualArmPlant {
 
     fn rates(&mut self) {
         if let Some(plant) = &self.plant {
-            self.outputs.rates = plant.rates(&self.inputs, &self.input_rates);
+            *self.outputs.rates() = plant.rates(&self.inputs, &self.input_rates);
         }
     }
 }
@@ -243,10 +248,10 @@ impl Model for DualArmPlant {
         self.stop_time = experiment.stop_time;
         (self.told_of_limits, self.time_at_limits) = (false, 0.0);
         let parameters = self.parameters();
-        match self.plant.as_mut().or(self.before.as_mut()) {
+        match self.plant.as_mut().or(self.before.as_deref_mut()) {
             Some(plant) if *plant.parameters() == parameters => {
                 plant.reset();
-                self.plant = self.plant.take().or(self.before.take());
+                self.plant = self.plant.take().or(self.before.take().map(|before| *before));
             }
             _ => self.plant = Some(Plant::new(parameters).map_err(Failure::error)?),
         }
@@ -256,7 +261,7 @@ impl Model for DualArmPlant {
     }
 
     fn inherit(&mut self, before: Self) {
-        self.before = before.plant.or(before.before);
+        self.before = before.plant.map(Box::new).or(before.before);
     }
 
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {

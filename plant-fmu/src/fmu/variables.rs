@@ -50,20 +50,20 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
     let measured = variables.evaluation(DualArmPlant::measured);
     variables
         .output_field("theta{}", measured, field!(DualArmPlant, outputs.measured.theta))
-        .rate_array(rates, |m| &mut m.outputs.rates.measured.theta)
+        .rate_array(rates, |m| &mut m.outputs.rates().measured.theta)
         .unit("rad")
         .display_degrees()
         .nominal(0.1)
         .description("Angle of hub {}, counter-clockwise");
     variables
         .output_field("theta{}_dot", measured, field!(DualArmPlant, outputs.measured.theta_dot))
-        .rate_array(rates, |m| &mut m.outputs.rates.measured.theta_dot)
+        .rate_array(rates, |m| &mut m.outputs.rates().measured.theta_dot)
         .unit("rad/s")
         .display_degrees()
         .description("Angular velocity of hub {}");
     variables
         .output_field("y_object", measured, field!(DualArmPlant, outputs.measured.y_object))
-        .rate(rates, |m| &mut m.outputs.rates.measured.y_object)
+        .rate(rates, |m| &mut m.outputs.rates().measured.y_object)
         .state()
         .depends_on_states(["y_object"])
         .unit("m")
@@ -71,7 +71,7 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
         .description("Position y_M of the object's centre above hub 1; L/2 when straight arms just touch it");
     variables
         .output_field("y_object_dot", measured, field!(DualArmPlant, outputs.measured.y_object_dot))
-        .rate(rates, |m| &mut m.outputs.rates.measured.y_object_dot)
+        .rate(rates, |m| &mut m.outputs.rates().measured.y_object_dot)
         .derivative_of("y_object")
         .depends_on_states(exchange::coordinate_names())
         .depends_on_states(["clearance1_dot", "clearance2_dot"])
@@ -80,18 +80,18 @@ fn measured_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) 
         .description("Velocity of the object");
     variables
         .output_field("root_moment{}", measured, field!(DualArmPlant, outputs.measured.root_moment))
-        .rate_array(rates, |m| &mut m.outputs.rates.measured.root_moment)
+        .rate_array(rates, |m| &mut m.outputs.rates().measured.root_moment)
         .unit("N.m")
         .nominal(0.1)
         .description("Elastic bending moment EI w''(0) at the root of arm {}");
     variables
         .output_field("tip_shear{}", measured, field!(DualArmPlant, outputs.measured.tip_shear))
-        .rate_array(rates, |m| &mut m.outputs.rates.measured.tip_shear)
+        .rate_array(rates, |m| &mut m.outputs.rates().measured.tip_shear)
         .unit("N")
         .description("Elastic shear force EI w'''(l) at the tip of arm {}");
     variables
         .output_field("tip_shear{}_dot", measured, field!(DualArmPlant, outputs.measured.tip_shear_dot))
-        .rate_array(rates, |m| &mut m.outputs.rates.measured.tip_shear_dot)
+        .rate_array(rates, |m| &mut m.outputs.rates().measured.tip_shear_dot)
         .unit("N/s")
         .nominal(10.0)
         .description("Rate of the elastic shear force at the tip of arm {}");
@@ -101,7 +101,7 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let direct = variables.evaluation(DualArmPlant::direct);
     variables
         .output_field("lambda{}", direct, field!(DualArmPlant, outputs.direct.lambda))
-        .rate_array(rates, |m| &mut m.outputs.rates.direct.lambda)
+        .rate_array(rates, |m| &mut m.outputs.rates().direct.lambda)
         .unit("N")
         .depends_on(["u_cmd", "delta_F"])
         .description(
@@ -109,19 +109,19 @@ fn direct_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         );
     variables
         .output_field("contact_force{}", direct, field!(DualArmPlant, outputs.direct.contact_force))
-        .rate_array(rates, |m| &mut m.outputs.rates.direct.contact_force)
+        .rate_array(rates, |m| &mut m.outputs.rates().direct.contact_force)
         .unit("N")
         .depends_on(["u_cmd", "delta_F"])
         .description("Force between tip {} and the object, positive in compression; zero where they do not touch");
     variables
         .output_field("tau{}", direct, field!(DualArmPlant, outputs.direct.torque))
-        .rate_array(rates, |m| &mut m.outputs.rates.direct.torque)
+        .rate_array(rates, |m| &mut m.outputs.rates().direct.torque)
         .unit("N.m")
         .depends_on(["tau{}_cmd"])
         .description("Torque that actuator {} delivers, within its limits");
     variables
         .output_field("u", direct, field!(DualArmPlant, outputs.direct.force))
-        .rate(rates, |m| &mut m.outputs.rates.direct.force)
+        .rate(rates, |m| &mut m.outputs.rates().direct.force)
         .unit("N")
         .nominal(0.1)
         .depends_on(["u_cmd"])
@@ -143,7 +143,7 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .description("Whether the contact force at tip {} is compressive");
     variables
         .output_field("gap{}", contact, field!(DualArmPlant, outputs.contact.gap))
-        .rate_array(rates, |m| &mut m.outputs.rates.contact.gap)
+        .rate_array(rates, |m| &mut m.outputs.rates().contact.gap)
         .depends_on_states(["clearance{}", "indentation{}"])
         .unit("m")
         .nominal(0.01)
@@ -152,7 +152,7 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         );
     variables
         .output_field("indentation{}", contact, field!(DualArmPlant, outputs.contact.indentation))
-        .rate_array(rates, |m| &mut m.outputs.rates.contact.indentation)
+        .rate_array(rates, |m| &mut m.outputs.rates().contact.indentation)
         .state()
         .depends_on_states(["clearance{}", "indentation{}"])
         .unit("m")
@@ -160,7 +160,7 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
         .description("How far the object's face at tip {} is pressed in, with contact_model = compliant");
     variables
         .output_field("impact_loss", contact, field!(DualArmPlant, outputs.contact.loss))
-        .rate(rates, |m| &mut m.outputs.rates.contact.loss)
+        .rate(rates, |m| &mut m.outputs.rates().contact.loss)
         .state()
         .depends_on_states(["impact_loss"])
         .unit("J")
@@ -183,42 +183,42 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     let deflection = variables.evaluation(DualArmPlant::deflection);
     variables
         .output_field("tip_deflection{}", shape, field!(DualArmPlant, outputs.shape.tip_deflection))
-        .rate_array(rates, |m| &mut m.outputs.rates.tip_deflection)
+        .rate_array(rates, |m| &mut m.outputs.rates().tip_deflection)
         .unit("m")
         .nominal(0.01)
         .description("Deflection w(l) of the tip of arm {}, back from the line that turns with the hub");
     variables
         .output_field("constraint{}", shape, field!(DualArmPlant, outputs.shape.constraint))
-        .rate_array(rates, |m| &mut m.outputs.rates.constraint)
+        .rate_array(rates, |m| &mut m.outputs.rates().constraint)
         .unit("m")
         .nominal(1e-12)
         .description("Residual of the geometric constraint (12) of arm {}, zero up to rounding");
     variables
         .output_field("root_moment{}_dot", uncertainty, field!(DualArmPlant, outputs.uncertainty.root_moment_dot))
-        .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.root_moment_dot)
+        .rate_array(rates, |m| &mut m.outputs.rates().uncertainty.root_moment_dot)
         .unit("N.m/s")
         .description("Rate of the elastic bending moment at the root of arm {}");
     variables
         .output_field("hub_uncertainty{}", uncertainty, field!(DualArmPlant, outputs.uncertainty.delta_f))
-        .rate_array(rates, |m| &mut m.outputs.rates.uncertainty.delta_f)
+        .rate_array(rates, |m| &mut m.outputs.rates().uncertainty.delta_f)
         .unit("N.m")
         .nominal(0.1)
         .description("Built-in disturbance torque on hub {}: -root_uncertainty times the rate of its root moment");
     variables
         .output_field("object_uncertainty", uncertainty, field!(DualArmPlant, outputs.uncertainty.delta_force))
-        .rate(rates, |m| &mut m.outputs.rates.uncertainty.delta_force)
+        .rate(rates, |m| &mut m.outputs.rates().uncertainty.delta_force)
         .unit("N")
         .nominal(0.1)
         .description("Built-in disturbance force on the object, from the rates of the tip shears");
     variables
         .output_field("energy", shape, field!(DualArmPlant, outputs.shape.energy))
-        .rate(rates, |m| &mut m.outputs.rates.energy)
+        .rate(rates, |m| &mut m.outputs.rates().energy)
         .unit("J")
         .nominal(0.01)
         .description("Kinetic and strain energy");
     variables
         .output_field("supplied_energy", shape, field!(DualArmPlant, outputs.shape.supplied_energy))
-        .rate(rates, |m| &mut m.outputs.rates.supplied_energy)
+        .rate(rates, |m| &mut m.outputs.rates().supplied_energy)
         .state()
         .unit("J")
         .nominal(0.01)
@@ -230,7 +230,7 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
                 deflection,
                 field!(DualArmPlant, outputs.deflection).element(arm),
             )
-            .rate_array(rates, move |m| &mut m.outputs.rates.deflection[arm])
+            .rate_array(rates, move |m| &mut m.outputs.rates().deflection[arm])
             .unit("m")
             .nominal(0.01)
             .descriptions(|point| {
