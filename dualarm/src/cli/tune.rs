@@ -38,9 +38,9 @@ Examples:
   dualarm tune -c nabfc-r --max-torque 1 --evaluations 1000 --seed 3
   dualarm tune -c pid --cases undisturbed,long,noise --worst 0 \\
     --goal undisturbed=0.2/2,long=0.9/10,noise=7e-3
-                                                 what must hold: settled in 0.2 s
-                                                 at 2 % of overshoot, 0.9 s at
-                                                 10 %, 7 mN under noise
+                                                 what must hold: settled within
+                                                 0.2 s at 2 % of overshoot,
+                                                 0.9 s at 10 %, 7 mN under noise
   dualarm compare --controllers results/tuned-pid.toml,pid
                                                  what came of it, in every case";
 
