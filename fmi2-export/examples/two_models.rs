@@ -1,6 +1,6 @@
 //! Two FMUs served by one library: an integrator, and a counter of every type of variable FMI 2.0 has.
 
-use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables};
+use fmi2_export::{Declare, Experiment, Failure, Info, Model, Step, Variables, field};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -15,8 +15,8 @@ impl Declare for Integrator {
 
     fn variables(variables: &mut Variables<Self>) {
         let outputs = variables.evaluation(|m| m.y = m.x);
-        variables.input("u", |m| &mut m.u).description("Input");
-        variables.output("y", outputs, |m| &mut m.y).description("Integral of the input");
+        variables.input_field("u", field!(Self, u)).description("Input");
+        variables.output_field("y", outputs, field!(Self, y)).description("Integral of the input");
     }
 }
 

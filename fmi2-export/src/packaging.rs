@@ -120,5 +120,5 @@ impl Instance {
 }
 
 fn message(refusal: Refusal) -> String {
-    refusal.message
+    refusal.into_message()
 }

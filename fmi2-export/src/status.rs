@@ -21,25 +21,46 @@ pub enum Status {
 }
 
 /// Why a call was not carried out. Unless it says otherwise, the instance is as it was before the call.
+///
+/// In a box, so that what every call returns is one pointer, which is null if all is well.
 #[derive(Debug)]
-pub(crate) struct Refusal {
-    pub status: Status,
-    pub message: String,
-}
+pub(crate) struct Refusal(Box<(Status, String)>);
 
 impl Refusal {
+    #[cold]
+    #[inline(never)]
+    fn new(status: Status, message: String) -> Self {
+        Self(Box::new((status, message)))
+    }
+
     pub fn error(message: impl Into<String>) -> Self {
-        Self { status: Status::Error, message: message.into() }
+        Self::new(Status::Error, message.into())
+    }
+
+    pub fn fatal(message: impl Into<String>) -> Self {
+        Self::new(Status::Fatal, message.into())
     }
 
     /// Of a model that could not do something that a host cannot retry in another way: only steps and states are discarded.
     pub fn of(failure: &Failure) -> Self {
         let status = if matches!(failure, Failure::Fatal(_)) { Status::Fatal } else { Status::Error };
-        Self { status, message: failure.to_string() }
+        Self::new(status, failure.to_string())
     }
 
     pub fn discard(message: impl Into<String>) -> Self {
-        Self { status: Status::Discard, message: message.into() }
+        Self::new(Status::Discard, message.into())
+    }
+
+    pub fn status(&self) -> Status {
+        self.0.0
+    }
+
+    pub fn message(&self) -> &str {
+        &self.0.1
+    }
+
+    pub fn into_message(self) -> String {
+        self.0.1
     }
 }
 

@@ -12,8 +12,12 @@ use chrono::{DateTime, Utc};
 use crate::steps::Outcome;
 use crate::tree::Tree;
 
-/// The cases of `step_cost`, and [`SIMULATE`]: the columns of the history.
-const CASES: [&str; 9] = ["plant", "nabfc", "pds", "pd", "coupled", "master", SIMULATE, "get_first", "nabfc-r"];
+/// The cases of `step_cost`, [`SIMULATE`] and [`INTEGRATOR`]: the columns of the history.
+const CASES: [&str; 10] =
+    ["plant", "nabfc", "pds", "pd", "coupled", "master", SIMULATE, "get_first", "nabfc-r", INTEGRATOR];
+
+/// A model that computes next to nothing, by `call_cost` of fmi2-export: what the C interface costs.
+const INTEGRATOR: &str = "integrator";
 
 /// `dualarm simulate` of the paper's case without an output file.
 const SIMULATE: &str = "simulate";
@@ -75,9 +79,13 @@ fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Err(Outcome::Skipped("valgrind is not installed".into()));
     }
-    let build = crate::steps::run(tree.cargo_all("build", &["--example", "step_cost", "--bin", "dualarm"]));
-    if build != Outcome::Passed {
-        return Err(build);
+    let programs = ["--example", "step_cost", "--example", "call_cost", "--bin", "dualarm"];
+    let library = ["rustc", "--quiet", "--package", "fmi2-export", "--profile", "fmu", "--example", "two_models"];
+    for build in [tree.cargo_all("build", &programs), tree.cargo(&library)] {
+        let build = crate::steps::run(build);
+        if build != Outcome::Passed {
+            return Err(build);
+        }
     }
     // What the times are compared with must still be the same algorithm.
     let mut same = Command::new(tree.target.join("release").join("examples").join("step_cost"));
@@ -96,7 +104,8 @@ fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
 }
 
 fn counted(tree: &Tree, case: &str) -> Result<u64, String> {
-    let program = tree.target.join("release").join("examples").join("step_cost");
+    let program = if case == INTEGRATOR { "call_cost" } else { "step_cost" };
+    let program = tree.target.join("release").join("examples").join(program);
     let file: PathBuf = tree.target.join(format!("callgrind-{case}.out"));
     let output = Command::new("valgrind")
         .args(["--tool=callgrind", "--toggle-collect=step_cost_counted*"])
@@ -194,15 +203,14 @@ fn today() -> String {
 mod tests {
     use super::*;
 
-    const HISTORY: &str =
-        "date,note,plant\n2026-01-01,first,1,2,3,4,5,6,,,\n2026-01-02,second,100,200,300,400,500,600,700,800,900\n";
+    const HISTORY: &str = "date,note,plant\n2026-01-01,first,1,2,3,4,5,6,,,,\n2026-01-02,second,100,200,300,400,500,600,700,800,900,1000\n";
 
     #[test]
     fn the_last_entry_is_the_standard() {
         let last = last(HISTORY).unwrap();
         assert_eq!((last.date.as_str(), last.note.as_str()), ("2026-01-02", "second"));
-        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630, 735, 840, 945]), Outcome::Passed);
-        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0, 0, 0, 0]) else {
+        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630, 735, 840, 945, 1050]), Outcome::Passed);
+        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0, 0, 0, 0, 0]) else {
             panic!("211 is too many")
         };
         assert!(reason.contains("nabfc from 200 to 211 (+5.5 %)"), "{reason}");
@@ -210,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_damaged_history_is_refused() {
-        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,6,7,8,x\n"] {
+        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,6,7,8,9,x\n"] {
             assert!(super::last(text).is_err(), "{text:?}");
         }
     }

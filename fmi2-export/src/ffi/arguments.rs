@@ -1,4 +1,5 @@
 //! What the host passes as pointers, checked and turned into slices and strings.
+#![allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
 
 use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
@@ -10,6 +11,7 @@ use crate::status::Refusal;
 ///
 /// # Safety
 /// If not null, `pointer` must be valid for reads of `length` elements for the duration of the call.
+#[inline(always)]
 pub unsafe fn slice<'a, T>(pointer: *const T, length: usize, what: &str) -> Result<&'a [T], Refusal> {
     if length == 0 {
         return Ok(&[]);
@@ -23,6 +25,7 @@ pub unsafe fn slice<'a, T>(pointer: *const T, length: usize, what: &str) -> Resu
 ///
 /// # Safety
 /// If not null, `pointer` must be valid for writes of `length` elements for the duration of the call.
+#[inline(always)]
 pub unsafe fn out<'a, T: Copy>(pointer: *mut T, length: usize, what: &str) -> Result<Out<'a, T>, Refusal> {
     if length == 0 {
         return Ok(Out::new(&mut []));
@@ -33,7 +36,7 @@ pub unsafe fn out<'a, T: Copy>(pointer: *mut T, length: usize, what: &str) -> Re
     Ok(Out::new(unsafe { std::slice::from_raw_parts_mut(pointer.cast::<MaybeUninit<T>>(), length) }))
 }
 
-#[inline]
+#[inline(always)]
 fn check<T>(pointer: *const T, length: usize, what: &str) -> Result<(), Refusal> {
     if pointer.is_null() || !pointer.is_aligned() || length > isize::MAX as usize / size_of::<T>() {
         return Err(unusable(pointer.is_null(), pointer.is_aligned(), length, what));

@@ -79,19 +79,20 @@ pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outc
 pub fn lost() -> Refusal {
     let message = "fmi2Fatal has been returned: nothing can be called for any instance of this FMU but fmi2FreeInstance, until it is \
                    loaded anew";
-    Refusal { status: Status::Fatal, message: message.into() }
+    Refusal::fatal(message)
 }
 
 #[cold]
 #[inline(never)]
 #[allow(clippy::needless_pass_by_value)] // Dropped here, once, and not in each C function.
 fn refused(instance: &mut Instance, refusal: Refusal) -> Status {
-    if refusal.status == Status::Fatal {
+    if refusal.status() == Status::Fatal {
         instance.library.lose();
         instance.slave.poison();
     }
-    instance.logger.log(refusal.status, Category::of(refusal.status), format_args!("{}", refusal.message));
-    refusal.status
+    let status = refusal.status();
+    instance.logger.log(status, Category::of(status), format_args!("{}", refusal.message()));
+    status
 }
 
 #[cold]

@@ -82,7 +82,7 @@ pub unsafe fn instantiate(
             unsafe { panics::watch(&raw const (*shared).busy) };
             return shared.cast();
         }
-        Ok(Err(refusal)) => (refusal.status, refusal.message),
+        Ok(Err(refusal)) => (refusal.status(), refusal.into_message()),
         Err(message) => (Status::Error, format!("internal error in the model: {message}")),
     };
     if status == Status::Fatal {

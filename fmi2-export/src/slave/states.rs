@@ -114,7 +114,7 @@ fn check_decoded(frame: &mut Frame, subject: &mut Subject) -> Result<(), String>
     for (reference, real) in (0..).zip(&layout.reals) {
         let value = view.real(reference);
         if real.settable != 0 && !real.accepts(value) {
-            return Err(out_of_range(layout.name(real.variable), value, real.min, real.max).message);
+            return Err(out_of_range(layout.name(real.variable), value, real.min, real.max).into_message());
         }
         if let Some(slope) = view.ramp(reference) {
             if !slope.is_finite() {

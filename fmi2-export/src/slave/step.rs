@@ -13,7 +13,8 @@ impl Slave {
     pub fn do_step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
         self.check(Call::DoStep, "fmi2DoStep")?;
         self.check_step(time, size)?;
-        if self.frame.ramped {
+        let ramped = self.frame.ramped;
+        if ramped {
             self.check_ramps(size)?;
         }
         let tolerance = self.frame.experiment.as_ref().and_then(|experiment| experiment.tolerance);
@@ -23,20 +24,25 @@ impl Slave {
         match result {
             Ok(()) => {
                 self.frame.time = time + size;
-                if self.frame.ramped {
+                if ramped {
                     self.finish_ramps(size);
                 }
                 Ok(())
             }
-            // Only a step can be discarded.
-            Err(Failure::Discard(message)) => {
-                self.frame.phase = Phase::StepFailed;
-                Err(Refusal::discard(message))
-            }
-            Err(failure) => {
-                self.frame.phase = Phase::Error;
-                Err(Refusal::of(&failure))
-            }
+            Err(failure) => Err(self.failed_step(failure)),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn failed_step(&mut self, failure: Failure) -> Refusal {
+        // Only a step can be discarded.
+        if let Failure::Discard(message) = failure {
+            self.frame.phase = Phase::StepFailed;
+            Refusal::discard(message)
+        } else {
+            self.frame.phase = Phase::Error;
+            Refusal::of(&failure)
         }
     }
 
@@ -58,7 +64,20 @@ fn rounding(time: f64, size: f64) -> f64 {
 
 impl Slave {
     /// Checks a step's start and size against the clock.
+    #[inline]
     fn check_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
+        let end = time + size;
+        let past = self.frame.experiment.and_then(|e| e.stop_time).is_some_and(|stop| end > stop);
+        // Most hosts tell our own time, which is finite: no need to know then what rounding would be.
+        if time == self.frame.time && size > 0.0 && end > time && end <= f64::MAX && !past {
+            Ok(())
+        } else {
+            self.check_unusual_step(time, size)
+        }
+    }
+
+    #[inline(never)]
+    fn check_unusual_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
         if !(size.is_finite() && size > 0.0) {
             return Err(Refusal::error(format!("communicationStepSize is {size:?}, it must be positive and finite")));
         }
@@ -66,7 +85,6 @@ impl Slave {
             return Err(Refusal::error(format!("currentCommunicationPoint is {time:?}, it must be finite")));
         }
         let now = self.frame.time;
-        // Most hosts tell our own time: no need to know then what rounding would be.
         if time != now && (time - now).abs() > rounding(now, size) {
             return Err(Refusal::error(format!(
                 "currentCommunicationPoint is {time:?}, but the last step ended at {now:?}; \
@@ -94,6 +112,7 @@ impl Slave {
     }
 
     /// Checks that no input leaves its range on its ramp.
+    #[inline(never)]
     fn check_ramps(&mut self, size: f64) -> Result<(), Refusal> {
         let (layout, mut view) = self.subject.view();
         for reference in &layout.ramps {
@@ -103,13 +122,14 @@ impl Slave {
             if !real.accepts(end) {
                 let refusal = out_of_range(layout.name(real.variable), end, real.min, real.max);
                 let end = format!("; it would be at the end of this step, rising by {slope:?} per second");
-                return Err(Refusal::error(refusal.message + &end));
+                return Err(Refusal::error(refusal.into_message() + &end));
             }
         }
         Ok(())
     }
 
     /// The inputs' ramps have been used: the inputs stand at their ends.
+    #[inline(never)]
     fn finish_ramps(&mut self, size: f64) {
         let (layout, mut view) = self.subject.view();
         for reference in &layout.ramps {
