@@ -88,7 +88,7 @@ def test_laws_agree_in_all_formats(tmp_path: Path) -> None:
     # An integral adds its gain times the error times the step, to rounding of differences.
     assert laws[1]["states"].shape == (3,)
     assert laws[1]["Ad"] == pytest.approx(np.eye(3), abs=1e-8)
-    assert np.max(np.abs(laws[1]["Bd"])) == pytest.approx(26310 * 1e-3, rel=1e-6)
+    assert np.max(np.abs(laws[1]["Bd"])) == pytest.approx(14_980 * 1e-3, rel=1e-6)
 
 
 def sampled_radius(plant: dict[str, np.ndarray], law_: dict[str, np.ndarray], late: bool) -> float:

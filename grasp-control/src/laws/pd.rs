@@ -61,13 +61,13 @@ impl PdGains {
     /// The preset *tuned*: what `dualarm tune` found, with the objective and the budget of NABFC's gains (`scenarios/tuned/pd.toml`).
     #[must_use]
     pub fn tuned() -> Self {
-        Self { kp: 1420.0, kv: 47.9, ki: 0.0, kp_arm: [96.06; 2], kv_arm: [2.898; 2], ki_arm: [0.0; 2] }
+        Self { kp: 566.6, kv: 23.32, ki: 0.0, kp_arm: [64.28; 2], kv_arm: [1.806; 2], ki_arm: [0.0; 2] }
     }
 
     /// The preset *pid*: found like *tuned*, with integrals (`scenarios/tuned/pid.toml`).
     #[must_use]
     pub fn pid() -> Self {
-        Self { kp: 2411.0, kv: 42.64, ki: 26_310.0, kp_arm: [76.67; 2], kv_arm: [2.86; 2], ki_arm: [23.96; 2] }
+        Self { kp: 1566.0, kv: 30.78, ki: 14_980.0, kp_arm: [63.57; 2], kv_arm: [2.19; 2], ki_arm: [17.09; 2] }
     }
 
     fn with_strain(self) -> PdsGains {

@@ -65,12 +65,12 @@ impl PdsGains {
     #[must_use]
     pub fn tuned() -> Self {
         Self {
-            kp: 1050.0,
-            kv: 41.7,
+            kp: 945.7,
+            kv: 39.62,
             ki: 0.0,
-            kp_arm: [42.04; 2],
-            kv_arm: [2.877; 2],
-            ks_arm: [42.04; 2],
+            kp_arm: [26.85; 2],
+            kv_arm: [2.466; 2],
+            ks_arm: [45.05; 2],
             ki_arm: [0.0; 2],
         }
     }

@@ -82,21 +82,20 @@ impl RootStrainGains {
     /// cases with the paper's arms and object (`scenarios/tuned/nabfc-r-fast.toml`). Heavy objects and long arms overshoot.
     #[must_use]
     pub fn fast() -> Self {
-        let hub = HubGains { slope: 10.95, reach: 1.104, strain: 0.03375, feedforward: 0.3954, observer: 115.2 };
+        let hub = HubGains { slope: 13.65, reach: 0.7341, strain: 0.02517, feedforward: 0.2013, observer: 181.5 };
         let default = Self::default();
         Self {
             object: ObjectGains {
-                slope: 8.979,
-                reach: 1.787,
-                strain: 0.4994,
-                feedforward: 0.2883,
-                brake: 134.7,
-                observer: 62.38,
+                slope: 8.679,
+                reach: 2.04,
+                strain: 0.3544,
+                feedforward: 0.2297,
+                brake: 206.8,
+                observer: 88.36,
             },
             hub: [hub; 2],
-            inertia: InertiaGains { threshold: 0.1, ..default.inertia },
             strain_bandwidth: 0.0,
-            strain_rate_bandwidth: 285.6,
+            strain_rate_bandwidth: 286.2,
             ..default
         }
     }
@@ -132,7 +131,7 @@ impl RootStrainGains {
 }
 
 impl Default for RootStrainGains {
-    /// What `dualarm tune` found over all cases (`scenarios/tuned/nabfc-r.toml`): heavy and light objects, long and short, stiff
+    /// What a search over all cases and a little work by hand found (`scenarios/tuned/nabfc-r.toml`): heavy and light objects, long and short, stiff
     /// and soft arms, lasting disturbances, noise, encoders and delays at 1 kHz.
     ///
     /// The slope is steep and `brake` large: in the whole range of a grasp the object's surface is the curve
