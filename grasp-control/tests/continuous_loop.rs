@@ -161,7 +161,11 @@ fn anti_windup_is_the_limit_of_the_sampled_one() {
         let mut system = start();
         let scales = system.scales();
         let (exact, events) = system.run(end, 1e-9);
-        let [coarse, fine] = [4000, 16_000].map(|steps| distance(&start().sample(end, steps), &exact, &scales));
+        // An event falls anywhere within a step, so a single number of steps is right by chance: the worst of three is of first order.
+        let [coarse, fine] = [4000, 16_000].map(|steps: u32| {
+            let neighbours = (0..3).map(|k| steps + k * steps / 20);
+            neighbours.map(|steps| distance(&start().sample(end, steps), &exact, &scales)).fold(0.0, f64::max)
+        });
         println!("{name}: {} events, {coarse:e} {fine:e}", events.len());
         if name == "sliding" {
             let inputs = system.put(&exact);
