@@ -59,6 +59,10 @@ impl Default for Continuous {
 }
 
 impl DualArmPlant {
+    fn continuous(&mut self) -> &mut Continuous {
+        self.continuous.get_or_insert_default()
+    }
+
     /// The plant, if it has the FMU's states: in co-simulation the order is free.
     fn with_states(&self) -> Option<&Plant> {
         self.plant.as_ref().filter(|plant| plant.parameters().order == ORDER)
@@ -79,9 +83,10 @@ impl DualArmPlant {
                 contact.copy_from_slice(&states[first..first + 4]);
             }
         }
-        self.continuous.coordinates = coordinates;
+        let continuous = self.continuous();
+        continuous.coordinates = coordinates;
         let [clearance1, clearance2, opening1, opening2] = contact;
-        (self.continuous.clearance, self.continuous.opening) = ([clearance1, clearance2], [opening1, opening2]);
+        (continuous.clearance, continuous.opening) = ([clearance1, clearance2], [opening1, opening2]);
     }
 
     fn state_rates(&mut self) {
@@ -89,7 +94,7 @@ impl DualArmPlant {
         if let Some(plant) = self.with_states() {
             plant.derivatives(&self.inputs, &mut rates[..plant.state_count()]);
         }
-        self.continuous.rates = rates;
+        self.continuous().rates = rates;
     }
 
     fn indicators(&mut self) {
@@ -97,17 +102,18 @@ impl DualArmPlant {
         if let Some(plant) = &self.plant {
             plant.event_indicators(&self.inputs, &mut indicators);
         }
-        self.continuous.indicators = indicators;
+        self.continuous().indicators = indicators;
     }
 
     /// The states as the fields of this model have them: values, or a direction.
-    fn states(&self) -> [f64; STATES] {
+    fn states(&mut self) -> [f64; STATES] {
+        let continuous = self.continuous.get_or_insert_default();
         let mut states = [0.0; STATES];
         let (coordinates, others) = states.split_at_mut(COORDINATES);
-        coordinates.copy_from_slice(&self.continuous.coordinates);
+        coordinates.copy_from_slice(&continuous.coordinates);
         let (of_grasp, of_contact) = others.split_at_mut(CONTACT - COORDINATES);
         of_grasp.copy_from_slice(&[self.outputs.measured.y_object, self.outputs.shape.supplied_energy]);
-        let pairs = [self.continuous.clearance, self.continuous.opening, self.outputs.contact.indentation];
+        let pairs = [continuous.clearance, continuous.opening, self.outputs.contact.indentation];
         let (pairs_of_states, loss) = of_contact.split_at_mut(6);
         pairs_of_states.copy_from_slice(pairs.as_flattened());
         loss[0] = self.outputs.contact.loss;
@@ -125,17 +131,17 @@ pub(super) fn declare(variables: &mut Variables<DualArmPlant>) -> Evaluations {
     variables.states(
         &rows[..COORDINATES],
         coordinates,
-        |m| &mut m.continuous.coordinates,
+        |m| &mut m.continuous().coordinates,
         rates,
-        |m| &mut m.continuous.rates[..COORDINATES],
+        |m| &mut m.continuous().rates[..COORDINATES],
     );
     // The position's is an output.
     variables
-        .local("der(supplied_energy)", rates, |m| &mut m.continuous.rates[SUPPLIED_ENERGY])
+        .local("der(supplied_energy)", rates, |m| &mut m.continuous().rates[SUPPLIED_ENERGY])
         .derivative_of("supplied_energy")
         .unit("W")
         .description("Power of the actuators and the external disturbances");
-    variables.event_indicators(indicators, |m| &mut m.continuous.indicators);
+    variables.event_indicators(indicators, |m| &mut m.continuous().indicators);
     Evaluations { coordinates, rates }
 }
 
@@ -149,7 +155,7 @@ pub(super) struct Evaluations {
 pub(super) fn declare_contact(variables: &mut Variables<DualArmPlant>, evaluations: &Evaluations) {
     let Evaluations { coordinates, rates } = *evaluations;
     variables
-        .local_array("clearance{}", coordinates, |m| &mut m.continuous.clearance)
+        .local_array("clearance{}", coordinates, |m| &mut m.continuous().clearance)
         .state()
         .unit("m")
         .nominal(0.01)
@@ -158,7 +164,7 @@ pub(super) fn declare_contact(variables: &mut Variables<DualArmPlant>, evaluatio
              contact_model = bilateral",
         );
     variables
-        .local_array("clearance{}_dot", coordinates, |m| &mut m.continuous.opening)
+        .local_array("clearance{}_dot", coordinates, |m| &mut m.continuous().opening)
         .state()
         .derivative_of("clearance{}")
         .depends_on_states(["clearance{}_dot"])
@@ -166,18 +172,18 @@ pub(super) fn declare_contact(variables: &mut Variables<DualArmPlant>, evaluatio
         .nominal(0.1)
         .description("Rate of clearance{}: all that an impact on a rigid face changes at once");
     variables
-        .local_array("der(clearance{}_dot)", rates, |m| &mut m.continuous.rates[CONTACT + 2..CONTACT + 4])
+        .local_array("der(clearance{}_dot)", rates, |m| &mut m.continuous().rates[CONTACT + 2..CONTACT + 4])
         .derivative_of("clearance{}_dot")
         .unit("m/s2")
         .description("Time derivative of clearance{}_dot");
     variables
-        .local_array("der(indentation{})", rates, |m| &mut m.continuous.rates[CONTACT + 4..CONTACT + 6])
+        .local_array("der(indentation{})", rates, |m| &mut m.continuous().rates[CONTACT + 4..CONTACT + 6])
         .derivative_of("indentation{}")
         .depends_on_states(["clearance{}_dot", "indentation{}"])
         .unit("m/s")
         .description("Time derivative of indentation{}");
     variables
-        .local("der(impact_loss)", rates, |m| &mut m.continuous.rates[CONTACT + 6])
+        .local("der(impact_loss)", rates, |m| &mut m.continuous().rates[CONTACT + 6])
         .derivative_of("impact_loss")
         .depends_on_states(["clearance1_dot", "clearance2_dot", "indentation1", "indentation2"])
         .unit("W")
@@ -228,9 +234,10 @@ impl ModelExchange for DualArmPlant {
         let (states, count) = (direction.states(), plant.state_count());
         let mut rates = [0.0; STATES];
         plant.derivative_change(&self.inputs, &states[..count], &direction.inputs, &mut rates[..count]);
-        direction.continuous.rates = rates;
+        let continuous = direction.continuous();
+        continuous.rates = rates;
         // The time derivatives of the clearances have a field of their own.
-        direction.continuous.opening = [rates[CONTACT], rates[CONTACT + 1]];
+        continuous.opening = [rates[CONTACT], rates[CONTACT + 1]];
         direction.outputs.change(&plant.output_change(&self.inputs, &states[..count], &direction.inputs));
     }
 }

@@ -43,9 +43,9 @@ pub struct DualArmPlant {
     /// What the host may look at.
     #[serde(skip)]
     outputs: Outputs,
-    /// What a host that integrates may look at.
+    /// What a host that integrates may look at, from when one does.
     #[serde(skip)]
-    continuous: Continuous,
+    continuous: Option<Box<Continuous>>,
 }
 
 /// Values of the output variables, each part filled in by the evaluation of its name.
@@ -89,7 +89,7 @@ impl Default for DualArmPlant {
             told_of_limits: false,
             time_at_limits: 0.0,
             outputs: Outputs::default(),
-            continuous: Continuous::default(),
+            continuous: None,
         }
     }
 }
