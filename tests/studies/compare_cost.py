@@ -1,6 +1,6 @@
 """What a user would do otherwise: the plant by scipy's `solve_ivp`, the loop through FMPy, the loop under Ecos.
 
-    cargo run --release -- package && cargo build --release -p dualarm --example step_cost
+    cargo run --release -- package && cargo build --release -p benchmarks --example step_cost
     pip install -r tests/requirements.txt scipy
     python tests/studies/compare_cost.py            # run by hand: nothing in the tests depends on wall times
 

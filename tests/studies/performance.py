@@ -18,7 +18,7 @@ from tests.studies import plot_cost
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-PROGRAM = ["cargo", "run", "--quiet", "--release", "-p", "dualarm", "--example", "step_cost", "--"]
+PROGRAM = ["cargo", "run", "--quiet", "--release", "-p", "benchmarks", "--example", "step_cost", "--"]
 ROUNDS = 5
 #: What a step may cost [ns], issue by issue.
 TARGETS = {"plant": 70, "nabfc": 200, "coupled": 300}

@@ -1,7 +1,7 @@
 //! Time of one step through the C interface: the plant, each controller, and a coupled step of plant and controller with
 //! every wired signal fetched and handed over.
 //!
-//! `cargo run --release -- package && cargo bench -p dualarm`
+//! `cargo run --release -- package && cargo bench -p benchmarks`
 
 mod common;
 
