@@ -4,7 +4,7 @@
 //! * [`scenarios`] are compiled in and define runs of the parts;
 //! * [`systems`] are SSP archives of the plant with each controller;
 //! * [`instruments`] are sensors and actuators between plant and controller;
-//! * [`GraspWatch`] observes a run, [`metrics`] evaluate it;
+//! * [`GraspWatch`] observes a run, and [`grasp_merit`] evaluates it;
 //! * [`matrix`] runs many controllers in many cases.
 
 pub mod instruments;
