@@ -4,7 +4,7 @@
     python -m tests.studies.performance
 
 Writes docs/performance/time.csv, docs/performance/cost.csv and docs/figures/cost.svg, and the tables between the marks in the page. Takes
-about three minutes; the machine should have nothing else to do. Needs matplotlib; counts need valgrind.
+a minute or two; the machine should have nothing else to do. Needs matplotlib; counts need valgrind.
 """
 
 from __future__ import annotations
