@@ -180,8 +180,8 @@ fn time(folder: &Path) -> Result<()> {
     });
     println!("{:<44}{alternating:>10.0}", "fmi2DoStep alone, plant, two sizes in turn");
     for (name, file, inputs, outputs) in [
-        ("plant", PLANT, &common::COMMANDS[..], &common::MEASURED[..]),
-        ("nabfc", NABFC.fmu, &common::MEASURED[..], &common::COMMANDS[..]),
+        ("plant", PLANT, &common::COMMANDS[..], common::MEASURED),
+        ("nabfc", NABFC.fmu, common::MEASURED, &common::COMMANDS[..]),
     ] {
         let fmu = open(folder, file)?;
         let start =
@@ -249,7 +249,7 @@ fn plant_cost(folder: &Path, order: i32) -> Result<Cost> {
     let resident = resident_kib();
     let fmu = open(folder, PLANT)?;
     let begin = Instant::now();
-    let mut plant = Slave::new(&fmu, &common::COMMANDS, &common::MEASURED, Some(order), empty())?;
+    let mut plant = Slave::new(&fmu, &common::COMMANDS, common::MEASURED, Some(order), empty())?;
     plant.do_step();
     let start = begin.elapsed().as_secs_f64() * 1e6;
     let memory = resident_kib() - resident;

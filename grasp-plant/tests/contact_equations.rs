@@ -3,9 +3,11 @@
 
 #![allow(clippy::doc_markdown)]
 
+mod equations;
 mod integrator;
 
-use grasp_plant::{Contact, ContactModel, ContactState, Face, Inputs, Parameters, Plant, Rates, Start, StateError};
+use equations::{derivatives, flat, outputs, states};
+use grasp_plant::{ContactModel, ContactState, Face, Inputs, Parameters, Plant, Start, StateError};
 use integrator::{System, integrate};
 
 const MODELS: [ContactModel; 2] = [ContactModel::Unilateral, ContactModel::Compliant];
@@ -15,18 +17,6 @@ const INPUTS: Inputs = Inputs {
     hub_disturbance: [0.01, -0.02],
     object_disturbance: 0.03,
 };
-
-fn states(plant: &Plant) -> Vec<f64> {
-    let mut states = vec![0.0; plant.state_count()];
-    plant.continuous_states(&mut states);
-    states
-}
-
-fn derivatives(plant: &Plant, inputs: &Inputs) -> Vec<f64> {
-    let mut out = vec![0.0; plant.state_count()];
-    plant.derivatives(inputs, &mut out);
-    out
-}
 
 fn contact(plant: &Plant) -> ContactState {
     *plant.state().contact.as_deref().unwrap()
@@ -153,35 +143,6 @@ fn in_each_mode(contact_model: ContactModel) -> Vec<Plant> {
     let modes: Vec<_> = plants.iter().map(|plant| contact(plant).touching).collect();
     assert_eq!(modes, [[false, false], [true, false], [false, true], [true, true]]);
     plants
-}
-
-/// All outputs as one list.
-fn flat(rates: &Rates) -> Vec<f64> {
-    let m = &rates.measured;
-    let mut all = [m.theta, m.theta_dot, m.root_moment, m.tip_shear, m.tip_shear_dot].concat();
-    all.extend([m.y_object, m.y_object_dot, rates.energy, rates.supplied_energy, rates.direct.force]);
-    all.extend([rates.direct.torque, rates.direct.lambda, rates.direct.contact_force].concat());
-    all.extend(rates.uncertainty.delta_f.iter().chain(&rates.uncertainty.root_moment_dot));
-    all.push(rates.uncertainty.delta_force);
-    all.extend(rates.deflection.as_flattened().iter().chain(&rates.tip_deflection).chain(&rates.constraint));
-    let Contact { gap, indentation, loss } = rates.contact;
-    all.extend(gap.iter().chain(&indentation).chain([&loss]));
-    all
-}
-
-/// The outputs themselves, in the same order.
-fn outputs(plant: &Plant, inputs: &Inputs) -> Vec<f64> {
-    flat(&Rates {
-        measured: plant.measured(),
-        direct: plant.direct(inputs),
-        uncertainty: plant.uncertainty(),
-        deflection: plant.deflection(),
-        tip_deflection: plant.tip_deflection(),
-        constraint: plant.constraint(),
-        energy: plant.energy(),
-        supplied_energy: plant.supplied_energy(),
-        contact: plant.contact(),
-    })
 }
 
 /// Everything is at most quadratic in states and inputs, so central differences are exact up to rounding: in each mode, along

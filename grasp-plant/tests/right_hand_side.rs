@@ -2,9 +2,11 @@
 
 #![allow(clippy::doc_markdown)]
 
+mod equations;
 mod integrator;
 
-use grasp_plant::{ActuatorModel, Arm, Contact, Inputs, Parameters, Plant, Rates, Start, StateError};
+use equations::{derivatives, flat, outputs, states};
+use grasp_plant::{ActuatorModel, Arm, Inputs, Parameters, Plant, Start, StateError};
 use integrator::{System, integrate};
 use proptest::prelude::*;
 
@@ -33,18 +35,6 @@ const INPUTS: Inputs = Inputs {
     hub_disturbance: [0.01, -0.02],
     object_disturbance: 0.03,
 };
-
-fn states(plant: &Plant) -> Vec<f64> {
-    let mut states = vec![0.0; plant.state_count()];
-    plant.continuous_states(&mut states);
-    states
-}
-
-fn derivatives(plant: &Plant, inputs: &Inputs) -> Vec<f64> {
-    let mut out = vec![0.0; plant.state_count()];
-    plant.derivatives(inputs, &mut out);
-    out
-}
 
 /// A plant somewhere in its motion.
 fn moving(parameters: Parameters) -> Plant {
@@ -157,33 +147,6 @@ fn unusable_states_are_refused_and_change_nothing() {
     }
     assert_eq!(plant.set_continuous_states(&good[1..]), Err(StateError::Length { found: 34, expected: 35 }));
     assert_eq!(states(&plant), good);
-}
-
-/// All outputs as one list.
-fn flat(rates: &Rates) -> Vec<f64> {
-    let m = &rates.measured;
-    let mut all = [m.theta, m.theta_dot, m.root_moment, m.tip_shear, m.tip_shear_dot].concat();
-    all.extend([m.y_object, m.y_object_dot, rates.energy, rates.supplied_energy, rates.direct.force]);
-    all.extend([rates.direct.torque, rates.direct.lambda, rates.direct.contact_force].concat());
-    all.extend(rates.uncertainty.delta_f.iter().chain(&rates.uncertainty.root_moment_dot));
-    all.push(rates.uncertainty.delta_force);
-    all.extend(rates.deflection.as_flattened().iter().chain(&rates.tip_deflection));
-    all
-}
-
-/// The outputs themselves, in the same order.
-fn outputs(plant: &Plant, inputs: &Inputs) -> Vec<f64> {
-    flat(&Rates {
-        measured: plant.measured(),
-        direct: plant.direct(inputs),
-        uncertainty: plant.uncertainty(),
-        deflection: plant.deflection(),
-        tip_deflection: plant.tip_deflection(),
-        constraint: plant.constraint(),
-        energy: plant.energy(),
-        supplied_energy: plant.supplied_energy(),
-        contact: Contact::default(),
-    })
 }
 
 /// The time derivative of every output is its change along the states' derivatives.

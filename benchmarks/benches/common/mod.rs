@@ -15,27 +15,16 @@ use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::{Coupling, Master};
 use fmi2_cosim::settings::Setting;
 use fmi2_import::{Fmu, Instance, ValueReference};
+use grasp_control::INPUT_NAMES;
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 /// Communication step in s.
 pub const STEP: f64 = 1e-4;
 
-/// The signals from the plant to every controller.
-pub const MEASURED: [&str; 12] = [
-    "theta1",
-    "theta2",
-    "theta1_dot",
-    "theta2_dot",
-    "y_object",
-    "y_object_dot",
-    "root_moment1",
-    "root_moment2",
-    "tip_shear1",
-    "tip_shear2",
-    "tip_shear1_dot",
-    "tip_shear2_dot",
-];
+/// The signals from the plant to every controller: what it measures, but for the rates of the root moments, which the paper's law
+/// does not have.
+pub const MEASURED: &[&str] = INPUT_NAMES.split_at(12).0;
 
 /// The signals from every controller to the plant.
 pub const COMMANDS: [&str; 3] = ["tau1_cmd", "tau2_cmd", "u_cmd"];
@@ -94,11 +83,11 @@ impl Slave {
     }
 
     pub fn plant(folder: &Path, order: Option<i32>) -> Result<Self> {
-        Self::new(&open(folder, PLANT)?, &COMMANDS, &MEASURED, order, std::iter::empty())
+        Self::new(&open(folder, PLANT)?, &COMMANDS, MEASURED, order, std::iter::empty())
     }
 
     pub fn controller(folder: &Path, scenario: &Controller) -> Result<Self> {
-        Self::new(&open(folder, scenario.fmu)?, &MEASURED, &COMMANDS, None, scenario.settings())
+        Self::new(&open(folder, scenario.fmu)?, MEASURED, &COMMANDS, None, scenario.settings())
     }
 
     /// `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal`.
@@ -132,8 +121,8 @@ impl Pair {
     /// Of FMUs that are open already: many share their libraries.
     pub fn of((plant, controller): &(Fmu, Fmu), scenario: &Controller) -> Result<Self> {
         Ok(Self {
-            plant: Slave::new(plant, &COMMANDS, &MEASURED, None, std::iter::empty())?,
-            controller: Slave::new(controller, &MEASURED, &COMMANDS, None, scenario.settings())?,
+            plant: Slave::new(plant, &COMMANDS, MEASURED, None, std::iter::empty())?,
+            controller: Slave::new(controller, MEASURED, &COMMANDS, None, scenario.settings())?,
             measured: [0.0; 12],
             commands: [0.0; 3],
         })

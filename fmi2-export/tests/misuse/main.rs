@@ -37,15 +37,9 @@ fn stepping(fmu: &Fmu) -> Slave<'_> {
     bring(fmu, &fmu.guids()[0], State::StepComplete)
 }
 
-/// Every function that takes a component, otherwise called with nothing.
-fn calls_with_nothing(fmu: &Fmu, c: *mut c_void) -> [c_int; 43] {
+/// Every function that takes arrays of variables, called with empty ones.
+fn calls_for_no_variable(fmu: &Fmu, c: *mut c_void) -> [c_int; 11] {
     [
-        fmu.fmi2SetDebugLogging(c, 0, 0, null()),
-        fmu.fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
-        fmu.fmi2EnterInitializationMode(c),
-        fmu.fmi2ExitInitializationMode(c),
-        fmu.fmi2Terminate(c),
-        fmu.fmi2Reset(c),
         fmu.fmi2GetReal(c, null(), 0, null_mut()),
         fmu.fmi2GetInteger(c, null(), 0, null_mut()),
         fmu.fmi2GetBoolean(c, null(), 0, null_mut()),
@@ -54,15 +48,27 @@ fn calls_with_nothing(fmu: &Fmu, c: *mut c_void) -> [c_int; 43] {
         fmu.fmi2SetInteger(c, null(), 0, null()),
         fmu.fmi2SetBoolean(c, null(), 0, null()),
         fmu.fmi2SetString(c, null(), 0, null()),
+        fmu.fmi2GetDirectionalDerivative(c, null(), 0, null(), 0, null(), null_mut()),
+        fmu.fmi2SetRealInputDerivatives(c, null(), 0, null(), null()),
+        fmu.fmi2GetRealOutputDerivatives(c, null(), 0, null(), null_mut()),
+    ]
+}
+
+/// Every function that takes a component, otherwise called with nothing.
+fn calls_with_nothing(fmu: &Fmu, c: *mut c_void) -> Vec<c_int> {
+    let others = [
+        fmu.fmi2SetDebugLogging(c, 0, 0, null()),
+        fmu.fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0),
+        fmu.fmi2EnterInitializationMode(c),
+        fmu.fmi2ExitInitializationMode(c),
+        fmu.fmi2Terminate(c),
+        fmu.fmi2Reset(c),
         fmu.fmi2GetFMUstate(c, null_mut()),
         fmu.fmi2SetFMUstate(c, null_mut()),
         fmu.fmi2FreeFMUstate(c, null_mut()),
         fmu.fmi2SerializedFMUstateSize(c, null_mut(), null_mut()),
         fmu.fmi2SerializeFMUstate(c, null_mut(), null_mut(), 0),
         fmu.fmi2DeSerializeFMUstate(c, null(), 0, null_mut()),
-        fmu.fmi2GetDirectionalDerivative(c, null(), 0, null(), 0, null(), null_mut()),
-        fmu.fmi2SetRealInputDerivatives(c, null(), 0, null(), null()),
-        fmu.fmi2GetRealOutputDerivatives(c, null(), 0, null(), null_mut()),
         fmu.fmi2DoStep(c, 0.0, 0.1, 1),
         fmu.fmi2CancelStep(c),
         fmu.fmi2GetStatus(c, 0, null_mut()),
@@ -84,5 +90,6 @@ fn calls_with_nothing(fmu: &Fmu, c: *mut c_void) -> [c_int; 43] {
         fmu.fmi2GetReal(c, &INPUT, 1, &mut 0.0),
         fmu.fmi2SetReal(c, &INPUT, 1, &0.0),
         fmu.fmi2GetRealStatus(c, 2, &mut 0.0),
-    ]
+    ];
+    [&others[..], &calls_for_no_variable(fmu, c)].concat()
 }
