@@ -5,6 +5,7 @@
 //! around it, which does so little that it is compiled without optimisation, would take a second longer for a comparison.
 
 pub mod chart;
+mod indexed;
 pub mod pack;
 pub mod pdf;
 pub mod raster;

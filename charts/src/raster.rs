@@ -1,13 +1,13 @@
 //! The very same SVG as PNG, with the embedded font.
 
-use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::sync::{Arc, OnceLock};
 
-use resvg::tiny_skia::{Pixmap, PremultipliedColorU8, Transform};
+use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, Tree, fontdb};
 
+use crate::indexed::Indexed;
 use crate::text;
 
 /// Pixels of the PNG per px of the SVG.
@@ -44,39 +44,20 @@ fn without_layers(svg: &str) -> String {
     plain + rest
 }
 
-/// The pixels as PNG. If none is transparent and they have few colours, they are places in a palette, which makes the file smaller
-/// and its making faster.
+/// The pixels as PNG: with a palette, if one can stand for their colours.
 fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
-    if !pixmap.pixels().iter().all(PremultipliedColorU8::is_opaque) {
-        return pixmap.encode_png();
-    }
-    let palette = palette(pixmap.pixels());
+    let Some(indexed) = Indexed::of(pixmap.data().as_chunks().0) else { return pixmap.encode_png() };
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, pixmap.width(), pixmap.height());
     encoder.set_depth(png::BitDepth::Eight);
     // Charts are flat: filters make them no smaller.
     encoder.set_filter(png::Filter::NoFilter);
     encoder.set_deflate_compression(png::DeflateCompression::Level(EFFORT));
-    match &palette {
-        Some(Palette { colors, .. }) => {
-            encoder.set_color(png::ColorType::Indexed);
-            encoder.set_palette(colors.clone());
-        }
-        None => encoder.set_color(png::ColorType::Rgb),
-    }
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(&indexed.palette);
     let mut whole = encoder.write_header()?;
     let mut writer = whole.stream_writer()?;
-    let mut line = Vec::new();
-    for row in pixmap.pixels().chunks(pixmap.width() as usize) {
-        line.clear();
-        for run in row.chunk_by(PartialEq::eq) {
-            match &palette {
-                Some(Palette { places, .. }) => line.resize(line.len() + run.len(), places[&color(run[0])]),
-                None => run.iter().for_each(|pixel| line.extend(color(*pixel))),
-            }
-        }
-        writer.write_all(&line)?;
-    }
+    indexed.write(|piece| writer.write_all(piece))?;
     writer.finish()?;
     drop(whole);
     Ok(file)
@@ -84,32 +65,6 @@ fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
 
 /// Of nine: charts become hardly smaller beyond it.
 const EFFORT: u8 = 4;
-
-/// Few enough colours for a byte each.
-struct Palette {
-    /// Red, green and blue of one after the other.
-    colors: Vec<u8>,
-    /// Which one each is.
-    places: HashMap<[u8; 3], u8>,
-}
-
-fn color(pixel: PremultipliedColorU8) -> [u8; 3] {
-    [pixel.red(), pixel.green(), pixel.blue()]
-}
-
-/// The colours of a picture; nothing if there are too many of them.
-fn palette(pixels: &[PremultipliedColorU8]) -> Option<Palette> {
-    let mut palette = Palette { colors: Vec::new(), places: HashMap::new() };
-    for run in pixels.chunk_by(PartialEq::eq) {
-        let color = color(run[0]);
-        if !palette.places.contains_key(&color) {
-            let place = u8::try_from(palette.places.len()).ok()?;
-            palette.places.insert(color, place);
-            palette.colors.extend(color);
-        }
-    }
-    Some(palette)
-}
 
 /// An SVG document with the embedded font.
 ///
@@ -175,13 +130,14 @@ mod tests {
         assert_eq!(plain.len(), layered.len());
         // Colours of eight bits are rounded in another order.
         assert!(plain.iter().zip(&layered).all(|(a, b)| a.abs_diff(*b) <= 2));
-        // A ramp has more colours than a palette.
-        let ramp =
-            (0..600).map(|x| format!("<rect x='{x}' width='1' height='9' fill='rgb({},{},9)'/>", x / 3, x % 251));
-        let svg = format!(
-            "<svg xmlns='http://www.w3.org/2000/svg' width='600' height='9'>{}</svg>",
-            ramp.collect::<String>()
-        );
-        assert_eq!(pixels(&to_png(&svg).unwrap())[..3], [0, 0, 9]);
+        // More colours than any palette stands for.
+        let color = |x: u32| [1, 16, 256].map(|step| (x / step % 16 * 17).to_string()).join(",");
+        let cell =
+            |x: u32| format!("<rect x='{}' y='{}' width='1' height='1' fill='rgb({})'/>", x % 64, x / 64, color(x));
+        let cells: String = (0..4096).map(cell).collect();
+        let svg = format!("<svg xmlns='http://www.w3.org/2000/svg' width='64' height='64'>{cells}</svg>");
+        let pixels = pixels(&to_png(&svg).unwrap());
+        let first = &pixels[..pixels.len() / 128];
+        assert_eq!((first[0], &first[first.len() / 64..][..3]), (0, &[17, 0, 0][..]));
     }
 }

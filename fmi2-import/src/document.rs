@@ -130,21 +130,17 @@ struct Tag {
 impl Tag {
     fn of(text: &str) -> Option<Self> {
         let bytes = text.as_bytes();
-        let (mut quote, mut attributes, mut namespaces) = (None, 0, 0);
-        for (at, &byte) in bytes.iter().enumerate() {
-            match (quote, byte) {
-                (Some(open), _) if open == byte => quote = None,
-                (None, b'"' | b'\'') => quote = Some(byte),
-                (None, b'=') => attributes += 1,
-                (None, b'x') if bytes[at - 1].is_ascii_whitespace() && bytes[at..].starts_with(b"xmlns") => {
-                    namespaces += 1;
-                }
-                (None, b'>') => {
-                    let is_empty = bytes[at - 1] == b'/';
-                    return Some(Self { length: at + 1, attributes, namespaces, is_empty });
-                }
+        let (mut at, mut attributes, mut namespaces) = (0, 0, 0);
+        while let Some(&byte) = bytes.get(at) {
+            match byte {
+                // Values are long: lists of hundreds of variables.
+                b'"' | b'\'' => at += 1 + text[at + 1..].find(char::from(byte))?,
+                b'=' => attributes += 1,
+                b'x' if bytes[at - 1].is_ascii_whitespace() && bytes[at..].starts_with(b"xmlns") => namespaces += 1,
+                b'>' => return Some(Self { length: at + 1, attributes, namespaces, is_empty: bytes[at - 1] == b'/' }),
                 _ => {}
             }
+            at += 1;
         }
         None
     }

@@ -1,6 +1,7 @@
 //! Which numbers an axis shows, and which points of a curve the eye can see.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Round values inside a range, about `wanted` of them, and the decimals they need.
 pub(super) fn ticks(range: (f64, f64), wanted: f64) -> (Vec<f64>, usize) {
@@ -30,16 +31,34 @@ pub(super) fn inside(points: &[(f64, f64)], range: (f64, f64)) -> Cow<'_, [(f64,
     within.iter().copied().filter(|(_, y)| y.is_finite()).collect()
 }
 
+/// Points from left to right in groups of one column each; `column` rises with the time.
+fn columns(mut points: &[(f64, f64)], column: impl Fn(f64) -> i64) -> impl Iterator<Item = &[(f64, f64)]> {
+    std::iter::from_fn(move || {
+        let here = column(points.first()?.0);
+        // A search: columns are few, points many.
+        let group;
+        (group, points) = points.split_at(points.partition_point(|(x, _)| column(*x) == here));
+        Some(group)
+    })
+}
+
 /// Two points per column of pixels, the smallest and the largest, and both ends: all visible features of the curve remain.
-pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), columns: f64) -> Vec<(f64, f64)> {
-    let width = (range.1 - range.0) / columns;
-    #[allow(clippy::cast_possible_truncation)] // thousands at most
-    let column = |x: f64| ((x - range.0) / width).floor() as i64;
+pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), count: f64) -> Vec<(f64, f64)> {
+    let width = (range.1 - range.0) / count;
+    #[allow(clippy::cast_possible_truncation)] // thousands at most; what is inside is not left of the range
+    let column = |x: f64| ((x - range.0) / width) as i64;
     let inside = inside(points, range);
     let mut kept: Vec<(f64, f64)> = inside.first().copied().into_iter().collect();
-    for group in inside.chunk_by(|a, b| column(a.0) == column(b.0)) {
-        let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-        let (Some(low), Some(high)) = (group.iter().min_by(by_y), group.iter().max_by(by_y)) else { continue };
+    for group in columns(&inside, column) {
+        let (mut low, mut high) = (&group[0], &group[0]);
+        for point in group {
+            if point.1.total_cmp(&low.1).is_lt() {
+                low = point;
+            }
+            if point.1.total_cmp(&high.1).is_ge() {
+                high = point;
+            }
+        }
         kept.extend(if low.0 <= high.0 { [*low, *high] } else { [*high, *low] });
     }
     kept.extend(inside.last());
@@ -64,17 +83,48 @@ pub(super) enum Piece {
 /// Points within a few px, and how often the curve turns there.
 struct Bin<'a> {
     points: &'a [(f64, f64)],
+    /// The place of the first of them.
+    from: usize,
     low: f64,
     high: f64,
     turns: u32,
+}
+
+impl Bin<'_> {
+    fn left(&self) -> f64 {
+        self.points[0].0
+    }
+    fn right(&self) -> f64 {
+        self.points[self.points.len() - 1].0
+    }
 }
 
 /// A curve as lines, and as bands where it chatters. `size` is that of the plot in px, `y_span` the range of its vertical
 /// axis.
 pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size: (f64, f64)) -> Vec<Piece> {
     let inside = inside(points, range);
-    let px = size.1 / y_span;
-    let bins = bins(&inside, range, px, size.0);
+    let bins = bins(&inside, range, size.1 / y_span, size.0);
+    let piece = |(fast, part): (bool, Range<usize>)| {
+        let (first, last) = (&bins[part.start], &bins[part.end - 1]);
+        if fast {
+            let edge = |value: fn(&Bin) -> f64| {
+                let middle = bins[part.clone()].iter().map(|bin| (f64::midpoint(bin.left(), bin.right()), value(bin)));
+                let ends = [(first.left(), value(first)), (last.right(), value(last))];
+                std::iter::once(ends[0]).chain(middle).chain(std::iter::once(ends[1])).collect::<Vec<_>>()
+            };
+            Piece::Band(edge(|bin| bin.high), edge(|bin| bin.low))
+        } else {
+            // Lines begin and end where bands do.
+            let line = first.from.saturating_sub(1)..(last.from + last.points.len() + 1).min(inside.len());
+            // Five columns for four px.
+            Piece::Line(decimate(&inside[line], range, size.0 * 1.25))
+        }
+    };
+    stretches(&bins, size.1 / y_span).into_iter().map(piece).collect()
+}
+
+/// Neighbouring bins, and whether the curve swings fast in them.
+fn stretches(bins: &[Bin], px: f64) -> Vec<(bool, Range<usize>)> {
     let swings: Vec<bool> = bins.iter().map(|bin| bin.turns >= 2 && (bin.high - bin.low) * px > SMALLEST).collect();
     let swings_at = |index: Option<usize>| index.and_then(|index| swings.get(index)).copied().unwrap_or(false);
     // One bin alone is a kick, and one calm bin between two others no calm.
@@ -82,41 +132,23 @@ pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size
         let (before, after) = (swings_at(index.checked_sub(1)), swings_at(Some(index + 1)));
         if swings[index] { before || after } else { before && after }
     };
-    let mut pieces = Vec::new();
+    let mut stretches = Vec::new();
     let mut from = 0;
     while from < bins.len() {
         let fast = is_fast(from);
         let end = (from..bins.len()).find(|&index| is_fast(index) != fast).unwrap_or(bins.len());
-        let (first, last) = (bins[from].points, bins[end - 1].points);
-        if fast {
-            let edge = |value: fn(&Bin) -> f64| {
-                let middle = bins[from..end].iter().map(|bin| {
-                    let (left, right) = (bin.points[0].0, bin.points[bin.points.len() - 1].0);
-                    (f64::midpoint(left, right), value(bin))
-                });
-                let ends = [(first[0].0, value(&bins[from])), (last[last.len() - 1].0, value(&bins[end - 1]))];
-                std::iter::once(ends[0]).chain(middle).chain(std::iter::once(ends[1])).collect::<Vec<_>>()
-            };
-            pieces.push(Piece::Band(edge(|bin| bin.high), edge(|bin| bin.low)));
-        } else {
-            // Lines begin and end where bands do.
-            let before = from.checked_sub(1).and_then(|before| bins[before].points.last());
-            let after = bins.get(end).and_then(|bin| bin.points.first());
-            let line = before.into_iter().chain(bins[from..end].iter().flat_map(|bin| bin.points)).chain(after);
-            let line: Vec<_> = line.copied().collect();
-            // Five columns for four px.
-            pieces.push(Piece::Line(decimate(&line, range, size.0 * 1.25)));
-        }
+        stretches.push((fast, from..end));
         from = end;
     }
-    pieces
+    stretches
 }
 
 fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) -> Vec<Bin<'a>> {
-    #[allow(clippy::cast_possible_truncation)] // thousands at most
-    let place = |x: f64| ((x - range.0) / (range.1 - range.0) * width / BIN).floor() as i64;
+    #[allow(clippy::cast_possible_truncation)] // thousands at most; no point is left of the range
+    let place = |x: f64| ((x - range.0) / (range.1 - range.0) * width / BIN) as i64;
     let mut extreme = points.first().map_or(0.0, |first| first.1);
     let mut direction = 0.0;
+    let mut from = 0;
     let bin = |points: &'a [(f64, f64)]| {
         let (mut low, mut high, mut turns) = (f64::INFINITY, f64::NEG_INFINITY, 0);
         for (_, y) in points {
@@ -131,9 +163,11 @@ fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) ->
                 extreme = *y;
             }
         }
-        Bin { points, low, high, turns }
+        let bin = Bin { points, from, low, high, turns };
+        from += points.len();
+        bin
     };
-    points.chunk_by(|a, b| place(a.0) == place(b.0)).map(bin).collect()
+    columns(points, place).map(bin).collect()
 }
 
 /// Where a curve chatters in a picture of some width.
@@ -150,21 +184,24 @@ pub struct Chatter {
 /// Where a curve chatters longest in a picture of this width in px, if it does.
 #[must_use]
 pub fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<Chatter> {
-    let extremes = |points: &[&(f64, f64)]| {
+    let extremes = |points: &[(f64, f64)]| {
         points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, y)| (low.min(*y), high.max(*y)))
     };
-    let between = |from: f64, to: f64| points.iter().filter(|(x, _)| (from..=to).contains(x)).collect::<Vec<_>>();
-    let (low, high) = extremes(&between(range.0, range.1));
-    let bands = pieces(points, range, (high - low).max(f64::MIN_POSITIVE), (width, 200.0));
-    let stretches = bands.into_iter().filter_map(|piece| match piece {
-        Piece::Band(upper, _) => Some((upper[0].0, upper[upper.len() - 1].0)),
-        Piece::Line(_) => None,
-    });
+    let between = |from: f64, to: f64| {
+        let from = points.partition_point(|(x, _)| *x < from);
+        &points[from..points.partition_point(|(x, _)| *x <= to).max(from)]
+    };
+    let (low, high) = extremes(between(range.0, range.1));
+    let inside = inside(points, range);
+    let px = 200.0 / (high - low).max(f64::MIN_POSITIVE);
+    let bins = bins(&inside, range, px, width);
+    let stretches = stretches(&bins, px).into_iter().filter(|(fast, _)| *fast);
+    let stretches = stretches.map(|(_, part)| (bins[part.start].left(), bins[part.end - 1].right()));
     let (from, to) = stretches.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
     let at = f64::midpoint(from, to);
     // An oscillation must cover a good part of the band's height; a ripple does not count.
     let near = between(at, at + (to - from) / 16.0);
-    let (low, high) = extremes(&near);
+    let (low, high) = extremes(near);
     let (mut is_up, mut turns) = (None, 0_u32);
     for (_, y) in near {
         let side = match (y - low) / (high - low) {

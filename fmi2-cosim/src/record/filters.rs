@@ -96,11 +96,13 @@ impl Sink for Follow {
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.picked.row(time, values)
+        self.picked.sink.push(time, values, &self.picked.indices);
+        Ok(())
     }
 
     fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.picked.row(time, values)
+        self.picked.sink.push(time, values, &self.picked.indices);
+        Ok(())
     }
 }
 

@@ -71,6 +71,14 @@ impl Table {
         }
     }
 
+    /// Adds a row whose columns are at these places of `values`.
+    pub(super) fn push(&mut self, time: f64, values: &[f64], places: &[usize]) {
+        self.times.push(time);
+        for (column, &place) in self.values.iter_mut().zip(places) {
+            column.push(values[place]);
+        }
+    }
+
     /// Gives a column another name.
     pub fn rename(&mut self, index: usize, name: String) {
         self.columns[index].name = name;
