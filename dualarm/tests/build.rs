@@ -1,4 +1,4 @@
-//! Packaging with a stand-in for the repository: two tiny crates whose programs copy a ready-made FMU.
+//! Packaging with a stand-in for the repository: tiny crates whose programs copy a ready-made FMU.
 
 #[path = "../../fmi2-import/tests/support/mod.rs"]
 mod support;
@@ -7,7 +7,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use dualarm::build::{MODELS, Platforms, package};
+use dualarm::build::{LIBRARIES, MODELS, Platforms, package};
 use fmi2_package::platform::Platform;
 use support::{archive, description};
 
@@ -29,7 +29,8 @@ fn main() {
 "#;
 
 fn stand_in(root: &Path) {
-    let members = MODELS.iter().map(|model| format!("\"{model}\"")).collect::<Vec<_>>().join(", ");
+    let members = MODELS.iter().chain([&LIBRARIES]);
+    let members = members.map(|member| format!("\"{member}\"")).collect::<Vec<_>>().join(", ");
     let workspace =
         format!("[workspace]\nresolver = \"3\"\nmembers = [{members}]\n[profile.fmu]\ninherits = \"release\"\n");
     fs::write(root.join("Cargo.toml"), workspace).unwrap();
@@ -37,13 +38,26 @@ fn stand_in(root: &Path) {
         let folder = root.join(model);
         fs::create_dir_all(folder.join("src")).unwrap();
         let manifest = format!(
-            "[package]\nname = \"{model}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n[lib]\ncrate-type = [\"cdylib\", \"rlib\"]\n\
+            "[package]\nname = \"{model}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\
              [features]\npackage = []\n[[bin]]\nname = \"{model}\"\npath = \"src/main.rs\"\nrequired-features = [\"package\"]\n"
         );
         fs::write(folder.join("Cargo.toml"), manifest).unwrap();
         fs::write(folder.join("src/lib.rs"), "").unwrap();
         fs::write(folder.join("src/main.rs"), MAIN).unwrap();
         archive(&folder.join("ready.fmu"), &[("modelDescription.xml", description("Lag").as_bytes())]);
+    }
+    let folder = root.join(LIBRARIES);
+    fs::create_dir_all(folder.join("src")).unwrap();
+    fs::create_dir_all(folder.join("examples")).unwrap();
+    fs::write(folder.join("src/lib.rs"), "").unwrap();
+    let name = |model: &str| model.replace('-', "_");
+    let each = |text: &dyn Fn(&str) -> String| MODELS.iter().map(|model| text(model)).collect::<String>();
+    let examples = each(&|model| format!("[[example]]\nname = \"{}\"\ncrate-type = [\"cdylib\"]\n", name(model)));
+    let dependencies = each(&|model| format!("{model} = {{ path = \"../{model}\" }}\n"));
+    let package = format!("[package]\nname = \"{LIBRARIES}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n");
+    fs::write(folder.join("Cargo.toml"), format!("{package}{examples}[dependencies]\n{dependencies}")).unwrap();
+    for model in MODELS.iter().map(|model| name(model)) {
+        fs::write(folder.join(format!("examples/{model}.rs")), format!("pub use {model}::*;")).unwrap();
     }
 }
 

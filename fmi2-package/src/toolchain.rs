@@ -51,9 +51,17 @@ impl Platform {
     /// linker does not drop unused functions, such as Windows, the library would contain the code of all crates.
     #[must_use]
     pub fn build_library(&self, cargo: &OsStr) -> Command {
+        let mut command = self.cargo(cargo, "rustc");
+        command.args(["--lib", "--crate-type", "cdylib"]);
+        command
+    }
+
+    /// This subcommand of cargo, for it. The caller adds the rest.
+    #[must_use]
+    pub fn cargo(&self, cargo: &OsStr, subcommand: &str) -> Command {
         let by_zig = self.is_linked_by_zig();
         let mut command = Command::new(if by_zig { OsStr::new(ZIGBUILD) } else { cargo });
-        command.args(["rustc", "--lib", "--crate-type", "cdylib"]);
+        command.arg(subcommand);
         if by_zig {
             command.arg("--target").arg(format!("{}.{OLDEST_GLIBC}", self.target));
         } else if Self::here() != Some(self) {

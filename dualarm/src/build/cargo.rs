@@ -32,8 +32,8 @@ pub fn build(mut command: Command, root: &Path, quiet: bool) -> Result<String, P
     Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// The files that cargo has built for a crate, from its messages, one JSON object per line.
-fn artifacts(messages: &str, model: &str, kind: &str) -> Vec<Value> {
+/// The files of a type that cargo has built for a crate, from its messages, one JSON object per line.
+fn artifacts(messages: &str, model: &str, crate_type: &str) -> Vec<Value> {
     messages
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok())
@@ -41,7 +41,7 @@ fn artifacts(messages: &str, model: &str, kind: &str) -> Vec<Value> {
             let target = &message["target"];
             message["reason"] == "compiler-artifact"
                 && target["name"].as_str().is_some_and(|name| name.replace('_', "-") == model)
-                && target["kind"].as_array().is_some_and(|kinds| kinds.iter().any(|found| found == kind))
+                && target["crate_types"].as_array().is_some_and(|types| types.iter().any(|found| found == crate_type))
         })
         .collect()
 }
@@ -72,10 +72,10 @@ mod tests {
 
     #[test]
     fn built_files_are_found_in_cargos_messages() {
-        let messages = r#"{"reason":"compiler-artifact","target":{"kind":["lib"],"name":"serde"},"filenames":["libserde.rlib"],"executable":null}
+        let messages = r#"{"reason":"compiler-artifact","target":{"crate_types":["lib"],"name":"serde"},"filenames":["libserde.rlib"],"executable":null}
 not json
-{"reason":"compiler-artifact","target":{"kind":["cdylib","rlib"],"name":"plant_fmu"},"filenames":["t/plant_fmu.rlib","t/plant_fmu.dll"],"executable":null}
-{"reason":"compiler-artifact","target":{"kind":["bin"],"name":"plant-fmu"},"filenames":["t/plant-fmu"],"executable":"t/plant-fmu"}
+{"reason":"compiler-artifact","target":{"kind":["example"],"crate_types":["cdylib"],"name":"plant_fmu"},"filenames":["t/plant_fmu.dll"],"executable":null}
+{"reason":"compiler-artifact","target":{"kind":["bin"],"crate_types":["bin"],"name":"plant-fmu"},"filenames":["t/plant-fmu"],"executable":"t/plant-fmu"}
 {"reason":"build-finished","success":true}"#;
         assert_eq!(find_library(messages, "plant-fmu", "dll").unwrap(), Path::new("t/plant_fmu.dll"));
         assert_eq!(find_program(messages, "plant-fmu").unwrap(), Path::new("t/plant-fmu"));

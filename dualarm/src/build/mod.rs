@@ -25,6 +25,9 @@ use merge::Merged;
 /// The crates of the FMUs.
 pub const MODELS: &[&str] = &["plant-fmu", "controller-fmu", "instruments-fmu"];
 
+/// The package whose examples are their shared libraries.
+pub const LIBRARIES: &str = "fmu-libraries";
+
 /// Why packaging failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -200,7 +203,7 @@ fn programs(root: &Path, plant_order: Option<u8>, quiet: bool) -> Result<Vec<Pac
 }
 
 /// The libraries of all crates for a platform, with the profile `fmu`, without the dependencies of packaging, and with the
-/// GUIDs compiled in.
+/// GUIDs compiled in. One call of cargo builds them, so that it optimises and links them side by side.
 fn libraries(
     root: &Path,
     plant_order: Option<u8>,
@@ -209,13 +212,11 @@ fn libraries(
     crates: &[Packager],
 ) -> Result<Vec<PathBuf>, PackageError> {
     let guids: Vec<&str> = crates.iter().map(|one| one.guids.as_str()).collect();
-    let library = |one: &Packager| {
-        let mut command = platform.build_library(&cargo::program());
-        command.args(["--profile", "fmu", "--package", &one.model]).env("FMI2_EXPORT_GUIDS", guids.join(";"));
-        command.envs(plant_order.map(as_variable));
-        cargo::find_library(&cargo::build(command, root, quiet)?, &one.model, platform.extension())
-    };
-    crates.iter().map(library).collect()
+    let mut command = platform.cargo(&cargo::program(), "build");
+    command.args(["--profile", "fmu", "--package", LIBRARIES, "--examples"]);
+    command.env("FMI2_EXPORT_GUIDS", guids.join(";")).envs(plant_order.map(as_variable));
+    let messages = cargo::build(command, root, quiet)?;
+    crates.iter().map(|one| cargo::find_library(&messages, &one.model, platform.extension())).collect()
 }
 
 /// Runs a model's packaging program, with the environment variables that `cargo run` would set. Returns its output.

@@ -1,0 +1,3 @@
+//! What a tool loads from `DualArmPlant.fmu`.
+
+pub use plant_fmu::*;
