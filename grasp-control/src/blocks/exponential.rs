@@ -7,7 +7,7 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
-use super::four::{LANES, Lanes, Number};
+use super::four::{Four, LANES, Lanes, Narrow, Number};
 
 /// Beyond ±this, results are those of the limits. e^708 is within the range of normal numbers.
 const LIMIT: f64 = 708.0;
@@ -62,11 +62,11 @@ impl Constants {
 #[inline(always)]
 fn parts<V: Number>(x: V) -> (V, V) {
     let Constants { log2_e, round, ln_2, series } = Constants::get();
-    let c = |j: usize| V::first(&series[j]);
+    let c = |j: usize| V::constant(&series[j]);
     let x = x.within(LIMIT);
-    let shifted = x * V::first(log2_e) + V::first(round);
-    let k = shifted - V::first(round);
-    let r = (x - k * V::first(&ln_2[0])) - k * V::first(&ln_2[1]);
+    let shifted = x * V::constant(log2_e) + V::constant(round);
+    let k = shifted - V::constant(round);
+    let r = (x - k * V::constant(&ln_2[0])) - k * V::constant(&ln_2[1]);
     // Σ r^j/(j+2)!, j = 0 … 11: the remainder r¹⁴/14! is below 5·10⁻¹⁸. By Estrin's scheme, whose chains are short.
     let r2 = r * r;
     let r4 = r2 * r2;
@@ -88,6 +88,28 @@ fn exp_m1_of<V: Number>(x: V) -> V {
     (power - V::splat(1.0)) + power * rest
 }
 
+/// e^x of several fours, for |x| ≤ 708.
+#[inline(always)]
+pub(crate) fn exp_of_all<V: Four, const N: usize>(x: [V; N]) -> [Lanes; N] {
+    let mut all = [[0.0; LANES]; N];
+    // Independent of each other, so the processor works on several at a time. No closure: it would not see the wide registers.
+    for (result, x) in all.iter_mut().zip(x) {
+        *result = if V::IS_WIDE { exp_of(x).lanes() } else { x.lanes() };
+    }
+    if !V::IS_WIDE {
+        exp_of_each(&mut all);
+    }
+    all
+}
+
+/// As [`exp_of_all`], code that is there once: two registers for each four leave none for a second four.
+#[inline(never)]
+fn exp_of_each(all: &mut [Lanes]) {
+    for lanes in all {
+        *lanes = exp_of(Narrow::load(lanes)).lanes();
+    }
+}
+
 /// tanh x of one number or of several, with an error of up to three units in the last place.
 #[inline(always)]
 pub(crate) fn tanh_of<V: Number>(x: V) -> V {
@@ -98,21 +120,21 @@ pub(crate) fn tanh_of<V: Number>(x: V) -> V {
 
 /// e^x for |x| ≤ 708; its value there for larger ones.
 #[must_use]
-#[inline]
+#[inline(never)]
 pub fn exp(x: f64) -> f64 {
     exp_of(x)
 }
 
 /// e^x − 1.
 #[must_use]
-#[inline]
+#[inline(never)]
 pub fn exp_m1(x: f64) -> f64 {
     exp_m1_of(x)
 }
 
 /// tanh x, with an error of up to three units in the last place.
 #[must_use]
-#[inline]
+#[inline(never)]
 pub fn tanh(x: f64) -> f64 {
     tanh_of(x)
 }
@@ -120,7 +142,7 @@ pub fn tanh(x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocks::four::{Four, Narrow};
+    use crate::blocks::four::Portable;
     #[cfg(target_arch = "x86_64")]
     use crate::blocks::four::{Wide, has_wide_registers};
     use proptest::prelude::*;
@@ -165,6 +187,7 @@ mod tests {
                 assert_eq!(found.map(|lanes| lanes.map(f64::to_bits)), expected.map(|lanes| lanes.map(f64::to_bits)));
             }
         }
+        check::<Portable>();
         check::<Narrow>();
         #[cfg(target_arch = "x86_64")]
         if has_wide_registers() {

@@ -62,24 +62,24 @@ impl Axis {
         x * V::splat(self.spacing * self.sharpness)
     }
 
-    /// exp(−(x − cⱼ)²/b²)/exp(−x²/b²) of the `N` = `self.nodes` nodes of four axes, from exp(xΔ/b²) of each.
+    /// exp(−(x − cⱼ)²/b²)/exp(−x²/b²) of the `n` = `self.nodes` nodes of four axes, from exp(xΔ/b²) of each.
     #[inline(always)]
-    pub fn ratios<V: Four, const N: usize>(&self, half_step: V) -> [V; N] {
-        // exp(2xc/b²): the centres are even multiples of Δ/2 when N is odd, odd ones when it is even.
+    pub fn ratios<V: Four>(&self, n: usize, half_step: V) -> [V; MAX_PER_AXIS] {
+        // exp(2xc/b²): the centres are even multiples of Δ/2 when n is odd, odd ones when it is even.
         let one = V::splat(1.0);
         let up = half_step * half_step;
         let down = one / up;
-        let mut ratios = [one; N];
-        let middle = N / 2;
-        if N.is_multiple_of(2) {
+        let mut ratios = [one; MAX_PER_AXIS];
+        let (n, middle) = (n.min(MAX_PER_AXIS), n.min(MAX_PER_AXIS) / 2);
+        if n.is_multiple_of(2) && middle > 0 {
             ratios[middle] = half_step;
             ratios[middle - 1] = one / half_step;
         }
-        for node in middle + 1..N {
+        for node in middle + 1..n {
             ratios[node] = ratios[node - 1] * up;
-            ratios[N - 1 - node] = ratios[N - node] * down;
+            ratios[n - 1 - node] = ratios[n - node] * down;
         }
-        for node in 0..N {
+        for node in 0..n {
             ratios[node] = ratios[node] * V::splat(self.heights[node]);
         }
         ratios

@@ -5,14 +5,24 @@
 
 use super::Network;
 use super::axis::NEGLIGIBLE;
-use super::layout::{GROUPS, Layout, groups, lane};
-use crate::blocks::exponential::exp_of;
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS, groups, lane};
+use crate::blocks::exponential::exp_of_all;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
 #[cfg(target_arch = "x86_64")]
 use crate::blocks::four::{Wide, has_wide_registers};
 
 /// Where the common factor of a star is smaller, all its activations are negligible.
 const NOTHING_IS_NEAR: f64 = 1e-200;
+
+/// Room for the nodes along an axis, in fours.
+const FACTORS: usize = MAX_PER_AXIS.next_multiple_of(LANES);
+
+/// The product of no axes.
+const ONE: [f64; FACTORS] = {
+    let mut factors = [0.0; FACTORS];
+    factors[0] = 1.0;
+    factors
+};
 
 impl<const D: usize> Network<D> {
     /// Evaluates the basis at the normalised input `x`, unless it is evaluated there.
@@ -36,8 +46,8 @@ impl<const D: usize> Network<D> {
 
     #[inline(always)]
     pub(super) fn activate_here<V: Four>(&mut self, x: [f64; D]) {
-        let [first, second] = self.exponents::<V>(x);
-        self.fill::<V>(x, &[exp_of(first).lanes(), exp_of(second).lanes()]);
+        let exponents = self.exponents::<V>(x);
+        self.fill::<V>(x, &exp_of_all(exponents));
     }
 
     /// What the exponentials that [`fill`](Self::fill) needs are of.
@@ -89,7 +99,7 @@ impl<const D: usize> Network<D> {
             // SAFETY: a wide register is in use.
             return unsafe { self.fill_wide(exponentials) };
         }
-        self.fill_here::<Narrow>(exponentials);
+        self.fill_narrow(exponentials);
     }
 
     /// As [`fill`](Self::fill) for a star, from the second half of the exponentials; the first half is that of the last time.
@@ -107,79 +117,88 @@ impl<const D: usize> Network<D> {
         self.fill_here::<Wide>(exponentials);
     }
 
+    #[inline(never)]
+    fn fill_narrow(&mut self, exponentials: &[Lanes; GROUPS]) {
+        self.fill_here::<Narrow>(exponentials);
+    }
+
     #[inline(always)]
-    fn fill_here<V: Four>(&mut self, exponentials: &[Lanes; GROUPS]) {
+    pub(super) fn fill_here<V: Four>(&mut self, exponentials: &[Lanes; GROUPS]) {
         let exponentials = [V::load(&exponentials[0]), V::load(&exponentials[1])];
-        // Known sizes let the compiler unroll the rest.
         match self.layout {
             // There are none: see `Layout`.
             Layout::Grid(_) if groups(D) > 1 => {}
-            Layout::Grid(1) => self.fill_grid::<V, 1>(exponentials),
-            Layout::Grid(2) => self.fill_grid::<V, 2>(exponentials),
-            Layout::Grid(3) => self.fill_grid::<V, 3>(exponentials),
-            Layout::Grid(4) => self.fill_grid::<V, 4>(exponentials),
-            Layout::Grid(5) => self.fill_grid::<V, 5>(exponentials),
-            Layout::Grid(6) => self.fill_grid::<V, 6>(exponentials),
-            Layout::Grid(7) => self.fill_grid::<V, 7>(exponentials),
-            Layout::Grid(8) => self.fill_grid::<V, 8>(exponentials),
-            Layout::Grid(_) => self.fill_grid::<V, 9>(exponentials),
-            Layout::Star(0) => self.fill_star::<V, 1>(exponentials),
-            Layout::Star(1) => self.fill_star::<V, 3>(exponentials),
-            Layout::Star(2) => self.fill_star::<V, 5>(exponentials),
-            Layout::Star(3) => self.fill_star::<V, 7>(exponentials),
-            Layout::Star(_) => self.fill_star::<V, 9>(exponentials),
+            // The usual sizes: if it knows them, the compiler unrolls the rest.
+            Layout::Grid(5) => self.fill_grid(5, exponentials),
+            Layout::Star(2) => self.fill_star(2, exponentials),
+            Layout::Grid(n) => self.fill_grid(n, exponentials),
+            Layout::Star(rings) => self.fill_star(rings, exponentials),
         }
     }
 
-    /// Tensor product of all axes but the first, the last one running fastest; `N` nodes per axis.
+    /// Tensor product of all axes but the first, the last one running fastest; `n` nodes per axis.
     #[inline(always)]
-    fn fill_grid<V: Four, const N: usize>(&mut self, [scale, half_step]: [V; GROUPS]) {
-        let ratios = self.axis.ratios::<V, N>(half_step);
-        let mut values = [[0.0; LANES]; N];
-        for node in 0..N {
-            values[node] = (scale * ratios[node]).above(NEGLIGIBLE).lanes();
-            self.outer[node] = values[node][0];
+    fn fill_grid<V: Four>(&mut self, n: usize, [scale, half_step]: [V; GROUPS]) {
+        let n = n.clamp(1, MAX_PER_AXIS);
+        let ratios = self.axis.ratios(n, half_step);
+        // Of each axis; filled up with zeros.
+        let mut values = [[0.0; FACTORS]; LANES];
+        for node in 0..n {
+            let of_axes = (scale * ratios[node]).above(NEGLIGIBLE).lanes();
+            for axis in 0..D.min(LANES) {
+                values[axis][node] = of_axes[axis];
+            }
         }
+        self.outer.copy_from_slice(&values[0][..MAX_PER_AXIS]);
         let inner = self.inner.as_flattened_mut();
-        inner[0] = 1.0;
-        let mut filled = 1;
-        for axis in 1..D {
-            let mut factors = [0.0; N];
-            for node in 0..N {
-                factors[node] = values[node][axis % LANES];
-            }
-            // From the back, so that no product is overwritten before it is expanded.
-            for node in (0..filled).rev() {
-                let mut products = [inner[node]; N];
-                for (product, factor) in products.iter_mut().zip(factors) {
-                    *product *= factor;
+        if D < 3 {
+            let factors = if D == 2 { values[1] } else { ONE };
+            inner.copy_from_slice(&factors[..inner.len()]);
+            return;
+        }
+        let (slow, fast) = (values[1], values[2].as_chunks::<LANES>().0);
+        let row = n.div_ceil(LANES);
+        let needed = (n - 1) * n + row * LANES;
+        if needed > inner.len() {
+            // Two or six nodes per axis.
+            for (row, slow) in inner.chunks_exact_mut(n).zip(slow) {
+                for (place, fast) in row.iter_mut().zip(values[2]) {
+                    *place = slow * fast;
                 }
-                inner[node * N..][..N].copy_from_slice(&products);
             }
-            filled *= N;
+            return;
+        }
+        let inner = &mut inner[..needed];
+        for node in 0..n {
+            // What is beyond a row is zero, until the next row takes its place.
+            for group in 0..row {
+                if let Some(place) = inner[node * n + group * LANES..].first_chunk_mut() {
+                    *place = (V::splat(slow[node]) * V::load(&fast[group])).lanes();
+                }
+            }
         }
     }
 
-    /// The origin, then the positions from −1 to 1 without the origin; `N` nodes per axis.
+    /// The origin, then the positions from −1 to 1 without the origin.
     #[inline(always)]
-    fn fill_star<V: Four, const N: usize>(&mut self, exponentials: [V; GROUPS]) {
+    fn fill_star<V: Four>(&mut self, rings: usize, exponentials: [V; GROUPS]) {
         let groups = groups(D);
+        let rings = rings.min(MAX_PER_AXIS / 2);
         // One axis alone makes ‖x‖²/b² at most 370. So where it is 460, the other axes leave nothing of any node.
         let common = exponentials[groups - 1].lanes()[D % LANES];
         let common = if common > NOTHING_IS_NEAR { common } else { 0.0 };
         let (origin, nodes) = self.inner.split_at_mut(1);
         origin[0][0] = if common > NEGLIGIBLE { common } else { 0.0 };
-        let nodes = &mut nodes[..(N - 1) * groups];
-        let middle = N / 2;
+        let nodes = &mut nodes[..2 * rings * groups];
         for group in 0..groups {
             // No axis, no node. A field and not constants: to assemble a vector of some `common` and some zeros, the
             // compiler may choose an instruction that valgrind 3.19 does not know, and hosts run under valgrind, too.
             let scale = V::load(&self.presence[group]) * V::splat(common);
-            let ratios = self.axis.ratios::<V, N>(exponentials[group]);
-            for position in 0..middle {
+            let ratios = self.axis.ratios(2 * rings + 1, exponentials[group]);
+            for position in 0..rings {
                 nodes[position * groups + group] = (scale * ratios[position]).above(NEGLIGIBLE).lanes();
-                let right = (scale * ratios[middle + 1 + position]).above(NEGLIGIBLE);
-                nodes[(middle + position) * groups + group] = right.lanes();
+                let right = (scale * ratios[rings + 1 + position]).above(NEGLIGIBLE);
+                nodes[(rings + position) * groups + group] = right.lanes();
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The same bits on every processor, in the loop that the networks learn in.
 
-use crate::blocks::four::narrow::narrowly;
+use crate::blocks::four::narrowed::narrowly;
 use crate::laws::nabfc::{Gains, Nabfc};
 use crate::{Arms, Inputs, Law, Measurements, References};
 use grasp_plant::{Measured, Parameters, Plant};

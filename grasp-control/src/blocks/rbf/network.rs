@@ -143,7 +143,16 @@ impl<const D: usize> Network<D> {
     /// As [`output`](Self::output), for a caller that knows the registers.
     #[inline(always)]
     pub(crate) fn output_here<V: Four>(&self) -> f64 {
-        total(self.output.unwrap_or_else(|| self.sums::<V>()))
+        total(match self.output {
+            Some(sums) => sums,
+            None if V::IS_WIDE => self.sums::<V>(),
+            None => self.sums_narrow(),
+        })
+    }
+
+    #[inline(never)]
+    fn sums_narrow(&self) -> Lanes {
+        self.sums::<Narrow>()
     }
 
     #[inline(always)]
@@ -231,23 +240,38 @@ impl<const D: usize> Network<D> {
             // SAFETY: the processor has it.
             return unsafe { self.adapt_wide(decay, weight) };
         }
-        self.adapt_here::<Narrow>(decay, weight);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn adapt_wide(&mut self, decay: f64, weight: f64) {
-        self.adapt_here::<Wide>(decay, weight);
+        self.adapt_narrow(decay, weight);
     }
 
     /// As [`adapt`](Self::adapt), for a caller that knows the registers.
     #[inline(always)]
     pub(crate) fn adapt_here<V: Four>(&mut self, decay: f64, weight: f64) {
+        #[cfg(target_arch = "x86_64")]
+        if V::IS_WIDE {
+            // SAFETY: a wide register is in use.
+            return unsafe { self.adapt_wide(decay, weight) };
+        }
+        self.adapt_narrow(decay, weight);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn adapt_wide(&mut self, decay: f64, weight: f64) {
+        self.adapt_in::<Wide>(decay, weight);
+    }
+
+    #[inline(never)]
+    fn adapt_narrow(&mut self, decay: f64, weight: f64) {
+        self.adapt_in::<Narrow>(decay, weight);
+    }
+
+    #[inline(always)]
+    pub(super) fn adapt_in<V: Four>(&mut self, decay: f64, weight: f64) {
         let (inner, outer) = (self.inner.as_slice(), &self.outer);
         // What `output` would find, to the bit: the same operations in the same order.
         let mut sums = V::splat(0.0);
         let decay = V::splat(decay);
-        if let Ok(inner) = <&[Lanes; USUAL_ROW]>::try_from(inner) {
+        if let (true, Ok(inner)) = (V::IS_WIDE, <&[Lanes; USUAL_ROW]>::try_from(inner)) {
             // The row length by default: the activations stay in registers.
             let mut activations = [V::splat(0.0); USUAL_ROW];
             for i in 0..USUAL_ROW {
@@ -274,7 +298,17 @@ impl<const D: usize> Network<D> {
     /// Ŵ ← decay·Ŵ + first·Y' + second·Y of a star, with the Y of the last activation and the Y' of the one before, which
     /// [`fill_moving`](Self::fill_moving) kept.
     #[inline(always)]
-    pub(crate) fn adapt_twice<V: Four>(&mut self, decay: f64, [first, second]: [f64; 2]) {
+    pub(crate) fn adapt_twice<V: Four>(&mut self, decay: f64, shares: [f64; 2]) {
+        if V::IS_WIDE { self.adapt_twice_in::<V>(decay, shares) } else { self.adapt_twice_narrow(decay, shares) }
+    }
+
+    #[inline(never)]
+    fn adapt_twice_narrow(&mut self, decay: f64, shares: [f64; 2]) {
+        self.adapt_twice_in::<Narrow>(decay, shares);
+    }
+
+    #[inline(always)]
+    fn adapt_twice_in<V: Four>(&mut self, decay: f64, [first, second]: [f64; 2]) {
         let (decay, first, second) = (V::splat(decay), V::splat(first), V::splat(second));
         for ((w, before), y) in self.weights.iter_mut().zip(&self.before).zip(&self.inner) {
             *w = ((decay * V::load(w) + first * V::load(before)) + second * V::load(y)).lanes();

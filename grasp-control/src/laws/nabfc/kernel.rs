@@ -12,36 +12,66 @@
 #![allow(clippy::inline_always)]
 
 use super::{LoopInputs, Nabfc};
-use crate::blocks::exponential::{exp_of, tanh_of};
-use crate::blocks::four::{Four, LANES, Lanes};
+use crate::blocks::exponential::{exp_of_all, tanh_of};
+#[cfg(target_arch = "x86_64")]
+use crate::blocks::four::Wide;
+use crate::blocks::four::{Four, LANES, Lanes, Narrow};
 use crate::law::StepError;
 use crate::signals::{Commands, Inputs, all_equal};
 
 impl Nabfc {
     /// Evaluates surfaces, tangents, regressors and bases at an instant, as far as they are not known there.
     ///
-    /// With `SECOND`, `second` are the shear rates of a second instant that is otherwise the same: gives the second half of the
+    /// `second` are the shear rates of a second instant that is otherwise the same, if there is one: gives the second half of the
     /// exponentials that the star needs there.
     #[inline(always)]
-    fn evaluate<V: Four, const SECOND: bool>(&mut self, at: &LoopInputs, second: [f64; 2]) -> Lanes {
+    fn evaluate<V: Four>(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
+        if !self.is_known_but_for_rates(at) {
+            #[cfg(target_arch = "x86_64")]
+            if V::IS_WIDE {
+                // SAFETY: a wide register is in use.
+                return unsafe { self.evaluate_all_wide(at, second) };
+            }
+            return self.evaluate_all_narrow(at, second);
+        }
+        let moved = second.map_or([0.0; LANES], |shear_dot| self.object.moved_exponentials::<V>(&at.object, shear_dot));
+        if self.object.point.as_ref().is_some_and(|point| point.inputs.shear_dot != at.object.shear_dot) {
+            let moving = self.object.moved_exponentials::<V>(&at.object, at.object.shear_dot);
+            self.object.move_to::<V>(&at.object, moving);
+        }
+        moved
+    }
+
+    /// Whether the loops are evaluated at an instant of which `at` differs at most in the shear rates.
+    #[inline(always)]
+    fn is_known_but_for_rates(&self, at: &LoopInputs) -> bool {
         let [arm1, arm2] = &self.posture;
-        let mut moved = [0.0; LANES];
-        if let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point)
-            && object.inputs.agrees_but_for_rates(&at.object)
+        let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point) else {
+            return false;
+        };
+        object.inputs.agrees_but_for_rates(&at.object)
             && all_equal(
                 &[point1.e, point1.e_dot, point2.e, point2.e_dot],
                 &[at.posture[0].0, at.posture[0].1, at.posture[1].0, at.posture[1].1],
             )
-        {
-            if SECOND {
-                moved = self.object.moved_exponentials::<V>(&at.object, second);
-            }
-            if object.inputs.shear_dot != at.object.shear_dot {
-                let moving = self.object.moved_exponentials::<V>(&at.object, at.object.shear_dot);
-                self.object.move_to::<V>(&at.object, moving);
-            }
-            return moved;
-        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    #[inline(never)]
+    fn evaluate_all_wide(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
+        self.evaluate_all::<Wide>(at, second)
+    }
+
+    #[inline(never)]
+    fn evaluate_all_narrow(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
+        self.evaluate_all::<Narrow>(at, second)
+    }
+
+    /// [`evaluate`](Self::evaluate) where nothing is known.
+    #[inline(always)]
+    fn evaluate_all<V: Four>(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
+        let [arm1, arm2] = &self.posture;
         let (mut object, x) = self.object.signals(&at.object);
         let (mut point1, z1) = arm1.signals(at.posture[0].0, at.posture[0].1);
         let (mut point2, z2) = arm2.signals(at.posture[1].0, at.posture[1].1);
@@ -49,20 +79,16 @@ impl Nabfc {
             [self.object.tanh_argument(&object), arm1.tanh_argument(&point1), arm2.tanh_argument(&point2), 0.0];
         let [tanh, tanh1, tanh2, _] = tanh_of(V::load(&tangents)).lanes();
         (object.tanh, point1.tanh, point2.tanh) = (tanh, tanh1, tanh2);
-        if SECOND {
-            moved = self.object.moved_exponentials::<V>(&at.object, second);
-        }
-        let exponentials1 = arm1.estimator.exponents::<V>(z1);
-        let exponentials2 = arm2.estimator.exponents::<V>(z2);
-        let exponentials = self.object.estimator.exponents::<V>(x);
-        // Independent of each other, so the processor works on several at a time.
-        let exponentials1 = [exp_of(exponentials1[0]).lanes(), exp_of(exponentials1[1]).lanes()];
-        let exponentials2 = [exp_of(exponentials2[0]).lanes(), exp_of(exponentials2[1]).lanes()];
-        let exponentials = [exp_of(exponentials[0]).lanes(), exp_of(exponentials[1]).lanes()];
+        let moved = second.map_or([0.0; LANES], |shear_dot| self.object.moved_exponentials::<V>(&at.object, shear_dot));
+        let [first1, second1] = arm1.estimator.exponents::<V>(z1);
+        let [first2, second2] = arm2.estimator.exponents::<V>(z2);
+        let [first, second] = self.object.estimator.exponents::<V>(x);
+        let [first1, second1, first2, second2, first, second] =
+            exp_of_all([first1, second1, first2, second2, first, second]);
         let [arm1, arm2] = &mut self.posture;
-        arm1.estimator.fill::<V>(z1, &exponentials1);
-        arm2.estimator.fill::<V>(z2, &exponentials2);
-        self.object.estimator.fill::<V>(x, &exponentials);
+        arm1.estimator.fill::<V>(z1, &[first1, second1]);
+        arm2.estimator.fill::<V>(z2, &[first2, second2]);
+        self.object.estimator.fill::<V>(x, &[first, second]);
         (self.object.point, arm1.point, arm2.point) = (Some(object), Some(point1), Some(point2));
         moved
     }
@@ -71,7 +97,7 @@ impl Nabfc {
     #[inline(always)]
     pub(super) fn commands_here<V: Four>(&mut self, inputs: &Inputs) -> Commands {
         let at = self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot));
-        self.evaluate::<V, false>(&at, [0.0; 2]);
+        self.evaluate::<V>(&at, None);
         let [arm1, arm2] = &self.posture;
         let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point) else {
             return Commands::default();
@@ -103,10 +129,10 @@ impl Nabfc {
         let used = self.shear_rate.sampled(h, shear_dot, [0.0; 2]);
         let at = self.loop_inputs(inputs, used[0]);
         if self.shear_rate.is_settled(shear_dot) {
-            self.evaluate::<V, false>(&at, [0.0; 2]);
+            self.evaluate::<V>(&at, None);
             self.object.step_here::<V>(h);
         } else {
-            let moved = self.evaluate::<V, true>(&at, used[1]);
+            let moved = self.evaluate::<V>(&at, Some(used[1]));
             self.object.step_both_here::<V>(h, &at.object, used[1], moved);
         }
         for posture in &mut self.posture {

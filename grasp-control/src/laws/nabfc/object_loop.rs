@@ -8,7 +8,7 @@ mod continuous;
 use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, ObjectGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;
-use crate::blocks::exponential::{exp_of, tanh};
+use crate::blocks::exponential::{exp_of_all, tanh};
 use crate::blocks::four::{Four, Lanes};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
@@ -218,7 +218,8 @@ impl ObjectLoop {
     #[inline(always)]
     pub fn moved_exponentials<V: Four>(&self, inputs: &ObjectInputs, shear_dot: [f64; 2]) -> Lanes {
         let (_, x) = self.signals(&ObjectInputs { shear_dot, ..*inputs });
-        exp_of(self.estimator.network.moving_exponents::<V>(x)).lanes()
+        let [moved] = exp_of_all([self.estimator.network.moving_exponents::<V>(x)]);
+        moved
     }
 
     /// Goes on to a point where only the shear rates are others.

@@ -1,0 +1,75 @@
+//! Four numbers one by one, for any processor.
+
+use super::{Add, Div, Four, LANES, Lanes, Mul, Number, Sub};
+
+/// Four numbers one by one.
+#[derive(Clone, Copy)]
+pub(crate) struct Portable(Lanes);
+
+/// Operators of [`Portable`], lane by lane.
+macro_rules! lane_by_lane {
+    ($($operator:ident $name:ident),*) => {$(
+        impl $operator for Portable {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                let (a, b) = (self.0, other.0);
+                Self([a[0].$name(b[0]), a[1].$name(b[1]), a[2].$name(b[2]), a[3].$name(b[3])])
+            }
+        }
+    )*};
+}
+
+lane_by_lane!(Add add, Sub sub, Mul mul, Div div);
+
+impl Number for Portable {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    fn constant(lanes: &Lanes) -> Self {
+        Self(*lanes)
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f64::abs))
+    }
+
+    #[inline(always)]
+    fn with_sign_of(self, other: Self) -> Self {
+        Self(std::array::from_fn(|lane| self.0[lane].copysign(other.0[lane])))
+    }
+
+    #[inline(always)]
+    fn within(self, limit: f64) -> Self {
+        Self(self.0.map(|x| x.within(limit)))
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        Self(self.0.map(f64::power_of_two))
+    }
+}
+
+impl Four for Portable {
+    const IS_WIDE: bool = false;
+
+    #[inline(always)]
+    fn load(lanes: &Lanes) -> Self {
+        Self(*lanes)
+    }
+
+    #[inline(always)]
+    fn lanes(self) -> Lanes {
+        self.0
+    }
+
+    #[inline(always)]
+    fn above(self, least: f64) -> Self {
+        Self(self.0.map(|x| if x > least { x } else { 0.0 }))
+    }
+}
