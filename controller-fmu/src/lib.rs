@@ -1,6 +1,4 @@
-//! `NabfcController.fmu`, `PdsController.fmu` and `PdController.fmu`: the FMI interface of [`grasp_control`], which
-//! contains the laws.
+//! `NabfcController.fmu`, `PdsController.fmu` and `PdController.fmu`: the library of [`controller_model`]'s models, and the program that
+//! packages it.
 
-mod fmu;
-
-pub use fmu::{Controller, FMUS, FmuLaw, NabfcController, PdController, PdsController};
+pub use controller_model::{Controller, FMUS, FmuLaw, NabfcController, PdController, PdsController};

@@ -8,7 +8,7 @@ use std::any::TypeId;
 use std::mem;
 use std::sync::Arc;
 
-use parameter_table::{Owner, Parameter, Range};
+use parameter_table::{Owner, Parameter, Range, replaced};
 
 use crate::access::Access;
 use crate::any_model::{AnyModel, fresh, typed};
@@ -105,7 +105,7 @@ impl Declarations {
         access: fn(Place) -> Access,
     ) -> usize {
         let first = self.list.len();
-        let pattern = if name.contains("{}") { name.to_owned() } else { format!("{name}[{{}}]") };
+        let pattern = if replaced(name, "{}", "") == name { format!("{name}[{{}}]") } else { name.to_owned() };
         for i in 0..length {
             self.add(numbered(&pattern, i + 1), Some(i + 1), role, access(array.element(i, size)));
         }
@@ -336,5 +336,5 @@ impl Variable {
 
 /// The text for one element of an array.
 fn numbered(text: &str, number: usize) -> String {
-    text.replace("{}", &number.to_string())
+    replaced(text, "{}", &number.to_string())
 }

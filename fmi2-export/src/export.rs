@@ -8,9 +8,20 @@
 /// ```ignore
 /// fmi2_export::export!(FirstOrderLag, Integrator);
 /// ```
+///
+/// # In a crate of its own
+/// Link-time optimisation compiles what a crate instantiates with that crate's optimisation level. Models of fast equations have a
+/// lot of code that runs once for an instance: declarations, settings, saved states. It is shorter if models and this macro are in a
+/// crate that is compiled for size (`opt-level = "s"`), and the `cdylib` is another crate, compiled for speed, that does
+/// nothing but re-export `FMUS`. Then the macro is told the name of the `cdylib`'s package, which is the one that packages:
+///
+/// ```ignore
+/// fmi2_export::export!(for "pump-fmu": FirstOrderLag, Integrator);
+/// ```
 #[macro_export]
 macro_rules! export {
-    ($($model:ty),+ $(,)?) => {
+    (for $package:literal: $($model:ty),+ $(,)?) => { $crate::export!(@of $package; $($model),+); };
+    (@of $package:expr; $($model:ty),+) => {
         #[cfg(panic = "abort")]
         ::core::compile_error!(
             "an FMU must not be built with panic = \"abort\": a panic would end the host; say panic = \"unwind\""
@@ -31,12 +42,13 @@ macro_rules! export {
 
         /// The models this library serves.
         pub static FMUS: $crate::Library = $crate::Library::new(
-            ::core::env!("CARGO_PKG_NAME"),
+            $package,
             &[$($crate::Described::<$model>::MODEL),+],
             &FMUS_SERVED,
         );
         $crate::export_c_functions!(FMUS_SERVED);
     };
+    ($($model:ty),+ $(,)?) => { $crate::export!(@of ::core::env!("CARGO_PKG_NAME"); $($model),+); };
 }
 
 #[doc(hidden)]

@@ -1,7 +1,6 @@
 //! The declared variables, checked and indexed by value reference.
 
 use std::any::TypeId;
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::access::{Access, EnumerationKind};
@@ -213,15 +212,17 @@ impl Layout {
             indicator_count: indicators.as_ref().map_or(0, |indicators| indicators.count),
             indicators: indicators.map(|indicators| (1 << indicators.evaluation.0, indicators.array)),
         };
-        let derivatives: HashMap<&str, u32> = self
+        let mut derivatives: Vec<(&str, u32)> = self
             .variables
             .iter()
             .zip(&self.references)
             .filter_map(|(variable, reference)| Some((variable.derivative_of.as_deref()?, reference.index)))
             .collect();
+        derivatives.sort_unstable();
         for (variable, reference) in self.variables.iter().zip(&self.references).filter(|(v, _)| v.is_state) {
             // Each has one: see `problems`.
-            let Some(derivative) = derivatives.get(variable.name.as_str()) else { continue };
+            let found = derivatives.binary_search_by_key(&variable.name.as_str(), |(of, _)| of);
+            let Some((_, derivative)) = found.ok().and_then(|at| derivatives.get(at)) else { continue };
             let state = reference.index;
             continuous.states.push(StateSlot {
                 state,

@@ -8,6 +8,7 @@ mod access;
 mod any_model;
 mod builder;
 mod categories;
+mod checksum;
 mod declarations;
 mod difference;
 mod enumeration;

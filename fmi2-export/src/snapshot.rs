@@ -12,6 +12,8 @@
 use postcard::ser_flavors::Flavor;
 use serde::{Serialize, de::DeserializeOwned};
 
+use crate::checksum::checksum;
+
 const MAGIC: &[u8; 8] = b"fmi2-exp";
 const VERSION: u32 = 1;
 pub(crate) const GUID_LENGTH: usize = 38;
@@ -120,7 +122,7 @@ pub(crate) fn encode(guid: &str, payload: &Write<'_>) -> Result<Vec<u8>, Snapsho
     if sink.count != sink.room.len() {
         return Err(SnapshotError::Content("it serialises differently each time".into()));
     }
-    bytes.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
+    bytes.extend_from_slice(&checksum(&bytes).to_le_bytes());
     Ok(bytes)
 }
 
@@ -148,11 +150,11 @@ pub(crate) fn payload<'b>(guid: &str, bytes: &'b [u8]) -> Result<&'b [u8], Snaps
         return Err(SnapshotError::Length { found: bytes.len(), expected });
     }
     // The length was just checked, so the two parts exist.
-    let Some((payload, checksum)) = rest.split_last_chunk::<TRAILER>() else {
+    let Some((payload, sum)) = rest.split_last_chunk::<TRAILER>() else {
         return Err(SnapshotError::Length { found: bytes.len(), expected });
     };
     let covered = bytes.len() - TRAILER;
-    if crc32fast::hash(&bytes[..covered]) != u32::from_le_bytes(*checksum) {
+    if checksum(&bytes[..covered]) != u32::from_le_bytes(*sum) {
         return Err(SnapshotError::Checksum);
     }
     Ok(payload)

@@ -83,7 +83,7 @@ fn per_second(unit: &str) -> String {
     if let Some(rest) = unit.strip_suffix(".s") {
         return rest.to_owned();
     }
-    match unit.rsplit_once("/s") {
+    match unit.rsplit_once('/').and_then(|(rest, last)| Some((rest, last.strip_prefix('s')?))) {
         Some((rest, power)) if power.is_empty() || power.bytes().all(|digit| digit.is_ascii_digit()) => {
             format!("{rest}/s{}", power.parse().unwrap_or(1) + 1)
         }

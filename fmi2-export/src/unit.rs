@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use parameter_table::replaced;
+
 /// A unit with its exponents of the SI base units and rad, and a factor and an offset to them: a value `v` in this unit
 /// is `factor * v + offset` in the base units.
 ///
@@ -66,8 +68,9 @@ impl DisplayUnit {
         let [kg, m, _, ampere, kelvin, mol, cd, rad] = unit.exponents;
         let is_coherent = unit.factor.to_bits() == 1.0_f64.to_bits() && unit.offset == 0.0;
         let is_angle = rad == 1 && [kg, m, ampere, kelvin, mol, cd] == [0; 6];
-        (is_coherent && is_angle && unit.name.matches("rad").count() == 1)
-            .then(|| Self { name: unit.name.replace("rad", "deg"), factor: 180.0 / std::f64::consts::PI })
+        let is_once = replaced(&unit.name, "rad", "").len() + "rad".len() == unit.name.len();
+        (is_coherent && is_angle && is_once)
+            .then(|| Self { name: replaced(&unit.name, "rad", "deg"), factor: 180.0 / std::f64::consts::PI })
     }
 }
 

@@ -9,12 +9,14 @@ use crate::exchange::Completed;
 use crate::status::Status;
 
 /// `fmi2EnterEventMode`.
+#[inline(never)]
 pub unsafe fn enter_event_mode(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe { call(component, |instance| instance.slave.enter_event_mode()) }
 }
 
 /// `fmi2NewDiscreteStates`.
+#[inline(never)]
 pub unsafe fn new_discrete_states(component: Component, info: *mut EventInfo) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -37,12 +39,14 @@ pub unsafe fn new_discrete_states(component: Component, info: *mut EventInfo) ->
 }
 
 /// `fmi2EnterContinuousTimeMode`.
+#[inline(never)]
 pub unsafe fn enter_continuous_time_mode(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe { call(component, |instance| instance.slave.enter_continuous_time_mode()) }
 }
 
 /// `fmi2CompletedIntegratorStep`.
+#[inline(never)]
 pub unsafe fn completed_integrator_step(
     component: Component,
     _no_set_state_before: Boolean,
@@ -92,12 +96,14 @@ pub unsafe fn get_event_indicators(component: Component, indicators: *mut f64, c
 }
 
 /// `fmi2GetContinuousStates`.
+#[inline(never)]
 pub unsafe fn get_continuous_states(component: Component, states: *mut f64, count: usize) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe { call(component, |instance| instance.slave.get_continuous_states(out(states, count, "x")?)) }
 }
 
 /// `fmi2GetNominalsOfContinuousStates`.
+#[inline(never)]
 pub unsafe fn get_nominals_of_continuous_states(component: Component, nominals: *mut f64, count: usize) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe { call(component, |instance| instance.slave.get_nominals(out(nominals, count, "x_nominal")?)) }

@@ -32,6 +32,7 @@ pub fn get_version() -> *const c_char {
 }
 
 /// `fmi2Instantiate`.
+#[inline(never)]
 pub unsafe fn instantiate(
     library: &'static Served,
     instance_name: *const c_char,
@@ -115,6 +116,7 @@ fn find_model(
 }
 
 /// `fmi2FreeInstance`. An instance is not freed from within a call on it (by its logger).
+#[inline(never)]
 pub unsafe fn free_instance(component: Component) {
     // SAFETY: the host's promise.
     let Some(shared) = (unsafe { occupy(component) }) else { return };
@@ -133,6 +135,7 @@ pub unsafe fn free_instance(component: Component) {
 }
 
 /// `fmi2SetDebugLogging`.
+#[inline(never)]
 pub unsafe fn set_debug_logging(
     component: Component,
     logging_on: Boolean,
@@ -152,6 +155,7 @@ pub unsafe fn set_debug_logging(
 }
 
 /// `fmi2SetupExperiment`.
+#[inline(never)]
 pub unsafe fn setup_experiment(
     component: Component,
     tolerance_defined: Boolean,
@@ -173,6 +177,7 @@ pub unsafe fn setup_experiment(
 }
 
 /// `fmi2EnterInitializationMode`.
+#[inline(never)]
 pub unsafe fn enter_initialization_mode(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -185,6 +190,7 @@ pub unsafe fn enter_initialization_mode(component: Component) -> Status {
 }
 
 /// `fmi2ExitInitializationMode`.
+#[inline(never)]
 pub unsafe fn exit_initialization_mode(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -197,6 +203,7 @@ pub unsafe fn exit_initialization_mode(component: Component) -> Status {
 }
 
 /// `fmi2Terminate`.
+#[inline(never)]
 pub unsafe fn terminate(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -210,6 +217,7 @@ pub unsafe fn terminate(component: Component) -> Status {
 }
 
 /// `fmi2Reset`.
+#[inline(never)]
 pub unsafe fn reset(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {

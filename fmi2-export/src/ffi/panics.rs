@@ -7,7 +7,6 @@
 //! A thread-local mark would cost every call; looking for a busy instance costs only panics. While one instance is
 //! busy on some thread, a panic elsewhere is mistaken for its own.
 
-use std::collections::BTreeSet;
 use std::panic::PanicHookInfo;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
@@ -17,8 +16,8 @@ type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
 /// The hook there was before ours.
 static PREVIOUS: OnceLock<Hook> = OnceLock::new();
 
-/// Addresses of the flags of all instances that tell whether a call is running on them.
-static FLAGS: Mutex<BTreeSet<usize>> = Mutex::new(BTreeSet::new());
+/// Addresses of the flags of all instances that tell whether a call is running on them, sorted.
+static FLAGS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
 
 /// Calls under way that have no instance: those that make or free one.
 static WITHOUT_INSTANCE: AtomicUsize = AtomicUsize::new(0);
@@ -62,19 +61,24 @@ pub fn without_instance<T>(run: impl FnOnce() -> T) -> T {
 /// # Safety
 /// The flag must live until it is [`forget`]ten.
 pub unsafe fn watch(flag: *const AtomicBool) {
-    flags().insert(flag as usize);
+    let (mut flags, flag) = (flags(), flag as usize);
+    if let Err(place) = flags.binary_search(&flag) {
+        flags.insert(place, flag);
+    }
 }
 
 /// Ends what [`watch`] has begun.
 pub fn forget(flag: *const AtomicBool) {
     let mut flags = flags();
-    flags.remove(&(flag as usize));
+    if let Ok(place) = flags.binary_search(&(flag as usize)) {
+        flags.remove(place);
+    }
     if flags.is_empty() {
         // Statics of an unloaded library are not dropped: leave no memory in them.
-        *flags = BTreeSet::new();
+        *flags = Vec::new();
     }
 }
 
-fn flags() -> MutexGuard<'static, BTreeSet<usize>> {
+fn flags() -> MutexGuard<'static, Vec<usize>> {
     FLAGS.lock().unwrap_or_else(PoisonError::into_inner)
 }

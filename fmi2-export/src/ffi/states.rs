@@ -10,6 +10,7 @@ use super::types::{Component, FmuState};
 use crate::status::{Refusal, Status};
 
 /// `fmi2GetFMUstate`.
+#[inline(never)]
 pub unsafe fn get_fmu_state(component: Component, state: *mut FmuState) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -28,6 +29,7 @@ pub unsafe fn get_fmu_state(component: Component, state: *mut FmuState) -> Statu
 }
 
 /// `fmi2SetFMUstate`. The state may have been saved by another instance of the same FMU.
+#[inline(never)]
 pub unsafe fn set_fmu_state(component: Component, state: FmuState) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -39,6 +41,7 @@ pub unsafe fn set_fmu_state(component: Component, state: FmuState) -> Status {
 }
 
 /// `fmi2FreeFMUstate`.
+#[inline(never)]
 pub unsafe fn free_fmu_state(component: Component, state: *mut FmuState) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -66,6 +69,7 @@ fn encode(instance: &Instance, state: FmuState) -> Result<Vec<u8>, Refusal> {
 }
 
 /// `fmi2SerializedFMUstateSize`.
+#[inline(never)]
 pub unsafe fn serialized_fmu_state_size(component: Component, state: FmuState, size: *mut usize) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -79,6 +83,7 @@ pub unsafe fn serialized_fmu_state_size(component: Component, state: FmuState, s
 }
 
 /// `fmi2SerializeFMUstate`.
+#[inline(never)]
 pub unsafe fn serialize_fmu_state(component: Component, state: FmuState, bytes: *mut c_char, size: usize) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -100,6 +105,7 @@ pub unsafe fn serialize_fmu_state(component: Component, state: FmuState, bytes: 
 }
 
 /// `fmi2DeSerializeFMUstate`.
+#[inline(never)]
 pub unsafe fn deserialize_fmu_state(
     component: Component,
     bytes: *const c_char,

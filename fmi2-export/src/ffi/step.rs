@@ -22,6 +22,7 @@ pub unsafe fn do_step(component: Component, time: f64, size: f64, _no_set_state_
 }
 
 /// `fmi2CancelStep`: there is never a step in progress.
+#[inline(never)]
 pub unsafe fn cancel_step(component: Component) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe { call(component, |_| Err(Refusal::error("fmi2CancelStep: no step is in progress, steps are synchronous"))) }
@@ -53,6 +54,7 @@ fn no_status(what: &str, kind: c_int) -> Refusal {
 }
 
 /// `fmi2GetStatus`.
+#[inline(never)]
 pub unsafe fn get_status(component: Component, kind: c_int, value: *mut c_int) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -65,6 +67,7 @@ pub unsafe fn get_status(component: Component, kind: c_int, value: *mut c_int) -
 }
 
 /// `fmi2GetRealStatus`.
+#[inline(never)]
 pub unsafe fn get_real_status(component: Component, kind: c_int, value: *mut f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -81,6 +84,7 @@ pub unsafe fn get_real_status(component: Component, kind: c_int, value: *mut f64
 }
 
 /// `fmi2GetIntegerStatus`: there is no status of this type.
+#[inline(never)]
 pub unsafe fn get_integer_status(component: Component, kind: c_int, value: *mut c_int) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -93,6 +97,7 @@ pub unsafe fn get_integer_status(component: Component, kind: c_int, value: *mut 
 }
 
 /// `fmi2GetBooleanStatus`.
+#[inline(never)]
 pub unsafe fn get_boolean_status(component: Component, kind: c_int, value: *mut Boolean) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -110,6 +115,7 @@ pub unsafe fn get_boolean_status(component: Component, kind: c_int, value: *mut 
 }
 
 /// `fmi2GetStringStatus`.
+#[inline(never)]
 pub unsafe fn get_string_status(component: Component, kind: c_int, value: *mut *const c_char) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {

@@ -15,6 +15,7 @@ pub unsafe fn get_real(component: Component, vr: *const ValueReference, count: u
 }
 
 /// `fmi2GetInteger`.
+#[inline(never)]
 pub unsafe fn get_integer(component: Component, vr: *const ValueReference, count: usize, value: *mut c_int) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
@@ -23,6 +24,7 @@ pub unsafe fn get_integer(component: Component, vr: *const ValueReference, count
 }
 
 /// `fmi2GetBoolean`.
+#[inline(never)]
 pub unsafe fn get_boolean(
     component: Component,
     vr: *const ValueReference,
@@ -36,6 +38,7 @@ pub unsafe fn get_boolean(
 }
 
 /// `fmi2GetString`. The strings are valid until the next call on this instance.
+#[inline(never)]
 pub unsafe fn get_string(
     component: Component,
     vr: *const ValueReference,
@@ -61,6 +64,7 @@ pub unsafe fn set_real(component: Component, vr: *const ValueReference, count: u
 }
 
 /// `fmi2SetInteger`.
+#[inline(never)]
 pub unsafe fn set_integer(
     component: Component,
     vr: *const ValueReference,
@@ -74,6 +78,7 @@ pub unsafe fn set_integer(
 }
 
 /// `fmi2SetBoolean`.
+#[inline(never)]
 pub unsafe fn set_boolean(
     component: Component,
     vr: *const ValueReference,
@@ -87,6 +92,7 @@ pub unsafe fn set_boolean(
 }
 
 /// `fmi2SetString`.
+#[inline(never)]
 pub unsafe fn set_string(
     component: Component,
     vr: *const ValueReference,
@@ -107,6 +113,7 @@ pub unsafe fn set_string(
 }
 
 /// `fmi2SetRealInputDerivatives`.
+#[inline(never)]
 pub unsafe fn set_real_input_derivatives(
     component: Component,
     vr: *const ValueReference,
@@ -127,6 +134,7 @@ pub unsafe fn set_real_input_derivatives(
 }
 
 /// `fmi2GetRealOutputDerivatives`.
+#[inline(never)]
 pub unsafe fn get_real_output_derivatives(
     component: Component,
     vr: *const ValueReference,
@@ -147,6 +155,7 @@ pub unsafe fn get_real_output_derivatives(
 }
 
 /// `fmi2GetDirectionalDerivative`.
+#[inline(never)]
 pub unsafe fn get_directional_derivative(
     component: Component,
     unknowns: *const ValueReference,

@@ -62,7 +62,9 @@ impl Slave {
             .map_err(|_| Refusal::error(format!("fmi2GetString: no memory for {} strings", references.len())))?;
         let (layout, mut view) = self.subject.view();
         strings.extend(references.iter().map(|reference| match value(&mut view, &layout.strings, *reference) {
-            Value::String(text) => CString::new(text.replace('\0', "")).unwrap_or_default(),
+            Value::String(text) => {
+                CString::new(text.bytes().filter(|byte| *byte != 0).collect::<Vec<_>>()).unwrap_or_default()
+            }
             _ => CString::default(),
         }));
         self.strings = strings;

@@ -1,4 +1,7 @@
-//! The controllers as FMUs: one interface, three laws.
+//! The controllers as models of FMI: one interface, three laws, which are those of [`grasp_control`].
+//!
+//! This is a crate apart from `controller-fmu`, whose library it becomes, because the library is compiled for speed and this for size:
+//! most of it runs once for an instance. The steps are in `grasp_control`.
 
 use fmi2_export::{
     Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, StateVariable, Step, Variables,
@@ -293,4 +296,4 @@ impl<L: FmuLaw> Model for Controller<L> {
     }
 }
 
-fmi2_export::export!(NabfcController, PdsController, PdController);
+fmi2_export::export!(for "controller-fmu": NabfcController, PdsController, PdController);
