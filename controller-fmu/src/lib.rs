@@ -2,3 +2,5 @@
 //! packages it.
 
 pub use controller_model::{Controller, FMUS, FmuLaw, NabfcController, PdController, PdsController};
+
+fmi2_export::export!(in controller_model);

@@ -3,7 +3,7 @@
 use fmi2_export::{EventUpdate, Experiment, Failure, Model, ModelExchange, Moment, Variables};
 use grasp_control::continuous::Direction;
 
-use super::{Controller, FmuLaw, target_change};
+use super::{Controller, FmuLaw};
 
 /// The largest number of decisions about limits in one event: one decision can change a command on which another depends.
 const MOST_DECISIONS: usize = 8;
@@ -60,14 +60,14 @@ impl<L: FmuLaw> Controller<L> {
         let fits = self.has_states();
         self.states.rates().fill(0.0);
         if let Some(law) = self.law.as_mut().filter(|_| fits) {
-            law.derivatives(&self.inputs, &self.regimes, self.states.rates());
+            law.derivatives(&self.signals.inputs, &self.regimes, self.states.rates());
         }
     }
 
     fn indicators(&mut self) {
         self.states.indicators().fill(1.0);
         if let Some(law) = &mut self.law {
-            law.event_indicators(&self.inputs, &self.regimes, self.states.indicators());
+            law.event_indicators(&self.signals.inputs, &self.regimes, self.states.indicators());
         }
     }
 }
@@ -105,7 +105,7 @@ impl<L: FmuLaw> ModelExchange for Controller<L> {
     fn new_discrete_states(&mut self, _: &mut Moment<'_>) -> Result<EventUpdate, Failure> {
         if let Some(law) = &mut self.law {
             for _ in 0..MOST_DECISIONS {
-                let decision = law.decide(&self.inputs, &mut self.regimes);
+                let decision = law.decide(&self.signals.inputs, &mut self.regimes);
                 if !(decision.regimes || decision.states) {
                     break;
                 }
@@ -115,14 +115,14 @@ impl<L: FmuLaw> ModelExchange for Controller<L> {
     }
 
     fn jacobian_product(&mut self, direction: &mut Self) {
-        (direction.outputs.targets, direction.outputs.errors) = target_change(&self.arms, &direction.inputs);
+        direction.signals.compare_changes(&self.arms);
         let fits = self.has_states();
         let Some(law) = self.law.as_mut().filter(|_| fits) else { return };
         direction.states.rates();
         direction.states.values();
-        let along = Direction { states: &direction.states.values, inputs: &direction.inputs };
-        direction.outputs.commands = law.command_change(&self.inputs, along);
-        direction.outputs.extra = law.extra_change(&self.inputs, along);
-        law.derivative_change(&self.inputs, &self.regimes, along, &mut direction.states.rates);
+        let along = Direction { states: &direction.states.values, inputs: &direction.signals.inputs };
+        direction.signals.outputs.commands = law.command_change(&self.signals.inputs, along);
+        direction.extra = law.extra_change(&self.signals.inputs, along);
+        law.derivative_change(&self.signals.inputs, &self.regimes, along, &mut direction.states.rates);
     }
 }

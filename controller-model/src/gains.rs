@@ -97,10 +97,10 @@ impl<L: GainLaw> FmuLaw for Encoders<L> {
 
     fn declare_settings(variables: &mut Variables<Controller<Self>>) {
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.parameters(L::GAINS.iter().copied(), |m| &mut m.settings.gains).tunable();
+        variables.parameters(L::GAINS, |m| &mut m.settings.gains).tunable();
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");
-        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
+        variables.parameters(&Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
     }
 }

@@ -4,7 +4,7 @@
 //! most of it runs once for an instance. The steps are in `grasp_control`.
 
 use fmi2_export::{
-    Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, StateVariable, Step, Variables,
+    Declare, DefaultExperiment, Evaluation, Experiment, Failure, Info, Model, StateVariable, Step, Variables, field,
 };
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::continuous::{Continuous, Direction, Regimes};
@@ -126,33 +126,69 @@ pub trait FmuLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Syn
 pub struct Controller<L: FmuLaw> {
     arms: Arms,
     settings: L::Settings,
-    inputs: Inputs,
-    /// Slopes of the inputs over the next step.
-    input_rates: Inputs,
+    signals: Signals,
     /// The law, once there is a start.
     law: Option<L>,
     /// A host integrates it.
     is_integrated: bool,
     /// Which limits hold then.
     regimes: Regimes,
-    /// The variables that the host may read.
+    /// The outputs that only this law has.
     #[serde(skip)]
-    outputs: Outputs<L::Extra>,
-    /// Time derivatives of the outputs, from when a host asks for them.
+    extra: L::Extra,
+    /// Their time derivatives, from when a host asks for them.
     #[serde(skip)]
-    rates: Option<Box<Outputs<L::Extra>>>,
+    extra_rates: Option<Box<L::Extra>>,
     /// The variables that a host of model exchange may read.
     #[serde(skip, default = "States::of::<L>")]
     states: States,
 }
 
+/// What all controllers exchange with the host, whatever their law.
+#[derive(Clone, Serialize, Deserialize)]
+struct Signals {
+    inputs: Inputs,
+    /// Slopes of the inputs over the next step.
+    input_rates: Inputs,
+    #[serde(skip)]
+    outputs: Outputs,
+    /// Time derivatives of the outputs, from when a host asks for them.
+    #[serde(skip)]
+    rates: Option<Box<Outputs>>,
+}
+
 /// Values of the output variables.
 #[derive(Clone, Default)]
-struct Outputs<X> {
+struct Outputs {
     commands: Commands,
     targets: Targets,
     errors: Errors,
-    extra: X,
+}
+
+impl Signals {
+    fn rates(&mut self) -> &mut Outputs {
+        self.rates.get_or_insert_default()
+    }
+
+    /// Sets targets and errors.
+    fn compare(&mut self, arms: &Arms) {
+        self.outputs.targets = arms.targets(&self.inputs.reference);
+        self.outputs.errors = arms.errors(&self.inputs);
+    }
+
+    /// Sets the time derivatives of targets and errors.
+    #[inline(never)]
+    fn compare_rates(&mut self, arms: &Arms) {
+        let (targets, errors) = target_change(arms, &self.input_rates);
+        let rates = self.rates();
+        (rates.targets, rates.errors) = (targets, errors);
+    }
+
+    /// Sets the changes of targets and errors along a direction, which the inputs are.
+    #[inline(never)]
+    fn compare_changes(&mut self, arms: &Arms) {
+        (self.outputs.targets, self.outputs.errors) = target_change(arms, &self.inputs);
+    }
 }
 
 impl<L: FmuLaw> Default for Controller<L> {
@@ -160,13 +196,17 @@ impl<L: FmuLaw> Default for Controller<L> {
         Self {
             arms: Arms::default(),
             settings: L::Settings::default(),
-            inputs: Inputs::default(),
-            input_rates: Inputs::HELD,
+            signals: Signals {
+                inputs: Inputs::default(),
+                input_rates: Inputs::HELD,
+                outputs: Outputs::default(),
+                rates: None,
+            },
             law: None,
             is_integrated: false,
             regimes: Regimes::default(),
-            outputs: Outputs::default(),
-            rates: None,
+            extra: L::Extra::default(),
+            extra_rates: None,
             states: States::of::<L>(),
         }
     }
@@ -174,40 +214,38 @@ impl<L: FmuLaw> Default for Controller<L> {
 
 impl<L: FmuLaw> Controller<L> {
     fn commands(&mut self) {
+        let Signals { inputs, outputs, .. } = &mut self.signals;
         if let Some(law) = &mut self.law {
-            self.outputs.commands =
-                if self.is_integrated { law.present_commands(&self.inputs) } else { law.commands(&self.inputs) };
+            outputs.commands = if self.is_integrated { law.present_commands(inputs) } else { law.commands(inputs) };
         }
     }
 
     fn targets(&mut self) {
-        self.outputs.targets = self.arms.targets(&self.inputs.reference);
-        self.outputs.errors = self.arms.errors(&self.inputs);
+        self.signals.compare(&self.arms);
     }
 
     fn extra(&mut self) {
         if let Some(law) = &self.law {
-            self.outputs.extra = law.extra(&self.inputs);
+            self.extra = law.extra(&self.signals.inputs);
         }
     }
 
     fn rates(&mut self) {
-        let rates = self.rates.get_or_insert_default();
-        (rates.targets, rates.errors) = target_change(&self.arms, &self.input_rates);
+        self.signals.compare_rates(&self.arms);
+        let extra_rates = self.extra_rates.get_or_insert_default();
         if let Some(law) = &mut self.law {
-            rates.commands = law.command_rates(&self.inputs, &self.input_rates);
-            rates.extra = law.extra_rates(&self.inputs, &self.input_rates);
+            let (inputs, input_rates) = (self.signals.inputs, self.signals.input_rates);
+            self.signals.rates().commands = law.command_rates(&inputs, &input_rates);
+            **extra_rates = law.extra_rates(&inputs, &input_rates);
         }
     }
 
-    fn output_rates(&mut self) -> &mut Outputs<L::Extra> {
-        self.rates.get_or_insert_default()
+    fn rates_of_extra(&mut self) -> &mut L::Extra {
+        self.extra_rates.get_or_insert_default()
     }
 }
 
-/// Change of targets and errors, which are affine in the inputs, for a change of the inputs. Not inlined, to avoid six
-/// copies.
-#[inline(never)]
+/// Change of targets and errors, which are affine in the inputs, for a change of the inputs.
 fn target_change(arms: &Arms, change: &Inputs) -> (Targets, Errors) {
     let change = change.to_array();
     let (targets, errors) = (arms.target_jacobian(), arms.error_jacobian());
@@ -231,12 +269,16 @@ impl<L: FmuLaw> Declare for Controller<L> {
     };
 
     fn variables(variables: &mut Variables<Self>) {
-        variables::inputs(variables);
+        variables.part(field!(Self, signals), variables::inputs);
         let rates = variables.evaluation(Self::rates);
-        variables::commands(variables, rates);
-        variables::targets(variables, rates);
+        let (commands, targets) = (variables.evaluation(Self::commands), variables.evaluation(Self::targets));
+        variables.part(field!(Self, signals), |signals| {
+            let (torque_also, force_also) = (L::TORQUE_ALSO_DEPENDS_ON, L::FORCE_ALSO_DEPENDS_ON);
+            variables::commands(signals, commands, rates, torque_also, force_also);
+            variables::targets(signals, targets, rates);
+        });
         L::declare_extra(variables, rates);
-        variables.parameters(Arms::PARAMETERS, |m| &mut m.arms);
+        variables.parameters(&Arms::PARAMETERS, |m| &mut m.arms);
         L::declare_settings(variables);
         // Last, so that all others have the value references that they had before there were these.
         exchange::declare(variables);
@@ -246,7 +288,7 @@ impl<L: FmuLaw> Declare for Controller<L> {
 impl<L: FmuLaw> Model for Controller<L> {
     fn initialize(&mut self, _experiment: &Experiment) -> Result<(), Failure> {
         let mut law = L::create(self.arms, &self.settings).map_err(Failure::error)?;
-        law.initialize(&self.inputs);
+        law.initialize(&self.signals.inputs);
         self.law = Some(law);
         (self.is_integrated, self.regimes) = (false, Regimes::default());
         Ok(())
@@ -260,7 +302,7 @@ impl<L: FmuLaw> Model for Controller<L> {
                 step.size
             )));
         }
-        law.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)
+        law.step(step.size, &self.signals.inputs, &self.signals.input_rates).map_err(Failure::discard)
     }
 
     fn retuned(&mut self) -> Result<(), Failure> {
@@ -275,7 +317,7 @@ impl<L: FmuLaw> Model for Controller<L> {
         let like_new = L::create(self.arms, &self.settings).map_err(Failure::error)?;
         // In initialization mode the settings may have changed since the law was created; it is then created again.
         self.law.take_if(|law| !law.is_like(&like_new));
-        let inputs = self.inputs;
+        let inputs = self.signals.inputs;
         if !inputs.to_array().iter().all(|value| value.abs() <= Inputs::LARGEST) {
             // Outside the range that a step accepts, commands may be infinite.
             return Ok(());
@@ -288,12 +330,12 @@ impl<L: FmuLaw> Model for Controller<L> {
     }
 
     fn directional_derivative(&mut self, direction: &mut Self) {
-        (direction.outputs.targets, direction.outputs.errors) = target_change(&self.arms, &direction.inputs);
+        direction.signals.compare_changes(&self.arms);
         if let Some(law) = &mut self.law {
-            direction.outputs.commands = law.jacobian(&self.inputs).apply(&direction.inputs);
-            direction.outputs.extra = law.extra_derivative(&self.inputs, &direction.inputs);
+            direction.signals.outputs.commands = law.jacobian(&self.signals.inputs).apply(&direction.signals.inputs);
+            direction.extra = law.extra_derivative(&self.signals.inputs, &direction.signals.inputs);
         }
     }
 }
 
-fmi2_export::export!(for "controller-fmu": NabfcController, PdsController, PdController);
+fmi2_export::models!(for "controller-fmu": NabfcController, PdsController, PdController);

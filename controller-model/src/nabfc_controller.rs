@@ -241,12 +241,12 @@ impl FmuLaw for NabfcLaw {
     fn declare_settings(variables: &mut Variables<NabfcController>) {
         variables.parameter("law", |m| &mut m.settings.choice).description("Which law commands the grasp");
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.parameters(ObjectGains::PARAMETERS, |m| &mut m.settings.gains.object).tunable();
-        variables.parameter_family(PostureGains::PARAMETERS, |m| &mut m.settings.gains.posture).tunable();
-        variables.parameters(Gains::PARAMETERS, |m| &mut m.settings.gains).tunable();
-        variables.parameter_family(PostureGains::FIXED, |m| &mut m.settings.gains.posture);
-        variables.parameters(ObjectGains::FIXED, |m| &mut m.settings.gains.object);
-        variables.parameters(RbfLayout::PARAMETERS, |m| &mut m.settings.gains.rbf);
+        variables.parameters(&ObjectGains::PARAMETERS, |m| &mut m.settings.gains.object).tunable();
+        variables.parameter_family(&PostureGains::PARAMETERS, |m| &mut m.settings.gains.posture).tunable();
+        variables.parameters(&Gains::PARAMETERS, |m| &mut m.settings.gains).tunable();
+        variables.parameter_family(&PostureGains::FIXED, |m| &mut m.settings.gains.posture);
+        variables.parameters(&ObjectGains::FIXED, |m| &mut m.settings.gains.object);
+        variables.parameters(&RbfLayout::PARAMETERS, |m| &mut m.settings.gains.rbf);
         let (posture, object) = (RbfLayout::NODES_POSTURE, RbfLayout::RINGS_OBJECT);
         variables
             .parameter("rbf_nodes_posture", |m| &mut m.settings.gains.rbf.nodes_posture)
@@ -256,21 +256,21 @@ impl FmuLaw for NabfcLaw {
             .parameter("rbf_rings_object", |m| &mut m.settings.gains.rbf.rings_object)
             .range(f64::from(*object.start()), f64::from(*object.end()))
             .description("Nodes of the object network on each side of the centre along each of its seven axes");
-        variables.parameters(root_strain::ObjectGains::PARAMETERS, |m| &mut m.settings.root_strain.object).tunable();
-        variables.parameter_family(root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
-        variables.parameters(root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
-        variables.parameters(root_strain::InertiaGains::PARAMETERS, |m| &mut m.settings.root_strain.inertia).tunable();
-        variables.parameters(root_strain::FilterGains::PARAMETERS, |m| &mut m.settings.root_strain.filter).tunable();
-        variables.parameters(RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
+        variables.parameters(&root_strain::ObjectGains::PARAMETERS, |m| &mut m.settings.root_strain.object).tunable();
+        variables.parameter_family(&root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
+        variables.parameters(&root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
+        variables.parameters(&root_strain::InertiaGains::PARAMETERS, |m| &mut m.settings.root_strain.inertia).tunable();
+        variables.parameters(&root_strain::FilterGains::PARAMETERS, |m| &mut m.settings.root_strain.filter).tunable();
+        variables.parameters(&RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
         variables
             .parameter("r_learner", |m| &mut m.settings.learner)
             .description("Root-strain law: what learns the disturbances");
-        variables.parameters(NetworkGains::PARAMETERS, |m| &mut m.settings.root_strain.networks).tunable();
-        variables.parameters(root_strain::MassGains::FIXED, |m| &mut m.settings.root_strain.mass);
+        variables.parameters(&NetworkGains::PARAMETERS, |m| &mut m.settings.root_strain.networks).tunable();
+        variables.parameters(&root_strain::MassGains::FIXED, |m| &mut m.settings.root_strain.mass);
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");
-        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
+        variables.parameters(&Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
     }
 
     fn declare_extra(variables: &mut Variables<NabfcController>, rates: Evaluation) {
@@ -327,22 +327,19 @@ impl FmuLaw for NabfcLaw {
 
 fn surface_outputs(variables: &mut Variables<NabfcController>, extra: Evaluation, rates: Evaluation) {
     variables
-        .output_field("s", extra, field!(NabfcController, outputs.extra.surfaces.object))
-        .rate(rates, |m| &mut m.output_rates().extra.surfaces.object)
+        .output_field("s", extra, field!(NabfcController, extra.surfaces.object))
+        .rate(rates, |m| &mut m.rates_of_extra().surfaces.object)
         .unit("m/s")
         .depends_on(["y_object", "y_object_dot", "tip_shear1", "tip_shear2", "lambda1_ref", "theta1_ref"])
         .description("Sliding variable of the object loop, eq. (33) or its counterpart of the root-strain law");
     for i in 0..2 {
         let n = i + 1;
-        let output = variables.output_field(
-            &format!("s{n}"),
-            extra,
-            field!(NabfcController, outputs.extra.surfaces.posture).element(i),
-        );
+        let output =
+            variables.output_field(&format!("s{n}"), extra, field!(NabfcController, extra.surfaces.posture).element(i));
         output
             .unit("rad/s")
             .display_degrees()
-            .rate(rates, move |m| &mut m.output_rates().extra.surfaces.posture[i])
+            .rate(rates, move |m| &mut m.rates_of_extra().surfaces.posture[i])
             .depends_on([format!("theta{n}"), format!("theta{n}_dot"), format!("root_moment{n}")])
             .depends_on(["theta1_ref", "lambda1_ref"])
             .description(&format!(
@@ -366,8 +363,8 @@ fn estimate_outputs(variables: &mut Variables<NabfcController>, extra: Evaluatio
     ];
     for (name, field, unit, nominal, description) in fields {
         variables
-            .output(name, extra, move |m| field(&mut m.outputs.extra.estimates))
-            .rate(rates, move |m| field(&mut m.output_rates().extra.estimates))
+            .output(name, extra, move |m| field(&mut m.extra.estimates))
+            .rate(rates, move |m| field(&mut m.rates_of_extra().estimates))
             .unit(unit)
             .nominal(nominal)
             .description(description);

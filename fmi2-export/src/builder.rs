@@ -123,20 +123,20 @@ impl<M: 'static> VariableBuilder<'_, M> {
     /// `fmi2SetRealInputDerivatives` for the next step; after that step the input stands at the ramp's end and the slope
     /// is zero again.
     pub fn ramp(self, field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static) -> Self {
-        self.declared.ramp(self.first, &Place::by(field));
+        self.declared.ramp(self.first, Place::by(field));
         self
     }
 
     /// As [`ramp`](Self::ramp), for the elements of an array.
     pub fn ramp_array(self, field: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static) -> Self {
         let length = length(self.declared, &field);
-        self.declared.ramps(self.first, &Place::array(field), length);
+        self.declared.ramps(self.first, Place::array(field), length);
         self
     }
 
     /// The field in which `evaluation` leaves the time derivative of an output, for `fmi2GetRealOutputDerivatives`.
     pub fn rate(self, evaluation: Evaluation, field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static) -> Self {
-        self.declared.rate(self.first, evaluation, &Place::by(field));
+        self.declared.rate(self.first, evaluation, Place::by(field));
         self
     }
 
@@ -147,7 +147,7 @@ impl<M: 'static> VariableBuilder<'_, M> {
         field: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
     ) -> Self {
         let length = length(self.declared, &field);
-        self.declared.rates(self.first, evaluation, &Place::array(field), length);
+        self.declared.rates(self.first, evaluation, Place::array(field), length);
         self
     }
 }
@@ -179,5 +179,12 @@ impl<M: ModelExchange> VariableBuilder<'_, M> {
 /// The names that a dependency was declared with.
 #[inline(never)]
 fn texts<S: Into<String>>(names: impl IntoIterator<Item = S>) -> Vec<String> {
-    names.into_iter().map(Into::into).collect()
+    let mut all = Vec::new();
+    names.into_iter().for_each(|name| add(&mut all, name));
+    all
+}
+
+#[inline(never)]
+fn add<S: Into<String>>(all: &mut Vec<String>, name: S) {
+    all.push(name.into());
 }

@@ -6,12 +6,13 @@
 
 use std::any::TypeId;
 use std::mem;
+use std::ptr;
 use std::sync::Arc;
 
-use parameter_table::{Owner, Parameter, Range, replaced};
+use parameter_table::{Owner, Parameter, replaced};
 
 use crate::access::Access;
-use crate::any_model::{AnyModel, fresh, typed};
+use crate::any_model::{AnyModel, fresh};
 use crate::exchange::Exchange;
 use crate::info::Info;
 use crate::model::Model;
@@ -21,10 +22,15 @@ use crate::variable::{Causality, DependencyKind, Variability, Variable};
 use crate::variables::{Evaluation, Variables};
 use crate::view::{Declared, Evaluate, NumbersOf, View};
 
+/// Declares the rows of a table for one of several parts: its owner, number and place.
+type RowsOfOne<'a> = dyn FnMut(&mut Declarations, Owner<'_>, Option<usize>, &Place) + 'a;
+
 /// What has been declared of a model.
 pub(crate) struct Declarations {
     pub info: Info,
     pub model: TypeId,
+    /// What is being declared: the model or, while a part of it is, the type of that part, and where it is in the model.
+    part: (TypeId, usize),
     pub list: Vec<Variable>,
     pub evaluations: Vec<Evaluate>,
     /// What a host that integrates calls, once anything of it has been declared.
@@ -72,7 +78,7 @@ impl Declarations {
 
     fn none(info: Info, model: TypeId, sample: Box<dyn AnyModel>) -> Self {
         let (list, evaluations) = (Vec::new(), Vec::new());
-        Self { info, model, list, evaluations, exchange: None, indicators: None, time: None, sample }
+        Self { info, model, part: (model, 0), list, evaluations, exchange: None, indicators: None, time: None, sample }
     }
 
     /// The values that variables have by default.
@@ -81,16 +87,56 @@ impl Declarations {
         View::of(Declared { model: self.model, variables, evaluations, reals: &[] }, &mut *self.sample)
     }
 
-    /// A model with its default values.
+    /// The model with its default values, or the part that is being declared.
     pub fn sample<M: 'static>(&mut self) -> &mut M {
-        typed(&mut *self.sample)
+        let (part, offset) = self.part;
+        assert!(part == TypeId::of::<M>(), "a part of another model");
+        // SAFETY: a value of this type is there: that is asserted of models, and `Field` promises it of parts.
+        unsafe { &mut *ptr::from_mut(&mut *self.sample).byte_add(offset).cast() }
+    }
+
+    /// Declares a part of the model, then the model again.
+    pub fn part(&mut self, part: TypeId, offset: usize, declare: &mut dyn FnMut(&mut Self)) {
+        let whole = self.part;
+        self.part = (part, whole.1 + offset);
+        declare(self);
+        self.part = whole;
+    }
+
+    /// # Panics
+    /// If a part of the model is being declared.
+    fn of_the_whole(&self, what: &str) {
+        assert!(self.part == (self.model, 0), "{what} are the whole model's: declare them outside of its parts");
     }
 
     pub fn evaluation<M>(&mut self, evaluation: fn(&mut M)) -> Evaluation {
         // SAFETY: references and pointers to types with a size are passed alike. It is called with models of this type only:
         // see `View`.
-        self.evaluations.push(unsafe { mem::transmute::<fn(&mut M), Evaluate>(evaluation) });
+        self.add_evaluation(unsafe { mem::transmute::<fn(&mut M), Evaluate>(evaluation) })
+    }
+
+    #[inline(never)]
+    fn add_evaluation(&mut self, evaluation: Evaluate) -> Evaluation {
+        self.of_the_whole("evaluations");
+        self.evaluations.push(evaluation);
         Evaluation(self.evaluations.len() - 1)
+    }
+
+    #[inline(never)]
+    pub fn time(&mut self, place: Place) {
+        self.time = Some(place.behind(self.part.1));
+    }
+
+    #[inline(never)]
+    pub fn offer(&mut self, exchange: &'static Exchange) {
+        self.of_the_whole("states and event indicators");
+        self.exchange = Some(exchange);
+    }
+
+    /// Declares one variable at this place; where it is in the list.
+    #[inline(never)]
+    pub fn one(&mut self, name: String, role: Role, place: Place, access: fn(Place) -> Access) -> usize {
+        self.add(name, None, role, access(place.behind(self.part.1)))
     }
 
     /// Declares the elements of an array, each of so many bytes; where the first is in the list.
@@ -99,12 +145,12 @@ impl Declarations {
         &mut self,
         name: &str,
         role: Role,
-        array: &Place,
+        array: Place,
         length: usize,
         size: usize,
         access: fn(Place) -> Access,
     ) -> usize {
-        let first = self.list.len();
+        let (array, first) = (array.behind(self.part.1), self.list.len());
         let pattern = if replaced(name, "{}", "") == name { format!("{name}[{{}}]") } else { name.to_owned() };
         for i in 0..length {
             self.add(numbered(&pattern, i + 1), Some(i + 1), role, access(array.element(i, size)));
@@ -112,35 +158,32 @@ impl Declarations {
         first
     }
 
+    /// Declares a table of parameters of each of several elements of an array, each of so many bytes; `rows` declares those of one.
+    #[inline(never)]
+    pub fn family(&mut self, array: &Place, length: usize, size: usize, rows: &mut RowsOfOne<'_>) {
+        for i in 0..length {
+            let number = (i + 1).to_string();
+            rows(self, Owner::named(&number), Some(i + 1), &array.element(i, size));
+        }
+    }
+
     /// Declares a table of parameters of a part of the model, which is at this place.
-    pub fn rows<T>(
-        &mut self,
-        table: impl IntoIterator<Item = Parameter<T>>,
-        owner: Owner<'_>,
-        number: Option<usize>,
-        part: &Place,
-    ) {
+    #[inline(never)]
+    pub fn rows<T>(&mut self, table: &[Parameter<T>], owner: Owner<'_>, number: Option<usize>, part: &Place) {
         for row in table {
-            let unit = (!row.unit.is_empty()).then(|| row.unit_of(owner));
-            let texts = [row.name_of(owner), row.description_of(owner)];
-            self.row(texts, unit.as_deref(), row.range, number, part.then(row.field));
+            let &Parameter { name, unit, range, description, field } = row;
+            self.row(&Parameter { name, unit, range, description, field: nowhere }, owner, number, part.then(field));
         }
     }
 
     #[inline(never)]
-    fn row(
-        &mut self,
-        [name, description]: [String; 2],
-        unit: Option<&str>,
-        range: Range,
-        number: Option<usize>,
-        place: Place,
-    ) {
-        let first = self.add(name, number, Role::PARAMETER, Access::Real(place));
-        self.range(first, range.min, range.max);
-        self.description(first, &description);
-        if let Some(unit) = unit {
-            self.unit(first, unit);
+    fn row(&mut self, row: &Parameter<f64>, owner: Owner<'_>, number: Option<usize>, place: Place) {
+        let place = place.behind(self.part.1);
+        let first = self.add(row.name_of(owner), number, Role::PARAMETER, Access::Real(place));
+        self.range(first, row.range.min, row.range.max);
+        self.description(first, &row.description_of(owner));
+        if !row.unit.is_empty() {
+            self.unit(first, &row.unit_of(owner));
         }
     }
 
@@ -276,22 +319,24 @@ impl Declarations {
     }
 
     #[inline(never)]
-    pub fn ramp(&mut self, first: usize, place: &Place) {
+    pub fn ramp(&mut self, first: usize, place: Place) {
+        let place = place.behind(self.part.1);
         self.each(first, &mut |v| v.ramp = Some(place.clone()));
     }
 
     #[inline(never)]
-    pub fn rate(&mut self, first: usize, evaluation: Evaluation, place: &Place) {
+    pub fn rate(&mut self, first: usize, evaluation: Evaluation, place: Place) {
+        let place = place.behind(self.part.1);
         self.each(first, &mut |v| v.rate = Some((place.clone(), evaluation)));
     }
 
     #[inline(never)]
-    pub fn ramps(&mut self, first: usize, array: &Place, length: usize) {
+    pub fn ramps(&mut self, first: usize, array: Place, length: usize) {
         self.each_of(first, "slopes", array, length, &mut |v, place| v.ramp = Some(place));
     }
 
     #[inline(never)]
-    pub fn rates(&mut self, first: usize, evaluation: Evaluation, array: &Place, length: usize) {
+    pub fn rates(&mut self, first: usize, evaluation: Evaluation, array: Place, length: usize) {
         self.each_of(first, "rates", array, length, &mut |v, place| v.rate = Some((place, evaluation)));
     }
 
@@ -300,11 +345,11 @@ impl Declarations {
         &mut self,
         first: usize,
         what: &str,
-        array: &Place,
+        array: Place,
         length: usize,
         give: &mut dyn FnMut(&mut Variable, Place),
     ) {
-        let count = self.list.len() - first;
+        let (array, count) = (array.behind(self.part.1), self.list.len() - first);
         let mut i = 0;
         self.each(first, &mut |v| {
             give(v, array.element(i, size_of::<f64>()));
@@ -317,7 +362,7 @@ impl Declarations {
 
     #[inline(never)]
     pub fn state(&mut self, first: usize, exchange: &'static Exchange) {
-        self.exchange = Some(exchange);
+        self.offer(exchange);
         self.each(first, &mut |v| v.is_state = true);
     }
 
@@ -332,6 +377,11 @@ impl Variable {
     fn numbered(&self, text: &str) -> String {
         self.number.map_or_else(|| text.to_owned(), |number| numbered(text, number))
     }
+}
+
+/// The field of a row whose place is given beside it.
+fn nowhere(owner: &mut f64) -> &mut f64 {
+    owner
 }
 
 /// The text for one element of an array.

@@ -9,18 +9,38 @@
 /// fmi2_export::export!(FirstOrderLag, Integrator);
 /// ```
 ///
-/// # In a crate of its own
-/// Link-time optimisation compiles what a crate instantiates with that crate's optimisation level. Models of fast equations have a
-/// lot of code that runs once for an instance: declarations, settings, saved states. It is shorter if models and this macro are in a
-/// crate that is compiled for size (`opt-level = "s"`), and the `cdylib` is another crate, compiled for speed, that does
-/// nothing but re-export `FMUS`. Then the macro is told the name of the `cdylib`'s package, which is the one that packages:
+/// The models can also be in another crate, which collects them with [`models!`](crate::models):
 ///
 /// ```ignore
-/// fmi2_export::export!(for "pump-fmu": FirstOrderLag, Integrator);
+/// pub use pump_models::FMUS;
+/// fmi2_export::export!(in pump_models);
 /// ```
 #[macro_export]
 macro_rules! export {
-    (for $package:literal: $($model:ty),+ $(,)?) => { $crate::export!(@of $package; $($model),+); };
+    (in $($models:ident)::+) => {
+        use $($models)::+::FMUS_SERVED;
+        $crate::export_c_functions!(FMUS_SERVED);
+    };
+    ($($model:ty),+ $(,)?) => {
+        $crate::models!(@of ::core::env!("CARGO_PKG_NAME"); $($model),+);
+        $crate::export_c_functions!(FMUS_SERVED);
+    };
+}
+
+/// Collects models whose C functions are defined in another crate, by [`export!`](crate::export). It is told the name of that package,
+/// the one that packages.
+///
+/// Code that depends on a model's type is compiled as this crate is, everything else as it is said for the crates it is from.
+/// Models of fast equations have a lot of code that runs once for an instance: declarations, settings, saved states. It is a third
+/// shorter if the models are in a crate that is compiled for size (`opt-level = "s"`), and the equations, and the library,
+/// in crates that are compiled for speed.
+///
+/// ```ignore
+/// fmi2_export::models!(for "pump-fmu": FirstOrderLag, Integrator);
+/// ```
+#[macro_export]
+macro_rules! models {
+    (for $package:literal: $($model:ty),+ $(,)?) => { $crate::models!(@of $package; $($model),+); };
     (@of $package:expr; $($model:ty),+) => {
         #[cfg(panic = "abort")]
         ::core::compile_error!(
@@ -29,7 +49,7 @@ macro_rules! export {
 
         /// What the C functions know of the models.
         #[doc(hidden)]
-        static FMUS_SERVED: $crate::Served = $crate::Served::new(&[
+        pub static FMUS_SERVED: $crate::Served = $crate::Served::new(&[
             $({
                 static EXPORTED: $crate::Exported = $crate::Exported::of::<$model>($crate::fixed_guid(
                     // Set by the packaging: see `identity`.
@@ -46,9 +66,7 @@ macro_rules! export {
             &[$($crate::Described::<$model>::MODEL),+],
             &FMUS_SERVED,
         );
-        $crate::export_c_functions!(FMUS_SERVED);
     };
-    ($($model:ty),+ $(,)?) => { $crate::export!(@of ::core::env!("CARGO_PKG_NAME"); $($model),+); };
 }
 
 #[doc(hidden)]

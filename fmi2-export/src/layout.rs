@@ -172,7 +172,7 @@ impl Layout {
 
     /// Builds the tables of declarations that have been checked.
     pub fn of(declared: Declarations) -> Self {
-        let Declarations { info, model, list, evaluations, exchange, indicators, time, sample } = declared;
+        let Declarations { info, model, list, evaluations, exchange, indicators, time, sample, .. } = declared;
         drop(sample);
         let mut layout = Self {
             info,

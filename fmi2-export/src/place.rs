@@ -27,8 +27,13 @@ impl<M, T> Field<M, T> {
         Self { offset, types: PhantomData }
     }
 
+    /// How many bytes behind the beginning of the model it is.
+    pub(crate) fn offset(self) -> usize {
+        self.offset
+    }
+
     pub(crate) fn place(self) -> Place {
-        Place { way: Way::Field(self.offset), element: 0, then: None }
+        Place { way: Way::Field(self.offset), base: 0, element: 0, then: None }
     }
 }
 
@@ -72,6 +77,8 @@ macro_rules! field {
 #[derive(Clone)]
 pub(crate) struct Place {
     way: Way,
+    /// How many bytes behind the model's beginning the way begins.
+    base: usize,
     /// Which element of an array.
     element: usize,
     /// Where the value is in what the way leads to, if it is not that itself.
@@ -101,7 +108,7 @@ impl Place {
     }
 
     fn going<M: 'static>(go: impl Fn(&mut M, usize) -> *mut () + Send + Sync + 'static) -> Self {
-        Self { way: way(go), element: 0, then: None }
+        Self { way: way(go), base: 0, element: 0, then: None }
     }
 
     /// The same of another element, `size` bytes long.
@@ -110,7 +117,15 @@ impl Place {
             Way::Field(offset) => Way::Field(offset + element * size),
             ref way => way.clone(),
         };
-        Self { way, element, then: self.then }
+        Self { way, base: self.base, element, then: self.then }
+    }
+
+    /// The same in a part of the model, which is so many bytes behind the model's beginning.
+    pub fn behind(self, base: usize) -> Self {
+        match self.way {
+            Way::Field(offset) => Self { way: Way::Field(base + offset), ..self },
+            _ => Self { base, ..self },
+        }
     }
 
     /// A value in what is at this place.
@@ -118,6 +133,11 @@ impl Place {
         // SAFETY: references and pointers to types with a size are passed alike. Whoever calls it promises that the pointer is such
         // a reference: see `of`.
         let then = unsafe { mem::transmute::<fn(&mut P) -> &mut T, unsafe fn(*mut ()) -> *mut ()>(field) };
+        self.step(then)
+    }
+
+    #[inline(never)]
+    fn step(&self, then: unsafe fn(*mut ()) -> *mut ()) -> Self {
         Self { then: Some(then), ..self.clone() }
     }
 
@@ -134,6 +154,8 @@ impl Place {
     /// # Safety
     /// `model` must point to a model of the type that this place was made for, as a reference for writing does.
     pub unsafe fn of(&self, model: *mut ()) -> *mut () {
+        // SAFETY: a part of the model is within it.
+        let model = unsafe { model.byte_add(self.base) };
         let there = match &self.way {
             // SAFETY: a field of the model is within it.
             Way::Field(offset) => unsafe { model.byte_add(*offset) },
@@ -201,6 +223,10 @@ mod tests {
         assert_eq!(written(&Place::by(|m: &mut Model| &mut m.part.a), 3.0).part.a, 3.0);
         assert_eq!(written(&Place::by(move |m: &mut Model| &mut m.part.b[captured]), 4.0).part.b, [0.0, 4.0, 0.0]);
         assert_eq!(written(&of_list.element(1, 8), 5.0).list, [0.0, 5.0]);
+        let part = mem::offset_of!(Model, part);
+        assert_eq!(written(&field!(Part, a).place().behind(part), 1.0).part.a, 1.0);
+        let of_part = Place::array(|part: &mut Part| &mut part.b).behind(part);
+        assert_eq!(written(&of_part.element(2, 8), 2.0).part.b, [0.0, 0.0, 2.0]);
         assert_eq!(written(&a, 6.0).part.a, 6.0);
     }
 

@@ -1,5 +1,6 @@
 //! Declaring variables: each once, by name and by the field of the model's struct it lives in.
 
+use std::any::TypeId;
 use std::marker::PhantomData;
 use std::ptr;
 use std::sync::Arc;
@@ -51,6 +52,11 @@ use crate::variable::Causality;
 /// A variable that always is at the same place in the struct, as most are, can also be declared by
 /// [`field!`](crate::field) instead of a function. It then is read and written without a call, which matters for what is exchanged at
 /// every step; the description of the model is the same. [`derive(Declare)`](macro@crate::Declare) does so.
+///
+/// # Parts
+/// What several models have alike can be a struct of its own, whose variables are declared by one function, compiled once: see
+/// [`part`](Self::part).
+#[repr(transparent)]
 pub struct Variables<M> {
     pub(crate) declared: Declarations,
     model: PhantomData<fn(&mut M)>,
@@ -79,7 +85,37 @@ impl<M: 'static> Variables<M> {
     /// model exchange it is always current; in co-simulation it is the start time at first, and the step moves it on, as
     /// that of `fmi2-integrate` does.
     pub fn time(&mut self, field: impl Fn(&mut M) -> &mut f64 + Send + Sync + 'static) {
-        self.declared.time = Some(Place::by(field));
+        self.declared.time(Place::by(field));
+    }
+
+    /// Declares the variables of a part of the model. The function that does it need not know the model, so that several models can have
+    /// it. Evaluations, states and event indicators are the whole model's; what the part's outputs need of them is declared before.
+    ///
+    /// ```
+    /// # use fmi2_export::{Evaluation, Variables, field};
+    /// # #[derive(Default)] struct Pump { signals: Signals }
+    /// # impl Pump { fn outputs(&mut self) { self.signals.pressure = self.signals.speed } }
+    /// #[derive(Default)]
+    /// struct Signals { speed: f64, pressure: f64 }
+    ///
+    /// fn signals(variables: &mut Variables<Signals>, outputs: Evaluation) {
+    ///     variables.input_field("speed", field!(Signals, speed)).description("Speed").unit("rad/s");
+    ///     variables.output_field("pressure", outputs, field!(Signals, pressure)).description("Pressure").unit("Pa");
+    /// }
+    ///
+    /// # fn variables(variables: &mut Variables<Pump>) {
+    /// let outputs = variables.evaluation(Pump::outputs);
+    /// variables.part(field!(Pump, signals), |part| signals(part, outputs));
+    /// # }
+    /// ```
+    ///
+    /// # Panics
+    /// If the function declares what is the whole model's.
+    pub fn part<P: 'static>(&mut self, part: Field<M, P>, mut declare: impl FnMut(&mut Variables<P>)) {
+        self.declared.part(TypeId::of::<P>(), part.offset(), &mut |declared| {
+            // SAFETY: transparent, whatever the type of the model.
+            declare(unsafe { &mut *ptr::from_mut(declared).cast::<Variables<P>>() });
+        });
     }
 
     /// Declares an input. A number is continuous unless it is said to be [`discrete`](VariableBuilder::discrete),
@@ -193,7 +229,7 @@ impl<M: 'static> Variables<M> {
     /// Declares a table of parameters of one part of the model.
     pub fn parameters<T: 'static>(
         &mut self,
-        table: impl IntoIterator<Item = Parameter<T>>,
+        table: &[Parameter<T>],
         part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
         self.parameters_of(Owner::ALONE, table, part)
@@ -203,7 +239,7 @@ impl<M: 'static> Variables<M> {
     pub fn parameters_of<T: 'static>(
         &mut self,
         owner: Owner<'_>,
-        table: impl IntoIterator<Item = Parameter<T>>,
+        table: &[Parameter<T>],
         part: impl Fn(&mut M) -> &mut T + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
         let first = self.declared.list.len();
@@ -215,21 +251,19 @@ impl<M: 'static> Variables<M> {
     /// for: all of the first part, then all of the second, and so on.
     pub fn parameter_family<T: 'static>(
         &mut self,
-        table: impl IntoIterator<Item = Parameter<T>>,
+        table: &[Parameter<T>],
         parts: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
         let first = self.declared.list.len();
         let count = length(&mut self.declared, &parts);
-        let (table, parts): (Vec<_>, _) = (table.into_iter().collect(), Place::array(parts));
-        for i in 0..count {
-            let (number, part) = ((i + 1).to_string(), parts.element(i, size_of::<T>()));
-            self.declared.rows(table.iter().copied(), Owner::named(&number), Some(i + 1), &part);
-        }
+        self.declared.family(&Place::array(parts), count, size_of::<T>(), &mut |declared, owner, number, part| {
+            declared.rows(table, owner, number, part);
+        });
         self.since(first)
     }
 
     fn one(&mut self, role: Role, name: String, place: Place, access: fn(Place) -> Access) -> VariableBuilder<'_, M> {
-        let first = self.declared.add(name, None, role, access(place));
+        let first = self.declared.one(name, role, place, access);
         self.since(first)
     }
 
@@ -240,15 +274,15 @@ impl<M: 'static> Variables<M> {
         field: impl Fn(&mut M) -> &mut [T] + Send + Sync + 'static,
     ) -> VariableBuilder<'_, M> {
         let length = length(&mut self.declared, &field);
-        let first = self.declared.elements(name, role, &Place::array(field), length, size_of::<T>(), T::access);
+        let first = self.declared.elements(name, role, Place::array(field), length, size_of::<T>(), T::access);
         self.since(first)
     }
 
     fn field<T: Shape>(&mut self, role: Role, name: &str, field: Field<M, T>) -> VariableBuilder<'_, M> {
         let (place, access) = (field.place(), T::Element::access);
         let first = match T::LENGTH {
-            Some(length) => self.declared.elements(name, role, &place, length, size_of::<T::Element>(), access),
-            None => self.declared.add(name.to_owned(), None, role, access(place)),
+            Some(length) => self.declared.elements(name, role, place, length, size_of::<T::Element>(), access),
+            None => self.declared.one(name.to_owned(), role, place, access),
         };
         self.since(first)
     }
@@ -263,7 +297,7 @@ impl<M: ModelExchange> Variables<M> {
     /// Offers model exchange, also of a model without continuous states: declaring a [state](VariableBuilder::state) or
     /// [event indicators](Self::event_indicators) implies it.
     pub fn model_exchange(&mut self) {
-        self.declared.exchange = Some(Exchange::of::<M>());
+        self.declared.offer(Exchange::of::<M>());
     }
 
     /// Declares the field in which `evaluation` leaves the event indicators, as many as it has elements in the model's default

@@ -71,10 +71,10 @@ impl Declare for Arms {
             .depends_on(["tau{}_cmd"])
             .description("Torque {}");
         variables.output("turns", outputs, |m| &mut m.turns).description("A text with {} in it");
-        variables.parameter_family(ARM, |m| &mut m.pair);
-        variables.parameters(ARM, |m| &mut m.object);
+        variables.parameter_family(&ARM, |m| &mut m.pair);
+        variables.parameters(&ARM, |m| &mut m.object);
         let object = Owner { name: "object", unit: "kg", called: "the object" };
-        variables.parameters_of(object, SHARE, |m| &mut m.object).tunable();
+        variables.parameters_of(object, &SHARE, |m| &mut m.object).tunable();
         variables.parameter_array("k", |m| &mut m.gains).tunable().range(0.0, 9.0).description("Gain {}");
         variables.parameter_array("theta{}_0", |m| &mut m.start).unit("rad").display_degrees().description("Start {}");
     }

@@ -90,10 +90,10 @@ impl Declare for GraspActuators {
                 .description(&format!("What the plant gets as {}", command.name));
         }
         variables.parameter("actuator_profile", |m| &mut m.profile).description("What happens to the commands");
-        variables.parameters([ActuationSettings::SAMPLE_TIME], |m| &mut m.settings);
+        variables.parameters(&[ActuationSettings::SAMPLE_TIME], |m| &mut m.settings);
         for row in CommandSettings::PARAMETERS {
             for (i, command) in COMMANDS.iter().enumerate() {
-                variables.parameters_of(command.owner(), [row], move |m| &mut m.settings.commands[i]);
+                variables.parameters_of(command.owner(), &[row], move |m| &mut m.settings.commands[i]);
             }
         }
         variables
@@ -101,7 +101,7 @@ impl Declare for GraspActuators {
             .description("Whether commands go through the inverse of a dead zone, eq. (18), first");
         // Under the names that the plant's own ones have.
         for (i, channel) in DeadZone::CHANNELS.into_iter().enumerate() {
-            variables.parameters_of(channel, DeadZone::PARAMETERS, move |m| &mut m.settings.dead_zones[i]);
+            variables.parameters_of(channel, &DeadZone::PARAMETERS, move |m| &mut m.settings.dead_zones[i]);
         }
     }
 }

@@ -92,18 +92,18 @@ impl Declare for GraspInstruments {
         let (outputs, rates) = (variables.evaluation(Self::outputs), variables.evaluation(Self::rates));
         declare_outputs(variables, outputs, rates);
         variables.parameter("sensor_profile", |m| &mut m.profile).description("What the sensors are like");
-        variables.parameters([InstrumentSettings::SAMPLE_TIME], |m| &mut m.settings);
+        variables.parameters(&[InstrumentSettings::SAMPLE_TIME], |m| &mut m.settings);
         variables
             .parameter("seed", |m| &mut m.settings.seed)
             .range(0.0, f64::from(i32::MAX))
             .description("Chooses among independent sequences of noise");
-        variables.parameters([InstrumentSettings::NOISE_SCALE], |m| &mut m.settings);
+        variables.parameters(&[InstrumentSettings::NOISE_SCALE], |m| &mut m.settings);
         variables
             .parameter("no_rates", |m| &mut m.settings.no_rates)
             .description("Nothing measures rates: the outputs of all _dot signals are 0");
         for row in SensorSettings::PARAMETERS {
             for (i, signal) in SIGNALS.iter().enumerate() {
-                let parameter = variables.parameters_of(signal.owner(), [row], move |m| &mut m.settings.sensors[i]);
+                let parameter = variables.parameters_of(signal.owner(), &[row], move |m| &mut m.settings.sensors[i]);
                 if row.unit == "{}" {
                     in_degrees(parameter, signal);
                 }

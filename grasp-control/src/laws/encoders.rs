@@ -212,13 +212,19 @@ impl<L: Law> Law for Encoders<L> {
         self.law.initialize(&self.seen(inputs));
     }
 
+    // On the way of every step, and called from a crate that is compiled for size.
+    #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
+        if self.source == RateSource::Measured {
+            return self.law.commands(inputs);
+        }
         let seen = self.seen(inputs);
         self.law.commands(&seen)
     }
 
     /// The observers are exact for held inputs; inputs that ramp enter with their mean, an error of second order. The law
     /// holds estimated rates over the step.
+    #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         if self.source == RateSource::Measured {
             return self.law.step(h, inputs, rates);

@@ -173,8 +173,8 @@ fn contact(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
     variables
         .parameter("contact_model", |m| &mut m.contact_model)
         .description("What holds the tips to the object; by default, and in the paper, they never leave it");
-    variables.parameter_family(Face::PARAMETERS, |m| &mut m.parameters.faces);
-    variables.parameters(Parameters::IMPACT, |m| &mut m.parameters);
+    variables.parameter_family(&Face::PARAMETERS, |m| &mut m.parameters.faces);
+    variables.parameters(&Parameters::IMPACT, |m| &mut m.parameters);
 }
 
 fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
@@ -242,8 +242,8 @@ fn shape_outputs(variables: &mut Variables<DualArmPlant>, rates: Evaluation) {
 
 /// Names, units and ranges are those of the plant's own tables.
 fn parameters(variables: &mut Variables<DualArmPlant>) {
-    variables.parameter_family(Arm::PARAMETERS, |m| &mut m.parameters.arms);
-    variables.parameters(Parameters::COMMON, |m| &mut m.parameters);
+    variables.parameter_family(&Arm::PARAMETERS, |m| &mut m.parameters.arms);
+    variables.parameters(&Parameters::COMMON, |m| &mut m.parameters);
     variables
         .parameter("order", |m| &mut m.parameters.order)
         .range(*ORDER_RANGE.start() as f64, *ORDER_RANGE.end() as f64)
@@ -251,10 +251,10 @@ fn parameters(variables: &mut Variables<DualArmPlant>) {
     variables
         .parameter("actuator_model", |m| &mut m.actuator_model)
         .description("How the actuators turn commands into torques and the force; by default without dead zone");
-    variables.parameters(Channel::TORQUE_PARAMETERS, |m| &mut m.parameters.torque_channel);
-    variables.parameters(Channel::FORCE_PARAMETERS, |m| &mut m.parameters.force_channel);
-    variables.parameters(Start::ANGLES, |m| &mut m.parameters.start).display_degrees();
-    variables.parameters(Start::OBJECT, |m| &mut m.parameters.start);
+    variables.parameters(&Channel::TORQUE_PARAMETERS, |m| &mut m.parameters.torque_channel);
+    variables.parameters(&Channel::FORCE_PARAMETERS, |m| &mut m.parameters.force_channel);
+    variables.parameters(&Start::ANGLES, |m| &mut m.parameters.start).display_degrees();
+    variables.parameters(&Start::OBJECT, |m| &mut m.parameters.start);
 }
 
 /// The actuator model as a variable of the FMU: what FMI needs to know of it can't be said of another crate's type.
