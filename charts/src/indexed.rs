@@ -78,7 +78,8 @@ fn runs(pixels: &[Pixel]) -> Option<(Vec<(u16, u32)>, Vec<([u8; 3], u64)>)> {
     let mut recent = [([0; 4], 0_u16); 1 << 8];
     let mut rest = pixels;
     while let Some(&pixel) = rest.first() {
-        let length = rest.iter().position(|other| *other != pixel).unwrap_or(rest.len());
+        let word = u32::from_ne_bytes(pixel);
+        let length = rest.iter().position(|other| u32::from_ne_bytes(*other) != word).unwrap_or(rest.len());
         rest = &rest[length..];
         let [red, green, blue, opacity] = pixel;
         if opacity != u8::MAX {

@@ -5,7 +5,7 @@
 use charts::raster;
 use charts::text::{missing, width};
 use dualarm::grasp;
-use dualarm::report::figures::{self, PaperRun};
+use dualarm::report::figures::{self, PaperRun, signals};
 use dualarm::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
@@ -45,7 +45,7 @@ fn outcome(scenario: grasp::Controller, pole: f64) -> PaperRun {
     }
     let limit = |high: f64| Some(Limits { low: -high, high });
     let metrics = Metrics::of(&table, [limit(2.0), limit(2.0), limit(0.3)]).unwrap();
-    PaperRun { scenario, table, metrics, models: vec![plant()] }
+    PaperRun { scenario, signals: signals(table), metrics, models: vec![plant()] }
 }
 
 /// The true values that Fig. 6 states.

@@ -2,7 +2,7 @@
 
 use charts::chart::Figure;
 use dualarm::report::figures::NamedFigure;
-use dualarm::report::html::{Page, Run};
+use dualarm::report::html::{Packed, Page, Run};
 use dualarm::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
@@ -32,7 +32,7 @@ fn html(title: &str, text: &str) -> String {
         title: title.into(),
         paper: title.into(),
         metrics: Some(Metrics::of(&rows, [None; 3]).unwrap()),
-        rows,
+        rows: Packed::of(&rows, &[]),
         notes: vec![text.into()],
         models: vec![model],
     };

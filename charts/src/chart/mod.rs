@@ -6,6 +6,7 @@
 mod panel;
 mod pen;
 mod points;
+mod signals;
 
 use std::sync::Arc;
 
@@ -18,6 +19,7 @@ use pen::{
 };
 pub use plotters::style::RGBColor;
 pub use points::{Chatter, chatter};
+pub use signals::Signals;
 
 /// Dark text.
 pub const INK: RGBColor = RGBColor(0x22, 0x26, 0x2E);
@@ -240,14 +242,6 @@ impl Figure {
         );
         text::with_shifts(&polished)
     }
-}
-
-/// A signal as the points of a curve that is shown from one time to another: `scale` times its values.
-#[must_use]
-pub fn sampled(times: &[f64], values: &[f64], scale: f64, (from, to): (f64, f64)) -> Arc<[(f64, f64)]> {
-    let shown = times.partition_point(|time| *time < from)..times.partition_point(|time| *time <= to);
-    let values = values.get(shown.clone()).unwrap_or_default();
-    times[shown].iter().copied().zip(values.iter().map(|value| value * scale)).collect()
 }
 
 impl Panel {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{Failure, print};
-use crate::report::html::{Page, Run, rows, signals};
+use crate::report::html::{Packed, Page, Run, rows, signals};
 use fmi2_cosim::files::{self, FileSet, has_extension};
 use fmi2_cosim::record::{self, ReadError};
 use grasp_merit::metrics::Metrics;
@@ -79,6 +79,7 @@ fn saved(file: &Path, title: String) -> Result<Run, Failure> {
     let metrics = Metrics::of(&table, [None; 3]).ok();
     let (rows, said) = rows::of_saved(&table);
     let notes = vec![format!("{}: {said}", file.display())];
+    let rows = Packed::of(&rows, &[]);
     Ok(Run { key: title.clone(), title, rows, metrics, notes, ..Run::default() })
 }
 

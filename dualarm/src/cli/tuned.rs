@@ -9,7 +9,7 @@ use crate::grasp::matrix::{Cell, Lab};
 use crate::report::TextTable;
 use crate::report::figures::NamedFigure;
 use crate::report::html::rows::{self, Rows};
-use crate::report::html::{Page, Run, tables};
+use crate::report::html::{Packed, Page, Run, tables};
 use crate::report::matrix::lines;
 use crate::report::parameters::ModelParameters;
 use crate::tune::{Best, Task};
@@ -78,8 +78,8 @@ impl Tuned<'_> {
         let models = models.collect::<Result<Vec<_>, _>>()?;
         let limits = actuator_limits(master.instance(0));
         let metrics = Metrics::of(judged.table(), limits).ok();
-        let run =
-            Run { key: key.into(), title: title.into(), rows: shown.into_table(), metrics, models, ..Run::default() };
+        let rows = Packed::of(&shown.into_table(), &models);
+        let run = Run { key: key.into(), title: title.into(), rows, metrics, models, ..Run::default() };
         Ok((run, said))
     }
 

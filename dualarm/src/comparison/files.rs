@@ -1,12 +1,9 @@
 //! Tables, figures and data in the folder of the results.
 
-use std::num::NonZero;
-use std::panic::resume_unwind;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
-use super::{ComparisonError, Progress, Runs};
+use super::{ComparisonError, Progress, Runs, parallel};
 use crate::grasp::matrix::{Matrices, Matrix};
 use crate::report;
 use crate::report::figures::{Drawn, Sketch};
@@ -59,25 +56,12 @@ pub(super) fn draw_all(
     progress: &impl Progress,
 ) -> Result<Vec<Drawn>, ComparisonError> {
     let done = progress.begins("figures", sketches.len() as u64);
-    let (next, count) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let work = || {
-        let mut drawn = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(sketch) = sketches.get(index) else { return Ok(drawn) };
-            drawn.push((index, draw(folder, sketch, untitled, results)?));
-            done(count.fetch_add(1, Ordering::Relaxed) as u64 + 1);
-        }
-    };
-    let mut drawn = thread::scope(|scope| {
-        let workers: Vec<_> =
-            (0..thread::available_parallelism().map_or(1, NonZero::get)).map(|_| scope.spawn(work)).collect();
-        let made = workers.into_iter().map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)));
-        made.collect::<Result<Vec<Vec<_>>, ComparisonError>>()
-    })?
-    .concat();
-    drawn.sort_by_key(|(index, _)| *index);
-    Ok(drawn.into_iter().map(|(_, figure)| figure).collect())
+    let count = AtomicUsize::new(0);
+    parallel::each(sketches.len(), |index| {
+        let drawn = draw(folder, &sketches[index], untitled, results)?;
+        done(count.fetch_add(1, Ordering::Relaxed) as u64 + 1);
+        Ok(drawn)
+    })
 }
 
 fn draw(folder: &Path, sketch: &Sketch, untitled: bool, results: &FileSet) -> Result<Drawn, ComparisonError> {

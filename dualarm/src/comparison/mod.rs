@@ -7,10 +7,10 @@
 
 pub mod files;
 pub mod page;
+mod parallel;
 mod run;
 
 use std::path::{Path, PathBuf};
-use std::thread;
 
 use crate::grasp::instruments::{InstrumentsError, Profile};
 use crate::grasp::matrix::{Lab, Matrices};
@@ -18,10 +18,10 @@ use crate::grasp::scenarios::UnknownScenario;
 use crate::grasp::{self, PLANT};
 use crate::report::figures::{self, Drawn, PaperRun};
 use crate::report::html;
+use charts::chart::Signals;
 use fmi2_cosim::files::{FileSet, WriteError};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::{Coupling, Master, MasterError};
-use fmi2_cosim::record::Table;
 use fmi2_cosim::scenario::ScenarioError;
 use fmi2_cosim::system::SystemError;
 use fmi2_import::CallError;
@@ -101,12 +101,12 @@ pub struct Runs {
     /// All figures, once they are [written](Runs::write).
     pub figures: Vec<Drawn>,
     /// The rows of the page, by run.
-    rows: Vec<Table>,
+    rows: Vec<html::Packed>,
     masters: Vec<Master>,
 }
 
 impl Runs {
-    /// Runs the paper's three scenarios with the FMUs of the lab, each in a separate thread with separate instances. Their data
+    /// Runs the paper's three scenarios with the FMUs of the lab, each with separate instances, on all processors. Their data
     /// go to `results` at once.
     ///
     /// # Errors
@@ -118,16 +118,13 @@ impl Runs {
         progress: &impl Progress,
     ) -> Result<Self, ComparisonError> {
         let bars = grasp::PAPER.map(|controller| progress.begins(controller.title, setup.grid.steps()));
-        let made: Result<Vec<run::Made>, ComparisonError> = thread::scope(|scope| {
-            let runs: Vec<_> = grasp::PAPER
-                .iter()
-                .zip(&bars)
-                .map(|(controller, bar)| scope.spawn(move || run::simulate(controller, setup, lab, results, bar)))
-                .collect();
-            runs.into_iter().map(|run| run.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
-        });
+        parallel::give_back_from_now_on();
+        let made =
+            parallel::each(bars.len(), |index| run::simulate(&grasp::PAPER[index], setup, lab, results, &bars[index]))?;
+        // The rows of the page are packed.
+        parallel::give_back();
         let (mut runs, mut rows, mut masters) = (Vec::new(), Vec::new(), Vec::new());
-        for made in made? {
+        for made in made {
             runs.push(made.run);
             rows.push(made.rows);
             masters.push(made.master);
@@ -152,7 +149,7 @@ impl Runs {
         self.figures = files::draw_all(&setup.out.join("figures"), &sketches, wanted.untitled, results, progress)?;
         // The figures were the last to need every step.
         drop(sketches);
-        self.runs.iter_mut().for_each(|run| run.table = Table::default());
+        self.runs.iter_mut().for_each(|run| run.signals = Signals::default());
         files::write(setup.out, self, &sentence, matrix, results)?;
         let rows = std::mem::take(&mut self.rows);
         let shown: Vec<html::Run> = self.runs.iter().zip(rows).map(|(run, rows)| page::shown(run, rows)).collect();

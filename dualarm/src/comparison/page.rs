@@ -5,9 +5,8 @@ use crate::grasp;
 use crate::grasp::instruments;
 use crate::grasp::matrix::Matrices;
 use crate::report::figures::{Drawn, PaperRun};
-use crate::report::html::{Page, Run, rows};
+use crate::report::html::{Packed, Page, Run, rows};
 use fmi2_cosim::grid::TimeGrid;
-use fmi2_cosim::record::Table;
 
 /// The introduction of the page.
 const LEAD: &str = "Two elastic arms squeeze an object between their tips, and no sensor measures the force. Three controllers try \
@@ -47,7 +46,7 @@ pub fn of_matrix(matrix: &Matrices) -> Page<'_> {
 }
 
 /// A result as the page shows it.
-pub(super) fn shown(run: &PaperRun, rows: Table) -> Run {
+pub(super) fn shown(run: &PaperRun, rows: Packed) -> Run {
     Run {
         key: run.scenario.key.into(),
         title: run.scenario.title.into(),

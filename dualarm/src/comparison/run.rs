@@ -5,12 +5,13 @@ use crate::grasp::matrix::Lab;
 use crate::grasp::scenarios::BuiltIn;
 use crate::grasp::{self, Controller, instruments};
 use crate::report::figures::{self, PaperRun};
+use crate::report::html::Packed;
 use crate::report::html::rows::Rows;
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::files::{FileSet, NewFile};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::{Master, MasterError};
-use fmi2_cosim::record::{CsvSink, Every, Follow, Table};
+use fmi2_cosim::record::{CsvSink, Every, Follow};
 use fmi2_cosim::scenario::ScenarioError;
 use fmi2_import::Fmu;
 use grasp_merit::metrics::Metrics;
@@ -18,7 +19,7 @@ use grasp_merit::metrics::Metrics;
 /// The results of a run, the rows of the page, and the components.
 pub struct Made {
     pub run: PaperRun,
-    pub rows: Table,
+    pub rows: Packed,
     pub master: Master,
 }
 
@@ -40,7 +41,7 @@ pub fn simulate(
     let mut master = system.master(setup.coupling)?;
     master.initialize(grid)?;
     let limits = grasp::actuator_limits(master.instance(0));
-    let models = [ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(place))?].into();
+    let models = vec![ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(place))?];
     let columns = master.record(|_| true);
     // Signals that are drawn and judged are recorded at every step, all others only as often as page and CSV file need them.
     let mut drawn = Follow::new(&columns, |name| figures::SIGNALS.contains(&name)).with_room(points(grid));
@@ -53,11 +54,12 @@ pub fn simulate(
         result => result?,
     }
     results.add(all.sink.into_file()?)?;
+    let rows = Packed::of(&shown.into_table(), &models);
     let table = drawn.into_table();
     let metrics = Metrics::of(&table, limits)
         .map_err(|source| ComparisonError::Metrics { controller: controller.fmu, source })?;
-    let run = PaperRun { scenario: *controller, table, metrics, models };
-    Ok(Made { run, rows: shown.into_table(), master })
+    let run = PaperRun { scenario: *controller, signals: figures::signals(table), metrics, models };
+    Ok(Made { run, rows, master })
 }
 
 /// How many communication points to expect, but no more than memory certainly has room for.

@@ -9,43 +9,7 @@ use crate::files::{NewFile, WriteError};
 pub struct CsvSink<W: Write> {
     writer: BufWriter<W>,
     /// The row that is being written.
-    line: Line,
-    /// The row before it: many values stay as they are.
-    before: Line,
-}
-
-/// A row as text.
-#[derive(Default)]
-struct Line {
-    text: Vec<u8>,
-    values: Vec<f64>,
-    /// Where the text of each value ends.
-    ends: Vec<usize>,
-}
-
-impl Line {
-    /// Appends a value and a comma, with the same text as in the row before if it is the same number.
-    fn push(&mut self, value: f64, before: &Self) {
-        let place = self.values.len();
-        match before.values.get(place) {
-            Some(known) if known.to_bits() == value.to_bits() => {
-                let begin = place.checked_sub(1).map_or(0, |last| before.ends[last]);
-                self.text.extend_from_slice(&before.text[begin..before.ends[place]]);
-            }
-            _ => {
-                digits::push(value, &mut self.text);
-                self.text.push(b',');
-            }
-        }
-        self.values.push(value);
-        self.ends.push(self.text.len());
-    }
-
-    fn clear(&mut self) {
-        self.text.clear();
-        self.values.clear();
-        self.ends.clear();
-    }
+    line: Vec<u8>,
 }
 
 impl CsvSink<NewFile> {
@@ -93,7 +57,7 @@ impl CsvSink<NewFile> {
 impl<W: Write> CsvSink<W> {
     /// CSV to anything that takes bytes; write the header next.
     pub fn to(writer: W) -> Self {
-        Self { writer: BufWriter::new(writer), line: Line::default(), before: Line::default() }
+        Self { writer: BufWriter::new(writer), line: Vec::new() }
     }
 
     /// Returns the writer.
@@ -120,16 +84,14 @@ impl<W: Write> CsvSink<W> {
 impl<W: Write> Sink for CsvSink<W> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         // Numbers need no quotes.
-        std::mem::swap(&mut self.line, &mut self.before);
         self.line.clear();
-        self.line.push(time, &self.before);
+        digits::push(time, &mut self.line);
         for value in values {
-            self.line.push(*value, &self.before);
+            self.line.push(b',');
+            digits::push(*value, &mut self.line);
         }
-        // A line ends instead of its last comma.
-        let last = self.line.text.len() - 1;
-        self.writer.write_all(&self.line.text[..last])?;
-        self.writer.write_all(b"\n")
+        self.line.push(b'\n');
+        self.writer.write_all(&self.line)
     }
 }
 

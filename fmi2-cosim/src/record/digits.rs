@@ -32,26 +32,34 @@ pub(super) fn push(value: f64, text: &mut Vec<u8>) {
         if value < 0.0 {
             text.push(b'-');
         }
-        let (mantissa, exponent) = scientific(buffer.format(size));
-        text.extend_from_slice(&mantissa.as_bytes()[..1]);
-        if mantissa.len() > 1 {
-            text.push(b'.');
-            text.extend(mantissa[1..].bytes().filter(|digit| *digit != b'.'));
-        }
-        let _ = write!(text, "e{exponent}");
+        let exponent = scientific(buffer.format(size), text);
+        text.extend_from_slice(if exponent < 0 { b"e-" } else { b"e" });
+        push_whole(exponent.unsigned_abs(), text);
     }
 }
 
-/// The digits of a positive number from its first one that is not zero on, perhaps with a point among them, and the power of ten
-/// of the first. The number comes with an exponent, or as `0.0…`.
-fn scientific(digits: &str) -> (&str, i32) {
+/// Appends the digits of a positive number from its first one that is not zero on, with a point behind the first if there are more, and
+/// returns the power of ten of the first. The number comes with an exponent, or as `0.0…`.
+fn scientific(digits: &str, text: &mut Vec<u8>) -> i32 {
     if let Some((mantissa, exponent)) = digits.split_once('e') {
-        let mantissa = mantissa.strip_suffix(".0").unwrap_or(mantissa);
-        return (mantissa, exponent.parse().unwrap_or_default());
+        text.extend_from_slice(mantissa.strip_suffix(".0").unwrap_or(mantissa).as_bytes());
+        return exponent.parse().unwrap_or_default();
     }
-    let fraction = digits.trim_start_matches(['0', '.']);
+    let fraction = digits.trim_start_matches(['0', '.']).as_bytes();
+    text.push(fraction[0]);
+    if fraction.len() > 1 {
+        text.push(b'.');
+        text.extend_from_slice(&fraction[1..]);
+    }
     let zeros = digits.len() - fraction.len() - 1;
-    (fraction, -i32::try_from(zeros).unwrap_or_default())
+    -i32::try_from(zeros).unwrap_or_default()
+}
+
+/// Appends a number of at most three digits.
+fn push_whole(number: u32, text: &mut Vec<u8>) {
+    let digits = [number / 100 % 10, number / 10 % 10, number % 10];
+    let first = digits.iter().position(|digit| *digit > 0).unwrap_or(2);
+    text.extend(digits[first..].iter().map(|digit| b'0' + digit.to_le_bytes()[0]));
 }
 
 #[cfg(test)]

@@ -59,6 +59,11 @@ impl Table {
         &self.values[index]
     }
 
+    /// The times, and all columns with their values.
+    pub fn into_columns(self) -> (Vec<f64>, impl Iterator<Item = (Column, Vec<f64>)>) {
+        (self.times, self.columns.into_iter().zip(self.values))
+    }
+
     /// The rows and columns that are wanted, in their order.
     #[must_use]
     pub fn part(&self, columns: &[usize], rows: impl Iterator<Item = usize>) -> Self {

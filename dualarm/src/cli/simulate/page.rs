@@ -7,7 +7,7 @@ use super::monitor;
 use crate::cli::{Failure, report};
 use crate::report::html::rows::{self, Rows};
 use crate::report::html::signals::with_decades;
-use crate::report::html::{self, Page};
+use crate::report::html::{self, Packed, Page};
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Sink, Table};
@@ -120,8 +120,8 @@ impl Made<'_> {
             paper: String::new(),
             metrics: self.metrics.cloned(),
             notes: self.notes(&names),
+            rows: Packed::of(&self.rows, &self.models),
             models: self.models,
-            rows: self.rows,
         };
         let page = Page {
             title,

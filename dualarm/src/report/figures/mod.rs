@@ -7,7 +7,7 @@ pub mod paper;
 
 use crate::grasp::Controller;
 use crate::report::parameters::ModelParameters;
-use charts::chart::Figure;
+use charts::chart::{Figure, Signals};
 use fmi2_cosim::record::Table;
 use grasp_merit::metrics::Metrics;
 
@@ -16,12 +16,19 @@ use grasp_merit::metrics::Metrics;
 pub struct PaperRun {
     /// The controller of the run.
     pub scenario: Controller,
-    /// The recorded rows.
-    pub table: Table,
+    /// The recorded signals.
+    pub signals: Signals,
     /// How good it was.
     pub metrics: Metrics,
     /// Parameters of plant and controller, in this order.
     pub models: Vec<ModelParameters>,
+}
+
+/// The signals of a recorded run, to be drawn.
+#[must_use]
+pub fn signals(table: Table) -> Signals {
+    let (times, columns) = table.into_columns();
+    Signals::new(times, columns.map(|(column, values)| (column.name, values)))
 }
 
 /// A figure with the name of its files.

@@ -1,8 +1,7 @@
 //! The three controllers in one picture: forces, angles, control signals, and the picture of the README.
 
 use super::paper::{
-    ANGLE_NOTE, FORCE_NOTE, SUBSCRIPTS, angle_target, below_each_other, control_label, force_target, points,
-    with_close_up,
+    ANGLE_NOTE, FORCE_NOTE, SUBSCRIPTS, angle_target, below_each_other, control_label, force_target, with_close_up,
 };
 use super::{NamedFigure, PaperRun, Sketch};
 use charts::chart::{Curve, Figure, Mark, Panel, RGBColor, Target, palette};
@@ -32,7 +31,7 @@ fn curves(runs: &[PaperRun], signal: &str, scale: f64) -> Vec<Curve> {
             name: run.scenario.title.into(),
             color: color(index),
             wide: false,
-            points: points(&run.table, signal, scale, x_range(runs)),
+            points: run.signals.curve(signal, scale, x_range(runs)),
         })
         .collect()
 }
@@ -40,8 +39,8 @@ fn curves(runs: &[PaperRun], signal: &str, scale: f64) -> Vec<Curve> {
 /// The time span that all runs cover, but at most half of it after everything is settled.
 fn x_range(runs: &[PaperRun]) -> (f64, f64) {
     let bound = |time: Option<&f64>| time.copied().unwrap_or(0.0);
-    let start = runs.iter().map(|run| bound(run.table.times().first())).fold(f64::INFINITY, f64::min);
-    let stop = runs.iter().map(|run| bound(run.table.times().last())).fold(0.0, f64::max);
+    let start = runs.iter().map(|run| bound(run.signals.times().first())).fold(f64::INFINITY, f64::min);
+    let stop = runs.iter().map(|run| bound(run.signals.times().last())).fold(0.0, f64::max);
     let settled = runs.iter().map(|run| run.metrics.settling_2().unwrap_or(f64::INFINITY)).fold(0.0, f64::max);
     (start, stop.min(start + (1.25 * settled).ceil()))
 }
@@ -49,8 +48,8 @@ fn x_range(runs: &[PaperRun]) -> (f64, f64) {
 /// The contact forces of both arms side by side, with the moment each controller has settled.
 fn hero(runs: &[PaperRun]) -> NamedFigure {
     let panel = |arm: usize| {
-        let table = &runs[0].table;
-        let target = force_target(table).into_iter().map(|target| {
+        let signals = &runs[0].signals;
+        let target = force_target(signals).into_iter().map(|target| {
             // Only the right panel has room for labels.
             let labels = if arm == 2 { target.labels } else { Vec::new() };
             Target { labels, ..target }
@@ -58,8 +57,8 @@ fn hero(runs: &[PaperRun]) -> NamedFigure {
         let marks = runs.iter().enumerate().filter_map(|(index, run)| {
             let force = &run.metrics.forces[arm - 1];
             let settling = force.settling_2?;
-            let start = run.table.times()[0];
-            let values = points(&run.table, &format!("contact_force{arm}"), 1.0, (start + settling, f64::INFINITY));
+            let start = run.signals.times()[0];
+            let values = run.signals.curve(&format!("contact_force{arm}"), 1.0, (start + settling, f64::INFINITY));
             Some(Mark {
                 point: *values.first()?,
                 color: color(index),
@@ -100,7 +99,7 @@ fn forces(runs: &[PaperRun]) -> NamedFigure {
         y_include: vec![0.0],
         first_on_top: true,
         curves: curves(runs, &format!("contact_force{arm}"), 1.0),
-        targets: force_target(&runs[0].table),
+        targets: force_target(&runs[0].signals),
         ..Panel::default()
     };
     stacked("overlay-forces", "Contact forces", vec![vec![panel(1)], vec![panel(2)]], 560, FORCE_NOTE)
@@ -113,7 +112,7 @@ fn angles(runs: &[PaperRun]) -> NamedFigure {
         y_include: vec![0.0],
         first_on_top: true,
         curves: curves(runs, &format!("theta{arm}"), 1_f64.to_degrees()),
-        targets: angle_target(&runs[0].table, arm),
+        targets: angle_target(&runs[0].signals, arm),
         ..Panel::default()
     };
     stacked("overlay-angles", "Hub angles", vec![vec![panel(1)], vec![panel(2)]], 560, ANGLE_NOTE)

@@ -1,9 +1,7 @@
 //! The paper's Figs. 2 to 18: for each scenario forces, angles, (estimates,) and control signals.
 
 use super::{NamedFigure, PaperRun, Sketch};
-use charts::chart::{Chatter, Curve, Figure, Panel, Target, chatter, palette, sampled};
-use fmi2_cosim::record::Table;
-use std::sync::Arc;
+use charts::chart::{Chatter, Curve, Figure, Panel, Signals, Target, chatter, palette};
 
 /// Size of a figure in px.
 const SIZE: (u32, u32) = (720, 400);
@@ -63,18 +61,18 @@ pub fn figures(runs: &[PaperRun]) -> Vec<Sketch<'_>> {
 
 impl Entry {
     fn figure(&self, run: &PaperRun) -> NamedFigure {
-        let table = &run.table;
+        let signals = &run.signals;
         let range = window(run);
         let (subject, size, rows) = match self.kind {
-            Kind::Force(arm) => (format!("Contact force, arm {arm}"), SIZE, single(force(table, arm, range))),
-            Kind::Angle(arm) => (format!("Hub angle, arm {arm}"), SIZE, single(angle(table, arm, range))),
+            Kind::Force(arm) => (format!("Contact force, arm {arm}"), SIZE, single(force(signals, arm, range))),
+            Kind::Angle(arm) => (format!("Hub angle, arm {arm}"), SIZE, single(angle(signals, arm, range))),
             Kind::Estimates => ("Norms of the estimated parameters".into(), TALL, estimates(run, range)),
             Kind::Torques => {
-                let rows = vec![control(table, "tau1", range), control(table, "tau2", range)];
+                let rows = vec![control(signals, "tau1", range), control(signals, "tau2", range)];
                 ("Torques at the roots".into(), TALL, below_each_other(rows))
             }
             Kind::TipForce => {
-                let rows = vec![control(table, "u", range)];
+                let rows = vec![control(signals, "u", range)];
                 ("Force at the end-effectors".into(), SIZE, below_each_other(rows))
             }
         };
@@ -114,7 +112,7 @@ pub(super) const ANGLE_NOTE: &str = "Horizontal line: the target.";
 /// A round time span that shows the settling and some calm after it.
 fn window(run: &PaperRun) -> (f64, f64) {
     const ROUND: [f64; 10] = [0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
-    let times = run.table.times();
+    let times = run.signals.times();
     let (start, stop) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(1.0));
     let wanted = run.metrics.settling_2().map_or(f64::INFINITY, |settling| 2.2 * settling);
     let span = ROUND.into_iter().find(|span| *span >= wanted).unwrap_or(f64::INFINITY);
@@ -137,18 +135,8 @@ pub(super) fn below_each_other(mut rows: Vec<Vec<Panel>>) -> Vec<Vec<Panel>> {
     rows
 }
 
-/// A signal as the points of a curve that is shown from one time to another.
-pub(super) fn points(table: &Table, name: &str, scale: f64, range: (f64, f64)) -> Arc<[(f64, f64)]> {
-    sampled(table.times(), table.column(name).unwrap_or_default(), scale, range)
-}
-
-/// The last value of a signal.
-fn last(table: &Table, name: &str) -> Option<f64> {
-    table.column(name)?.last().copied()
-}
-
-pub(super) fn force_target(table: &Table) -> Vec<Target> {
-    let target = last(table, "lambda2_d").map(|value| Target {
+pub(super) fn force_target(signals: &Signals) -> Vec<Target> {
+    let target = signals.last("lambda2_d").map(|value| Target {
         value,
         band: 0.02 * value.abs(),
         labels: vec![format!("target {} N", charts::text::number(value, 1)), "±2 %".into()],
@@ -156,8 +144,8 @@ pub(super) fn force_target(table: &Table) -> Vec<Target> {
     target.into_iter().collect()
 }
 
-pub(super) fn angle_target(table: &Table, arm: usize) -> Vec<Target> {
-    let target = last(table, &format!("theta{arm}_d")).map(|radians| Target {
+pub(super) fn angle_target(signals: &Signals, arm: usize) -> Vec<Target> {
+    let target = signals.last(&format!("theta{arm}_d")).map(|radians| Target {
         value: radians.to_degrees(),
         band: 0.0,
         labels: vec![format!("target {}°", charts::text::number(radians.to_degrees(), 2))],
@@ -167,37 +155,37 @@ pub(super) fn angle_target(table: &Table, arm: usize) -> Vec<Target> {
 
 pub(super) const SUBSCRIPTS: [&str; 3] = ["", "₁", "₂"];
 
-fn force(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
-    let points = points(table, &format!("contact_force{arm}"), 1.0, x_range);
+fn force(signals: &Signals, arm: usize, x_range: (f64, f64)) -> Panel {
+    let points = signals.curve(&format!("contact_force{arm}"), 1.0, x_range);
     Panel {
         y_label: format!("Contact force f{} (N)", SUBSCRIPTS[arm]),
         x_range,
         y_include: vec![0.0],
         curves: vec![Curve { name: String::new(), color: palette::BLUE, wide: false, points }],
-        targets: force_target(table),
+        targets: force_target(signals),
         ..Panel::default()
     }
 }
 
-fn angle(table: &Table, arm: usize, x_range: (f64, f64)) -> Panel {
-    let points = points(table, &format!("theta{arm}"), 1_f64.to_degrees(), x_range);
+fn angle(signals: &Signals, arm: usize, x_range: (f64, f64)) -> Panel {
+    let points = signals.curve(&format!("theta{arm}"), 1_f64.to_degrees(), x_range);
     Panel {
         y_label: format!("Hub angle θ{} (°)", SUBSCRIPTS[arm]),
         x_range,
         y_include: vec![0.0],
         curves: vec![Curve { name: String::new(), color: palette::BLUE, wide: false, points }],
-        targets: angle_target(table, arm),
+        targets: angle_target(signals, arm),
         ..Panel::default()
     }
 }
 
 /// A control signal: the actuator's output as a thin line, above the controller's command.
-fn control(table: &Table, signal: &str, x_range: (f64, f64)) -> Vec<Panel> {
+fn control(signals: &Signals, signal: &str, x_range: (f64, f64)) -> Vec<Panel> {
     let curve = |name: &str, signal: &str, color, wide| Curve {
         name: name.into(),
         color,
         wide,
-        points: points(table, signal, 1.0, x_range),
+        points: signals.curve(signal, 1.0, x_range),
     };
     with_close_up(Panel {
         y_label: control_label(signal),
@@ -267,7 +255,7 @@ fn estimates(run: &PaperRun, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
             name: if is_object { "object".into() } else { format!("arm {}", arm + 1) },
             color,
             wide: !is_object && arm == 0, // the second arm's may lie on it
-            points: points(&run.table, signal, 1.0, x_range).iter().map(|(time, value)| (*time, value.abs())).collect(),
+            points: run.signals.curve(signal, 1.0, x_range).iter().map(|(time, value)| (*time, value.abs())).collect(),
         });
         Panel {
             heading: Some(heading.into()),

@@ -6,6 +6,7 @@
 //! has an animation; every run has curves of all its signals.
 
 mod markup;
+mod packed;
 pub mod rows;
 mod run;
 pub mod signals;
@@ -17,6 +18,7 @@ use crate::grasp::matrix::Matrices;
 use crate::report::figures::Drawn;
 pub(crate) use markup::escape;
 pub(crate) use markup::{fill, json_in_script};
+pub use packed::Packed;
 pub use run::Run;
 
 const HEAD: &str = include_str!("../../../assets/report/head.html");
