@@ -93,38 +93,39 @@ pub enum StepError {
 impl StepError {
     /// Checks what a step was asked to do.
     pub(crate) fn check(h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), Self> {
-        if !(h.is_finite() && h > 0.0) {
-            return Err(Self::StepSize(h));
-        }
-        let (values, rates) = (inputs.to_array(), rates.to_array());
+        Self::check_size(h)?;
+        let (values, changes) = (inputs.to_array(), rates.to_array());
         let mut all_usable = true;
         // Without a branch per input, so that several are compared at once.
-        for (value, rate) in values.iter().zip(rates) {
+        for (value, rate) in values.iter().zip(changes) {
             all_usable &= value.abs() <= Inputs::LARGEST;
             all_usable &= (value + rate * h).abs() <= Inputs::LARGEST;
         }
-        if all_usable { Ok(()) } else { Err(Self::unusable(&values, &rates, h)) }
+        if all_usable { Ok(()) } else { Err(Self::unusable(inputs, rates, h)) }
     }
 
     /// [`check`](Self::check) of inputs that are held.
     #[inline(always)]
     pub(crate) fn check_held(h: f64, inputs: &Inputs) -> Result<(), Self> {
-        if !(h.is_finite() && h > 0.0) {
-            return Err(Self::StepSize(h));
-        }
-        let values = inputs.to_array();
+        Self::check_size(h)?;
         let mut all_usable = true;
-        for value in values {
+        for value in inputs.to_array() {
             all_usable &= value.abs() <= Inputs::LARGEST;
         }
-        if all_usable { Ok(()) } else { Err(Self::unusable(&values, &[0.0; INPUTS], h)) }
+        if all_usable { Ok(()) } else { Err(Self::unusable(inputs, &Inputs::HELD, h)) }
+    }
+
+    #[inline(always)]
+    fn check_size(h: f64) -> Result<(), Self> {
+        if h > 0.0 && h <= f64::MAX { Ok(()) } else { Err(Self::StepSize(h)) }
     }
 
     /// The first input that [`check`](Self::check) does not like.
     #[cold]
-    fn unusable(values: &[f64; INPUTS], rates: &[f64; INPUTS], h: f64) -> Self {
-        let ends: [f64; INPUTS] = std::array::from_fn(|i| values[i] + rates[i] * h);
-        let named = [values, &ends].into_iter().flat_map(|values| crate::signals::INPUT_NAMES.into_iter().zip(*values));
+    fn unusable(inputs: &Inputs, rates: &Inputs, h: f64) -> Self {
+        let (values, ends) = (inputs.to_array(), inputs.after(h, rates).to_array());
+        let named =
+            [&values, &ends].into_iter().flat_map(|values| crate::signals::INPUT_NAMES.into_iter().zip(*values));
         let (name, value) = named
             .into_iter()
             .find(|(_, value)| value.is_nan() || value.abs() > Inputs::LARGEST)

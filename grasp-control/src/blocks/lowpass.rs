@@ -3,6 +3,9 @@
 //! −m̂ Σ q̇ᵢ'''(l) in (36) feeds back the rate of a shear force. Its loop gain grows with frequency, and no sensor gives
 //! that rate without a bandwidth. ẏ = ω (x − y) is solved exactly for inputs that are held or ramp over a step.
 
+// Inlined, so that nothing is left of the rates of inputs that are held.
+#![allow(clippy::inline_always)]
+
 use crate::blocks::adaptation::{NODES, phi1, phi2};
 use serde::{Deserialize, Serialize};
 
@@ -91,7 +94,7 @@ impl LowPass {
     }
 
     /// Advances the filters by `h` \[s\].
-    #[inline]
+    #[inline(always)]
     pub fn step(&mut self, h: f64, input: [f64; 2], rate: [f64; 2]) {
         self.state = if self.is_on() {
             let end = self.responses(h).end;
@@ -101,6 +104,7 @@ impl LowPass {
         };
     }
 
+    #[inline(always)]
     fn after(&self, response: Response, input: [f64; 2], rate: [f64; 2]) -> [f64; 2] {
         std::array::from_fn(|i| {
             let y = self.state[i];
@@ -108,7 +112,7 @@ impl LowPass {
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn responses(&mut self, h: f64) -> Responses {
         match self.responses {
             Some(responses) if responses.h == h => responses,
@@ -117,6 +121,7 @@ impl LowPass {
     }
 
     #[cold]
+    #[inline(never)]
     fn responses_to(&self, h: f64) -> Responses {
         let at = |t: f64| {
             let z = self.bandwidth * t;

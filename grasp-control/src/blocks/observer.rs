@@ -14,12 +14,15 @@
 
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
 
 mod continuous;
 
 pub(crate) use continuous::ObserverChange;
 
 use super::exponential::exp;
+use super::four::Number;
 use serde::{Deserialize, Serialize};
 
 /// Where a controller takes rates from.
@@ -112,31 +115,56 @@ impl Observer {
     }
 
     /// As [`step`](Self::step), for a caller that keeps the [`decay`](Self::decay).
-    #[inline]
-    pub(crate) fn step_decaying(&mut self, h: f64, decay: f64, known: &Known, measured: Motion, force: f64) {
-        let Known { source, bandwidth: w, inertia, limit } = *known;
+    fn step_decaying(&mut self, h: f64, decay: f64, known: &Known, measured: Motion, force: f64) {
+        let Known { source, bandwidth, inertia, limit } = *known;
+        let observed = Observed {
+            state: [self.position, self.rate, self.disturbance],
+            measured: [measured.position, measured.rate],
+            force,
+        };
+        [self.position, self.rate, self.disturbance] = observed.after(source, h, decay, bandwidth, inertia, limit);
+    }
+}
+
+/// One observer, or several side by side, and what they see.
+pub(crate) struct Observed<V> {
+    /// Position, rate, disturbance.
+    pub state: [V; 3],
+    /// Position, rate.
+    pub measured: [V; 2],
+    pub force: V,
+}
+
+impl<V: Number> Observed<V> {
+    /// The state after a step of `h` \[s\] with everything held; `decay` is that of the poles `w`.
+    #[inline(always)]
+    pub fn after(self, source: RateSource, h: V, decay: V, w: V, inertia: V, limit: V) -> [V; 3] {
+        let Self { state: [position, rate, disturbance], measured, force } = self;
         let acceleration = force / inertia;
-        let driven = self.disturbance / inertia + acceleration;
-        let (rate, driven) = match source {
+        let driven = disturbance / inertia + acceleration;
+        let (position, rate, driven) = match source {
             RateSource::Measured => {
-                let error = self.rate - measured.rate;
-                let slope = [driven - w * error, -w * (w * error - driven)];
-                self.position = measured.position;
-                (measured.rate + decay * (error + h * slope[0]), decay * (driven + h * slope[1]))
+                let error = rate - measured[1];
+                let slope = [driven - w * error, w * (driven - w * error)];
+                (measured[0], measured[1] + decay * (error + h * slope[0]), decay * (driven + h * slope[1]))
             }
             RateSource::Estimated => {
-                let nilpotent =
-                    |[x, v, d]: [f64; 3]| [v - 2.0 * w * x, d + w * v - 3.0 * w * w * x, w * d - w * w * w * x];
-                let start = [self.position - measured.position, self.rate, driven];
-                let first = nilpotent(start);
-                let second = nilpotent(first);
-                let end: [f64; 3] = std::array::from_fn(|i| decay * (start[i] + h * (first[i] + 0.5 * h * second[i])));
-                self.position = measured.position + end[0];
-                (end[1], end[2])
+                let (two, three) = (V::splat(2.0), V::splat(3.0));
+                let start = [position - measured[0], rate, driven];
+                let [x, v, d] = start;
+                let first = [v - two * w * x, d + w * v - three * w * w * x, w * d - w * w * w * x];
+                let [x, v, d] = first;
+                let second = [v - two * w * x, d + w * v - three * w * w * x, w * d - w * w * w * x];
+                let mut end = start;
+                for i in 0..3 {
+                    end[i] = decay * (start[i] + h * (first[i] + V::splat(0.5) * h * second[i]));
+                }
+                (measured[0] + end[0], end[1], end[2])
             }
         };
-        self.rate = rate;
-        self.disturbance = (inertia * (driven - acceleration)).clamp(-limit, limit);
+        let disturbance = inertia * (driven - acceleration);
+        let least = V::splat(0.0) - limit;
+        [position, rate, limit.smaller(least.larger(disturbance))]
     }
 }
 

@@ -42,6 +42,12 @@ pub(crate) trait Number:
     fn with_sign_of(self, other: Self) -> Self;
     /// Clamped to ±`limit`; what is no number stays so.
     fn within(self, limit: f64) -> Self;
+    /// The larger one; `other` where one of them is no number.
+    fn larger(self, other: Self) -> Self;
+    /// The smaller one; `other` where one of them is no number.
+    fn smaller(self, other: Self) -> Self;
+    /// `then` where this is larger than `other`, else `or`.
+    fn where_larger(self, other: Self, then: Self, or: Self) -> Self;
     /// 2^k where the lowest bits of this are those of the integer k.
     fn power_of_two(self) -> Self;
 }
@@ -80,6 +86,21 @@ impl Number for f64 {
     #[inline(always)]
     fn within(self, limit: f64) -> Self {
         self.clamp(-limit, limit)
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn where_larger(self, other: Self, then: Self, or: Self) -> Self {
+        if self > other { then } else { or }
     }
 
     #[inline(always)]

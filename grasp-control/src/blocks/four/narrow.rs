@@ -75,6 +75,30 @@ impl Number for Narrow {
     }
 
     #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        // SAFETY: every x86-64 processor has SSE2. Of a number and none, the instruction gives the second.
+        self.with(other, |x, y| unsafe { _mm_max_pd(x, y) })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        // SAFETY: every x86-64 processor has SSE2. Of a number and none, the instruction gives the second.
+        self.with(other, |x, y| unsafe { _mm_min_pd(x, y) })
+    }
+
+    #[inline(always)]
+    fn where_larger(self, other: Self, then: Self, or: Self) -> Self {
+        // SAFETY: every x86-64 processor has SSE2.
+        let larger = self.with(other, |x, y| unsafe { _mm_cmpgt_pd(x, y) });
+        // SAFETY: every x86-64 processor has SSE2.
+        let rest = larger.with(or, |larger, or| unsafe { _mm_andnot_pd(larger, or) });
+        // SAFETY: every x86-64 processor has SSE2.
+        let chosen = larger.with(then, |larger, then| unsafe { _mm_and_pd(larger, then) });
+        // SAFETY: every x86-64 processor has SSE2.
+        chosen.with(rest, |chosen, rest| unsafe { _mm_or_pd(chosen, rest) })
+    }
+
+    #[inline(always)]
     fn power_of_two(self) -> Self {
         // SAFETY: every x86-64 processor has SSE2.
         self.each(|x| unsafe {

@@ -50,6 +50,21 @@ impl Number for Portable {
     }
 
     #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        Self(std::array::from_fn(|lane| self.0[lane].larger(other.0[lane])))
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        Self(std::array::from_fn(|lane| self.0[lane].smaller(other.0[lane])))
+    }
+
+    #[inline(always)]
+    fn where_larger(self, other: Self, then: Self, or: Self) -> Self {
+        Self(std::array::from_fn(|lane| self.0[lane].where_larger(other.0[lane], then.0[lane], or.0[lane])))
+    }
+
+    #[inline(always)]
     fn power_of_two(self) -> Self {
         Self(self.0.map(f64::power_of_two))
     }

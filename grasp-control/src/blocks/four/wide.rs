@@ -2,9 +2,9 @@
 
 use super::{Add, Div, Four, Lanes, Mul, Number, Sub};
 use std::arch::x86_64::{
-    __m256d, _CMP_GT_OQ, _mm256_add_epi64, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_castpd_si256,
-    _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_div_pd, _mm256_loadu_pd, _mm256_max_pd, _mm256_min_pd, _mm256_mul_pd,
-    _mm256_or_pd, _mm256_set1_pd, _mm256_slli_epi64, _mm256_storeu_pd, _mm256_sub_pd,
+    __m256d, _CMP_GT_OQ, _mm256_add_epi64, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
+    _mm256_castpd_si256, _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_div_pd, _mm256_loadu_pd, _mm256_max_pd,
+    _mm256_min_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_set1_pd, _mm256_slli_epi64, _mm256_storeu_pd, _mm256_sub_pd,
 };
 
 /// A register of four lanes. Only functions that are called where the processor has AVX2 may make one.
@@ -62,6 +62,24 @@ impl Number for Wide {
             let raised = _mm256_max_pd(_mm256_set1_pd(-limit), self.0);
             Self(_mm256_min_pd(_mm256_set1_pd(limit), raised))
         }
+    }
+
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`. Of a number and none, the instruction gives the second.
+        Self(unsafe { _mm256_max_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`. Of a number and none, the instruction gives the second.
+        Self(unsafe { _mm256_min_pd(self.0, other.0) })
+    }
+
+    #[inline(always)]
+    fn where_larger(self, other: Self, then: Self, or: Self) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        Self(unsafe { _mm256_blendv_pd(or.0, then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) })
     }
 
     #[inline(always)]

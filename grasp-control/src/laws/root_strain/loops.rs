@@ -89,6 +89,7 @@ impl Loops<'_> {
     }
 
     /// Surfaces and commands.
+    #[inline(always)]
     pub fn at(&self, at: &Point) -> Outcome {
         let posture = std::array::from_fn(|i| {
             self.scaled.hub_slope[i] * at.e[i] + at.omega[i] + self.gains.hub[i].strain * at.moment[i] / at.inertia[i]

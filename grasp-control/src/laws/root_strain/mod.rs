@@ -38,6 +38,8 @@
 
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
+// Where a part of what is computed is not used, the compiler sees it only if it is inlined.
+#![allow(clippy::inline_always)]
 
 mod continuous;
 mod gains;
@@ -52,14 +54,15 @@ pub use inertia::{FilterGains, InertiaGains, MassGains};
 pub use natural::Scaled;
 pub use networks::{Learner, NetworkGains};
 
+use crate::blocks::four::Lanes;
 use crate::blocks::lowpass::LowPass;
 use crate::blocks::observer::{Known, Motion, Observer, RateSource};
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::encoders::Actuation;
 use crate::laws::nabfc::{Estimates, RbfLayout, Surfaces};
-use crate::signals::{Commands, INPUTS, Inputs};
-use crate::target::Arms;
-use inertia::{Estimator, Moving, Prior, Shares};
+use crate::signals::{Commands, INPUTS, Inputs, Measurements};
+use crate::target::{Arms, TargetSlopes};
+use inertia::{Estimator, Estimators, Moving, OfSize, Prior, Priors, Sights};
 use loops::{Loops, Outcome, Point};
 use natural::Compliance;
 use networks::{Networks, Seen};
@@ -78,10 +81,13 @@ pub struct RootStrain {
     observers: [Observer; 3],
     /// What there is to know of each inertia beforehand, and what has been learnt of it.
     priors: [Prior; 3],
-    inertia: [Estimator; 3],
+    inertia: Estimators,
     /// Ĵ₁, Ĵ₂ and m̂ of the estimators, if they are known: a point, an observer and the next commands ask for the same ones.
     #[serde(skip)]
-    found: Option<[f64; 3]>,
+    found: Option<Lanes>,
+    #[serde(skip)]
+    slopes: Option<TargetSlopes>,
+    /// What follows from gains and the size of a step, kept for the next one of the same size.
     #[serde(skip)]
     of_size: Option<OfSize>,
     root_moment: LowPass,
@@ -89,16 +95,6 @@ pub struct RootStrain {
     tip_shear_rate: LowPass,
     /// None where the observers learn.
     networks: Option<Box<Networks>>,
-}
-
-/// What follows from the size of a step alone, kept for the next one of the same size.
-#[derive(Debug, Clone, Copy)]
-struct OfSize {
-    h: f64,
-    /// Of the observers.
-    decays: [f64; 3],
-    /// Of the estimators' filters.
-    shares: Shares,
 }
 
 impl From<Outcome> for Surfaces {
@@ -137,8 +133,9 @@ impl RootStrain {
             source,
             observers: [Observer::default(); 3],
             priors: gains.priors(&arms, &actuation),
-            inertia: [Estimator::default(); 3],
+            inertia: [Estimator::default(); 3].into(),
             found: None,
+            slopes: Some(arms.slopes()),
             of_size: None,
             root_moment: LowPass::new(gains.strain_bandwidth),
             root_moment_rate: LowPass::new(gains.strain_rate_bandwidth),
@@ -212,9 +209,22 @@ impl RootStrain {
         }
     }
 
+    /// The commands for these inputs. Not inlined, because a step and what comes after it ask for them; what they are made of is.
+    #[inline(never)]
+    fn act(&self, inputs: &Inputs) -> Commands {
+        self.loops().at(&self.point_here(inputs)).into()
+    }
+
     /// The signals for these inputs.
+    #[inline(never)]
     fn point(&self, inputs: &Inputs) -> Point {
-        let targets = self.arms.targets(&inputs.reference);
+        self.point_here(inputs)
+    }
+
+    #[inline(always)]
+    fn point_here(&self, inputs: &Inputs) -> Point {
+        let slopes = self.slopes.unwrap_or_else(|| self.arms.slopes());
+        let targets = self.arms.targets_with(&slopes, &inputs.reference);
         let errors = targets.errors(inputs);
         let measured = &inputs.measured;
         let [hub1, hub2, object] = &self.observers;
@@ -348,28 +358,38 @@ impl RootStrain {
 
     /// The known force on each coordinate: what the limited command does, less the measured load.
     fn forces(&self, inputs: &Inputs) -> [f64; 3] {
-        let commands = self.loops().at(&self.point(inputs)).into();
-        self.actuation.forces(&commands, inputs)
+        self.actuation.forces(&self.act(inputs), inputs)
     }
 
     /// Ĵ₁, Ĵ₂ \[kg·m²\] and m̂ \[kg\].
     fn inertias(&self) -> [f64; 3] {
-        self.found.unwrap_or_else(|| self.find_inertias())
+        match self.found {
+            Some([hub1, hub2, object, _]) => [hub1, hub2, object],
+            None => self.find_inertias(),
+        }
     }
 
+    #[inline(never)]
     fn find_inertias(&self) -> [f64; 3] {
-        std::array::from_fn(|i| self.inertia[i].inertia(&self.priors[i]))
+        std::array::from_fn(|i| self.inertia.of(i).inertia(&self.priors[i]))
     }
 
-    /// What follows from a step size of `h` \[s\].
-    fn of_size(&mut self, h: f64) -> OfSize {
-        match self.of_size {
-            Some(of_size) if of_size.h == h => of_size,
-            _ => {
-                let [hub1, hub2] = self.gains.hub.map(|hub| hub.observer);
-                let decays = [hub1, hub2, self.gains.object.observer].map(|pole| Observer::decay(pole, h));
-                *self.of_size.insert(OfSize { h, decays, shares: self.gains.filter.shares(h) })
-            }
+    /// What follows from gains and a step size of `h` \[s\].
+    #[inline(never)]
+    fn of_size(&self, h: f64) -> OfSize {
+        let ([hub1, hub2], object) = (self.gains.hub.map(|hub| hub.observer), self.gains.object.observer);
+        let Actuation { torque_limit, force_limit, .. } = self.actuation;
+        // The lane to spare stays at rest.
+        let poles = [hub1, hub2, object, object];
+        OfSize {
+            h,
+            source: self.source,
+            poles,
+            decays: poles.map(|pole| Observer::decay(pole, h)),
+            limits: [torque_limit, torque_limit, force_limit, force_limit],
+            filter: self.gains.filter,
+            shares: self.gains.filter.shares(h),
+            priors: Priors::from(&self.priors),
         }
     }
 
@@ -384,20 +404,68 @@ impl RootStrain {
         StateRates {
             observers: std::array::from_fn(|i| self.observers[i].derivative(&known[i], motions[i], forces[i])),
             inertia: std::array::from_fn(|i| {
-                self.inertia[i].inertia_rate(&self.gains.filter, &self.priors[i], moving[i])
+                self.inertia.of(i).inertia_rate(&self.gains.filter, &self.priors[i], moving[i])
             }),
         }
     }
 
+    /// A step with inputs that change. Not inlined, because few hosts ask for it.
+    #[inline(never)]
+    fn ramped_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        StepError::check(h, inputs, rates)?;
+        self.learn(h, &inputs.after(0.5 * h, rates));
+        self.follow(h, &inputs.measured, &rates.measured);
+        Ok(())
+    }
+
+    /// A step of the low-passes.
+    #[inline(always)]
+    fn follow(&mut self, h: f64, measured: &Measurements, rate: &Measurements) {
+        self.root_moment.step(h, measured.root_moment, rate.root_moment);
+        self.root_moment_rate.step(h, measured.root_moment_dot, rate.root_moment_dot);
+        self.tip_shear_rate.step(h, measured.tip_shear_dot, rate.tip_shear_dot);
+    }
+
+    /// A step of all that learns, with the inputs held at `mean`.
+    fn learn(&mut self, h: f64, mean: &Inputs) {
+        let forces = self.forces(mean);
+        let m = &mean.measured;
+        let rate = [m.theta_dot[0], m.theta_dot[1], m.y_object_dot, 0.0];
+        let [hub1, hub2, object] = &self.observers;
+        let sights = Sights {
+            position: [m.theta[0], m.theta[1], m.y_object, 0.0],
+            rate,
+            moving: match self.source {
+                RateSource::Measured => rate,
+                RateSource::Estimated => [hub1.rate, hub2.rate, object.rate, 0.0],
+            },
+            force: [forces[0], forces[1], forces[2], 0.0],
+            load: [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1], 0.0],
+        };
+        let mut inertias = None;
+        if self.networks.is_some() {
+            self.step_networks(h, mean, &forces);
+        } else {
+            let [hub1, hub2, object] = self.inertias();
+            inertias = Some([hub1, hub2, object, object]);
+        }
+        if self.of_size.as_ref().is_none_or(|of_size| of_size.h != h) {
+            self.of_size = Some(self.of_size(h));
+        }
+        let Some(of_size) = &self.of_size else { return };
+        self.found = Some(self.inertia.step(of_size, &sights, &mut self.observers, inertias));
+    }
+
     /// A step of the networks with the inputs held at `mean`.
-    fn step_networks(&mut self, h: f64, mean: &Inputs, known: &[Known; 3], forces: &[f64; 3]) {
+    fn step_networks(&mut self, h: f64, mean: &Inputs, forces: &[f64; 3]) {
+        let known = self.known();
         let at = self.point(mean);
         let (_, shear_rate) = self.strain_rates(mean);
         let seen = self.seen(&at, &self.loops().at(&at), mean.measured.tip_shear, shear_rate);
         let Some(networks) = &mut self.networks else { return };
         let motions = motions(mean);
         let measured = std::array::from_fn(|i| (motions[i], forces[i]));
-        networks.step(h, &self.gains.networks, known, &seen, &mut self.observers, &measured);
+        networks.step(h, &self.gains.networks, &known, &seen, &mut self.observers, &measured);
     }
 
     /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm.
@@ -459,7 +527,8 @@ impl Law for RootStrain {
 
     fn initialize(&mut self, inputs: &Inputs) {
         self.observers = motions(inputs).map(|motion| Observer::settled(self.source, motion));
-        self.inertia = self.moving(inputs, &[0.0; 3]).map(|moving| Estimator::settled(moving.rate, moving.load));
+        let settled = |moving: Moving| Estimator::settled(moving.rate, moving.load);
+        self.inertia = self.moving(inputs, &[0.0; 3]).map(settled).into();
         self.found = None;
         self.root_moment.settle(inputs.measured.root_moment);
         self.root_moment_rate.settle(inputs.measured.root_moment_dot);
@@ -470,31 +539,17 @@ impl Law for RootStrain {
     }
 
     fn commands(&mut self, inputs: &Inputs) -> Commands {
-        self.loops().at(&self.point(inputs)).into()
+        self.act(inputs)
     }
 
     /// Observers and filters are exact for held inputs; inputs that ramp enter with their mean, an error of second order.
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        StepError::check(h, inputs, rates)?;
-        let mean = inputs.after(0.5 * h, rates);
-        let (forces, known) = (self.forces(&mean), self.known());
-        let (moving, OfSize { decays, shares, .. }) = (self.moving(&mean, &forces), self.of_size(h));
-        if self.networks.is_some() {
-            self.step_networks(h, &mean, &known, &forces);
-        } else {
-            let motions = motions(&mean);
-            for (i, observer) in self.observers.iter_mut().enumerate() {
-                observer.step_decaying(h, decays[i], &known[i], motions[i], forces[i]);
-            }
+        if !rates.are_held() {
+            return self.ramped_step(h, inputs, rates);
         }
-        for (i, estimator) in self.inertia.iter_mut().enumerate() {
-            estimator.step(h, &self.gains.filter, &shares, &self.priors[i], moving[i]);
-        }
-        self.found = Some(self.find_inertias());
-        let (measured, rate) = (&inputs.measured, &rates.measured);
-        self.root_moment.step(h, measured.root_moment, rate.root_moment);
-        self.root_moment_rate.step(h, measured.root_moment_dot, rate.root_moment_dot);
-        self.tip_shear_rate.step(h, measured.tip_shear_dot, rate.tip_shear_dot);
+        StepError::check_held(h, inputs)?;
+        self.learn(h, inputs);
+        self.follow(h, &inputs.measured, &Inputs::HELD.measured);
         Ok(())
     }
 

@@ -39,7 +39,7 @@ impl Continuous for RootStrain {
         if self.root_moment.is_on() {
             out[state::MOMENTS].copy_from_slice(&self.root_moment.output([0.0; 2]));
         }
-        put_estimators(&self.inertia, out);
+        put_estimators(&self.inertia.clone().into(), out);
         if let Some(networks) = &self.networks {
             let (first, weights) = out.split_at_mut(state::WEIGHTS);
             let bounds = networks.put(weights_of(networks.nodes(), weights));
@@ -56,7 +56,7 @@ impl Continuous for RootStrain {
         if self.root_moment.is_on() {
             self.root_moment.settle(std::array::from_fn(|i| states[state::MOMENTS.start + i]));
         }
-        self.inertia = estimators(states);
+        self.inertia = estimators(states).into();
         self.found = None;
         if let Some(networks) = &mut self.networks {
             networks.take(&network_direction(networks.nodes(), states));
@@ -93,7 +93,8 @@ impl Continuous for RootStrain {
             out[state::MOMENTS].copy_from_slice(&rates);
         }
         let moving = self.moving(inputs, &forces);
-        let rates = std::array::from_fn(|i| self.inertia[i].derivative(&self.gains.filter, &self.priors[i], moving[i]));
+        let rates =
+            std::array::from_fn(|i| self.inertia.of(i).derivative(&self.gains.filter, &self.priors[i], moving[i]));
         put_estimators(&rates, out);
         let seen = self.seen(&now.at, &now.outcome, inputs.measured.tip_shear, now.shear_rate);
         if let Some(networks) = &mut self.networks {
@@ -137,7 +138,7 @@ impl Continuous for RootStrain {
         let (moving, changes) = (self.moving(inputs, &forces), estimators(along.states));
         let moved = super::moving(self.source, &observers(along.states), along.inputs, &force_changes);
         let rates = std::array::from_fn(|i| {
-            self.inertia[i].derivative_change(&self.gains.filter, &self.priors[i], moving[i], &changes[i], moved[i])
+            self.inertia.of(i).derivative_change(&self.gains.filter, &self.priors[i], moving[i], &changes[i], moved[i])
         });
         put_estimators(&rates, out);
         let seen = self.seen(&now.at, &now.outcome, inputs.measured.tip_shear, now.shear_rate);
@@ -166,7 +167,7 @@ impl Continuous for RootStrain {
         out.fill(1.0);
         out[indicator::LIMITS].copy_from_slice(&self.actuation.distances(&commands));
         for (i, out) in out[indicator::ESTIMATORS].chunks_exact_mut(3).enumerate() {
-            out.copy_from_slice(&self.inertia[i].distances(&self.priors[i]));
+            out.copy_from_slice(&self.inertia.of(i).distances(&self.priors[i]));
         }
         let seen = self.seen(&now.at, &now.outcome, inputs.measured.tip_shear, now.shear_rate);
         if let Some(networks) = &mut self.networks {

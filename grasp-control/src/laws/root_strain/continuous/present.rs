@@ -106,7 +106,7 @@ impl RootStrain {
     /// Changes of Ĵ₁, Ĵ₂, m̂.
     fn inertia_changes(&self, states: &[f64]) -> [f64; 3] {
         let changes = estimators(states);
-        std::array::from_fn(|i| self.inertia[i].inertia_changes(&self.priors[i], &changes[i]))
+        std::array::from_fn(|i| self.inertia.of(i).inertia_changes(&self.priors[i], &changes[i]))
     }
 
     /// Change of what the networks see for a change `by` of the point and `outcome` of the surfaces.
@@ -176,14 +176,14 @@ pub(super) fn network_direction(nodes: [usize; 3], states: &[f64]) -> NetworkDir
 /// The estimators of a vector of states, or of a direction.
 pub(super) fn estimators(states: &[f64]) -> [Estimator; 3] {
     std::array::from_fn(|i| {
-        let first = state::ESTIMATORS.start + i * Estimator::STATES;
+        let first = state::ESTIMATORS.start + i * Estimator::<f64>::STATES;
         Estimator::from_array(std::array::from_fn(|j| states[first + j]))
     })
 }
 
 /// Puts estimators, or their rates, into a vector of states.
 pub(super) fn put_estimators(estimators: &[Estimator; 3], out: &mut [f64]) {
-    for (estimator, out) in estimators.iter().zip(out[state::ESTIMATORS].chunks_exact_mut(Estimator::STATES)) {
+    for (estimator, out) in estimators.iter().zip(out[state::ESTIMATORS].chunks_exact_mut(Estimator::<f64>::STATES)) {
         out.copy_from_slice(&estimator.to_array());
     }
 }

@@ -2,22 +2,25 @@
 
 use super::{Estimator, FilterGains, Moving, Prior, Signals, Sums};
 
-impl Signals {
-    fn from_array([a, f, n]: [f64; 3]) -> Self {
+impl<V: Copy> Signals<V> {
+    #[inline(always)]
+    fn from_array([a, f, n]: [V; 3]) -> Self {
         Self { a, f, n }
     }
 }
 
-impl Estimator {
+impl<V: Copy> Estimator<V> {
     /// Number of states.
     pub const STATES: usize = 11;
 
-    pub fn to_array(self) -> [f64; Self::STATES] {
+    #[inline(always)]
+    pub fn to_array(self) -> [V; 11] {
         let Self { smooth, slow, sums: Sums { ff, nn, nf, af, an } } = self;
         [smooth.a, smooth.f, smooth.n, slow.a, slow.f, slow.n, ff, nn, nf, af, an]
     }
 
-    pub fn from_array(states: [f64; Self::STATES]) -> Self {
+    #[inline(always)]
+    pub fn from_array(states: [V; 11]) -> Self {
         let [a, f, n, slow_a, slow_f, slow_n, ff, nn, nf, af, an] = states;
         Self {
             smooth: Signals::from_array([a, f, n]),
@@ -25,7 +28,9 @@ impl Estimator {
             sums: Sums { ff, nn, nf, af, an },
         }
     }
+}
 
+impl Estimator {
     /// Low-passes and high-passes: rates of what they hold.
     fn filter_rates(&self, filter: &FilterGains, signals: &Signals, moving: Moving) -> (Signals, Signals) {
         let (smooth, w, slow) = (&self.smooth, filter.bandwidth, filter.high_pass);
