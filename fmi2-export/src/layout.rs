@@ -45,8 +45,9 @@ pub(crate) struct RealSlot {
     pub min: f64,
     /// The greatest, likewise.
     pub max: f64,
-    /// The evaluation to run before reading it, as a bit; 0 if none.
-    pub evaluation: u64,
+    /// The evaluation to run before reading it, as a bit, 0 if none; or [`NO_SHORT_WAY`](Self::NO_SHORT_WAY). Half as many bits as there
+    /// may be evaluations, so that two slots fit into a line of a processor's cache.
+    pub needs: u32,
     /// How many bytes behind the model's beginning it always is, or [`ELSEWHERE`](Self::ELSEWHERE).
     pub offset: u32,
     /// Index into [`Layout::variables`].
@@ -62,6 +63,8 @@ impl RealSlot {
     pub const ELSEWHERE: u32 = u32::MAX;
     /// Of [`kind`](Self::kind): it has no offset. The bits of the causalities are below.
     pub const IS_ELSEWHERE: u8 = 1 << 7;
+    /// Of [`needs`](Self::needs): the variable is elsewhere, or its evaluation has no bit here.
+    pub const NO_SHORT_WAY: u32 = 1 << 31;
 
     pub fn has(&self, causality: Causality) -> bool {
         self.kind & causality.bit() != 0
@@ -229,8 +232,8 @@ impl Layout {
                 derivative: *derivative,
                 nominal: variable.nominal.map_or(1.0, f64::abs),
             });
-            continuous.state_evaluations |= self.reals[state as usize].evaluation;
-            continuous.derivative_evaluations |= self.reals[*derivative as usize].evaluation;
+            continuous.state_evaluations |= self.evaluation(&self.reals[state as usize]);
+            continuous.derivative_evaluations |= self.evaluation(&self.reals[*derivative as usize]);
         }
         // Whatever an input is to them, it is not said for each.
         self.input_dependent |= continuous.derivative_evaluations;
@@ -238,8 +241,13 @@ impl Layout {
         self.continuous = Some(continuous);
     }
 
+    /// The evaluation to run before reading a real variable, as a bit; 0 if none.
+    pub fn evaluation(&self, real: &RealSlot) -> u64 {
+        bit(&self.variables[real.variable as usize])
+    }
+
     fn add(&mut self, index: u32, variable: &Variable) {
-        let evaluation = variable.evaluation.map_or(0, |e| 1 << e.0);
+        let evaluation = bit(variable);
         if !variable.depends_on.is_empty() {
             self.input_dependent |= evaluation;
         }
@@ -255,10 +263,13 @@ impl Layout {
                 }
                 let offset = place.offset().and_then(|offset| offset.try_into().ok()).unwrap_or(RealSlot::ELSEWHERE);
                 let elsewhere = if offset == RealSlot::ELSEWHERE { RealSlot::IS_ELSEWHERE } else { 0 };
+                let short = u32::try_from(evaluation)
+                    .ok()
+                    .filter(|needs| needs & RealSlot::NO_SHORT_WAY == 0 && elsewhere == 0);
                 self.reals.push(RealSlot {
                     min: variable.min.unwrap_or(f64::MIN).max(f64::MIN),
                     max: variable.max.unwrap_or(f64::MAX).min(f64::MAX),
-                    evaluation,
+                    needs: short.unwrap_or(RealSlot::NO_SHORT_WAY),
                     offset,
                     variable: index,
                     settable,
@@ -369,6 +380,11 @@ impl Layout {
     pub fn has_rates(&self) -> bool {
         self.variables.iter().any(|variable| variable.rate.is_some())
     }
+}
+
+/// The evaluation that fills in a variable, as a bit; 0 if none.
+fn bit(variable: &Variable) -> u64 {
+    variable.evaluation.map_or(0, |evaluation| 1 << evaluation.0)
 }
 
 fn length<T>(list: &[T]) -> u32 {

@@ -17,6 +17,8 @@ pub struct Actuator {
     /// Commands at which the slope changes, ascending; only the first `kink_count` count.
     kinks: [f64; Self::MAX_KINKS],
     kink_count: usize,
+    /// The outermost kinks, where the limits begin; an ideal actuator has none.
+    limits: [f64; 2],
 }
 
 impl Actuator {
@@ -39,7 +41,11 @@ impl Actuator {
                 4
             }
         };
-        Self { model, channel: *channel, kinks, kink_count }
+        let limits = match &kinks[..kink_count] {
+            [low, .., high] => [*low, *high],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        };
+        Self { model, channel: *channel, kinks, kink_count, limits }
     }
 
     /// The commands at which the slope changes, ascending.
@@ -50,30 +56,32 @@ impl Actuator {
 
     /// Actuator output for a command: (18) for [`ActuatorModel::Compensated`], D(sat(·)) for [`ActuatorModel::Raw`].
     #[must_use]
+    #[inline]
     pub fn output(&self, command: f64) -> f64 {
+        // Not `clamp`, which would look at the limits too.
+        let [low, high] = self.limits;
+        let limited = if command < low { low } else { command };
+        let limited = if limited > high { high } else { limited };
+        if self.model == ActuatorModel::Raw { self.behind_dead_zone(limited) } else { limited }
+    }
+
+    /// D(·) of a limited command.
+    fn behind_dead_zone(&self, limited: f64) -> f64 {
         let c = &self.channel;
-        match self.model {
-            ActuatorModel::Ideal => command,
-            ActuatorModel::Compensated => command.clamp(self.kinks[0], self.kinks[1]),
-            ActuatorModel::Raw => {
-                let limited = command.clamp(c.k_min, c.k_max);
-                if limited > c.m_r {
-                    c.k_r * (limited - c.m_r)
-                } else if limited < c.m_l {
-                    c.k_l * (limited - c.m_l)
-                } else {
-                    0.0
-                }
-            }
+        if limited > c.m_r {
+            c.k_r * (limited - c.m_r)
+        } else if limited < c.m_l {
+            c.k_l * (limited - c.m_l)
+        } else {
+            0.0
         }
     }
 
     /// Whether the output is at one of its limits, where it does not answer the command.
     #[must_use]
+    #[inline]
     pub fn is_limited(&self, command: f64) -> bool {
-        // The outermost kinks are where the limits begin, in every model.
-        let kinks = self.kinks();
-        kinks.first().is_some_and(|low| command <= *low) || kinks.last().is_some_and(|high| command >= *high)
+        command <= self.limits[0] || command >= self.limits[1]
     }
 
     /// Derivative of the output with respect to the command. At a kink it is that of the flat side, because of the "≥" and

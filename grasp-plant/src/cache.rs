@@ -14,8 +14,11 @@ const CAPACITY: usize = REMEMBERED;
 
 /// The last sizes of one plant, most recent first. Clones share the results.
 #[derive(Debug)]
+#[repr(C)] // The last one first, beside what else the usual step needs.
 pub(crate) struct Cache<T> {
-    entries: Vec<Arc<T>>,
+    /// The last one. The usual step looks at no list.
+    last: Option<Arc<T>>,
+    others: Vec<Arc<T>>,
 }
 
 /// The last sizes of all plants of the same parameters.
@@ -26,7 +29,7 @@ pub(crate) struct Shared<T> {
 
 impl<T> Default for Cache<T> {
     fn default() -> Self {
-        Self { entries: Vec::new() }
+        Self { last: None, others: Vec::new() }
     }
 }
 
@@ -38,28 +41,39 @@ impl<T> Default for Shared<T> {
 
 impl<T> Clone for Cache<T> {
     fn clone(&self) -> Self {
-        Self { entries: self.entries.clone() }
+        Self { last: self.last.clone(), others: self.others.clone() }
     }
 }
 
 impl<T: OfOneSize> Cache<T> {
+    /// The result for step size h, if that is the last size.
+    #[inline]
+    pub fn last(&self, h: f64) -> Option<&T> {
+        self.last.as_ref().filter(|entry| is_of(entry, h)).map(|entry| &**entry)
+    }
+
     /// The result for step size h, computed now unless this plant or one that shares with it has it among its last sizes.
     #[inline]
     pub fn get(&mut self, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) -> &T {
-        if !self.entries.first().is_some_and(|entry| is_of(entry, h)) {
-            self.bring(shared, h, make);
+        match self.last.take() {
+            Some(last) if is_of(&last, h) => self.last.insert(last),
+            before => {
+                let found = self.bring(before, shared, h, make);
+                self.last.insert(found)
+            }
         }
-        &self.entries[0]
     }
 
+    /// The result of a size that is not the last, which goes to the others.
     #[cold]
-    fn bring(&mut self, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) {
-        if let Some(index) = self.entries.iter().position(|entry| is_of(entry, h)) {
-            self.entries[..=index].rotate_right(1);
-        } else {
-            self.entries.truncate(CAPACITY - 1);
-            self.entries.insert(0, shared.get(h, make));
+    fn bring(&mut self, before: Option<Arc<T>>, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) -> Arc<T> {
+        let index = self.others.iter().position(|entry| is_of(entry, h));
+        let found = index.map_or_else(|| shared.get(h, make), |index| self.others.remove(index));
+        if let Some(before) = before {
+            self.others.truncate(CAPACITY - 2);
+            self.others.insert(0, before);
         }
+        found
     }
 }
 
@@ -102,9 +116,10 @@ mod tests {
                 assert_eq!(cache.get(&shared, h, || Of(h)).0.to_bits(), h.to_bits());
             }
         }
-        assert_eq!(cache.entries.len(), CAPACITY);
+        assert_eq!(cache.others.len(), CAPACITY - 1);
         assert_eq!(shared.entries.lock().unwrap().len(), CAPACITY);
-        assert_eq!(cache.entries[0].0.to_bits(), first.to_bits());
+        assert_eq!(cache.last(first).unwrap().0.to_bits(), first.to_bits());
+        assert!(cache.last(2.0 * first).is_none());
     }
 
     /// A result of one plant is reused by another with the same parameters.

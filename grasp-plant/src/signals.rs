@@ -32,6 +32,14 @@ impl Inputs {
         [self.hub_disturbance[0], self.hub_disturbance[1], self.object_disturbance]
     }
 
+    /// Whether it equals [`ZERO`](Self::ZERO).
+    #[inline]
+    pub(crate) fn is_zero(&self) -> bool {
+        let bits = |values: [f64; 3]| values.into_iter().fold(0, |bits, value| bits | value.to_bits());
+        // Without the signs: a negative zero is one.
+        (bits(self.commands()) | bits(self.disturbances())) << 1 == 0
+    }
+
     #[inline]
     pub(crate) fn is_finite(&self) -> bool {
         self.commands().iter().chain(&self.disturbances()).all(|value| value.is_finite())

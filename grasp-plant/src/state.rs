@@ -21,6 +21,7 @@ pub enum Basis {
 
 /// Everything that changes while the plant moves. Together with [`Parameters`] it determines the further motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[repr(C)] // The step sizes, of which a step needs the last, behind what it needs all of.
 pub struct State {
     /// The meaning of the coordinates.
     pub basis: Basis,
@@ -57,13 +58,20 @@ impl State {
 
     /// Adds to the positions and keeps the rounding error for the next time.
     pub(crate) fn travel(&mut self, from: &Self, travel: &[f64; FORCES]) {
-        for (i, travel) in travel.iter().enumerate() {
-            let increment = from.carry[i] + travel;
-            let position = from.position[i] + increment;
-            self.carry[i] = increment - (position - from.position[i]);
-            self.position[i] = position;
-        }
+        (self.position, self.carry) = travelled(&from.position, &from.carry, travel);
     }
+}
+
+/// Positions after a travel, and what rounding has kept from being added to them.
+#[inline]
+pub(crate) fn travelled(
+    from: &[f64; FORCES],
+    carry: &[f64; FORCES],
+    travel: &[f64; FORCES],
+) -> ([f64; FORCES], [f64; FORCES]) {
+    let increment: [f64; FORCES] = std::array::from_fn(|i| carry[i] + travel[i]);
+    let position: [f64; FORCES] = std::array::from_fn(|i| from[i] + increment[i]);
+    (position, std::array::from_fn(|i| increment[i] - (position[i] - from[i])))
 }
 
 /// Why a step was refused. The plant is as it was before.

@@ -33,6 +33,13 @@ impl StepSizes {
         }
     }
 
+    /// Whether to note a step of size h would change nothing.
+    #[inline]
+    pub(crate) fn is_usual(&self, h: f64) -> bool {
+        self.recent[0].to_bits() == h.to_bits() && self.strangers == 0
+    }
+
+    #[inline(never)]
     fn note_another(&mut self, h: f64) {
         if let Some(index) = self.recent.iter().position(|size| size.to_bits() == h.to_bits()) {
             self.recent[..=index].rotate_right(1);

@@ -36,21 +36,84 @@ pub unsafe fn out<'a, T: Copy>(pointer: *mut T, length: usize, what: &str) -> Re
     Ok(Out::new(unsafe { std::slice::from_raw_parts_mut(pointer.cast::<MaybeUninit<T>>(), length) }))
 }
 
+/// Value references, and values to read: as [`slice`] for both, but what is right is found out at once.
+///
+/// # Safety
+/// As [`slice`].
+#[inline(always)]
+pub unsafe fn values<'a>(vr: *const u32, value: *const f64, length: usize) -> Result<(&'a [u32], &'a [f64]), Refusal> {
+    // SAFETY: the caller's promise; if they are right, as in `slice`.
+    unsafe {
+        if are_right(vr, value, length) {
+            Ok((std::slice::from_raw_parts(vr, length), std::slice::from_raw_parts(value, length)))
+        } else {
+            values_one_by_one(vr, value, length)
+        }
+    }
+}
+
+#[cold]
+#[inline(never)]
+unsafe fn values_one_by_one<'a>(
+    vr: *const u32,
+    value: *const f64,
+    length: usize,
+) -> Result<(&'a [u32], &'a [f64]), Refusal> {
+    // SAFETY: the caller's promise.
+    unsafe { Ok((slice(vr, length, "vr")?, slice(value, length, "value")?)) }
+}
+
+/// Value references, and places for values: as [`values`].
+///
+/// # Safety
+/// As [`slice`] and [`out`].
+#[inline(always)]
+pub unsafe fn places<'a>(vr: *const u32, value: *mut f64, length: usize) -> Result<(&'a [u32], Out<'a, f64>), Refusal> {
+    // SAFETY: the caller's promise; if they are right, as in `slice` and `out`.
+    unsafe {
+        if are_right(vr, value, length) {
+            let places = std::slice::from_raw_parts_mut(value.cast::<MaybeUninit<f64>>(), length);
+            Ok((std::slice::from_raw_parts(vr, length), Out::new(places)))
+        } else {
+            places_one_by_one(vr, value, length)
+        }
+    }
+}
+
+#[cold]
+#[inline(never)]
+unsafe fn places_one_by_one<'a>(
+    vr: *const u32,
+    value: *mut f64,
+    length: usize,
+) -> Result<(&'a [u32], Out<'a, f64>), Refusal> {
+    // SAFETY: the caller's promise.
+    unsafe { Ok((slice(vr, length, "vr")?, out(value, length, "value")?)) }
+}
+
+/// Whether both arrays pass [`check`]; an empty one that is null does not, and is looked at again.
+#[inline(always)]
+fn are_right(vr: *const u32, value: *const f64, length: usize) -> bool {
+    const TOO_LONG: u32 = (isize::MAX as usize / size_of::<f64>() + 1).trailing_zeros();
+    let wrong = (vr.addr() & (align_of::<u32>() - 1)) | (value.addr() & (align_of::<f64>() - 1)) | (length >> TOO_LONG);
+    wrong == 0 && !vr.is_null() && !value.is_null()
+}
+
 #[inline(always)]
 fn check<T>(pointer: *const T, length: usize, what: &str) -> Result<(), Refusal> {
     if pointer.is_null() || !pointer.is_aligned() || length > isize::MAX as usize / size_of::<T>() {
-        return Err(unusable(pointer.is_null(), pointer.is_aligned(), length, what));
+        return Err(unusable(pointer.addr(), align_of::<T>(), length, what));
     }
     Ok(())
 }
 
-/// What is wrong with a pointer, once for all types.
+/// What is wrong with a pointer, once for all types. It finds that out anew, so that nothing is prepared for it on the way of a step.
 #[cold]
 #[inline(never)]
-fn unusable(is_null: bool, is_aligned: bool, length: usize, what: &str) -> Refusal {
-    Refusal::error(if is_null {
+fn unusable(address: usize, alignment: usize, length: usize, what: &str) -> Refusal {
+    Refusal::error(if address == 0 {
         format!("{what} is a null pointer")
-    } else if is_aligned {
+    } else if address.is_multiple_of(alignment) {
         format!("{what} cannot have {length} elements")
     } else {
         format!("{what} is not aligned")
@@ -73,7 +136,7 @@ pub unsafe fn initialized<'a, T>(pointer: *mut T, what: &str) -> Result<&'a mut 
 /// If not null, `pointer` must point to a string that ends in a zero byte.
 pub unsafe fn string<'a>(pointer: *const c_char, what: &str) -> Result<&'a CStr, Refusal> {
     if pointer.is_null() {
-        return Err(unusable(true, true, 0, what));
+        return Err(unusable(0, 1, 0, what));
     }
     // SAFETY: not null; the rest is the caller's promise.
     Ok(unsafe { CStr::from_ptr(pointer) })

@@ -13,18 +13,23 @@ use crate::slave::Slave;
 use crate::status::{Outcome, Refusal, Status};
 
 /// What an `fmi2Component` points to.
+///
+/// In lines of a processor's cache of its own, so that threads that use other instances don't wait for it; and what every call needs comes
+/// first: see [`Slave`].
+#[repr(C, align(64))]
 pub struct Shared {
     /// A call is running on the instance.
     pub busy: AtomicBool,
     pub instance: UnsafeCell<Instance>,
 }
 
+#[repr(C)]
 pub struct Instance {
     pub library: &'static Served,
+    pub slave: Slave,
     /// Which model of the library, for tidying up.
     pub model: usize,
     pub logger: Logger,
-    pub slave: Slave,
 }
 
 impl Instance {

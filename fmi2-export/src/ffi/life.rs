@@ -77,7 +77,7 @@ pub unsafe fn instantiate(
     let (status, reason) = match result {
         Ok(Ok((model, slave))) => {
             logger.log(Status::Ok, Category::Events, format_args!("instantiated"));
-            let instance = UnsafeCell::new(Instance { library, model, logger, slave });
+            let instance = UnsafeCell::new(Instance { library, slave, model, logger });
             let shared = Box::into_raw(Box::new(Shared { busy: AtomicBool::new(false), instance }));
             // SAFETY: just made; `free_instance` forgets the flag first.
             unsafe { panics::watch(&raw const (*shared).busy) };

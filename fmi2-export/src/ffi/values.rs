@@ -3,7 +3,7 @@
 
 use std::ffi::{c_char, c_int};
 
-use super::arguments::{out, slice, strings};
+use super::arguments::{out, places, slice, strings, values};
 use super::instance::call;
 use super::types::{Boolean, Component, ValueReference};
 use crate::status::{Refusal, Status};
@@ -11,7 +11,12 @@ use crate::status::{Refusal, Status};
 /// `fmi2GetReal`.
 pub unsafe fn get_real(component: Component, vr: *const ValueReference, count: usize, value: *mut f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
-    unsafe { call(component, |instance| instance.slave.get_real(slice(vr, count, "vr")?, out(value, count, "value")?)) }
+    unsafe {
+        call(component, |instance| {
+            let (references, places) = places(vr, value, count)?;
+            instance.slave.get_real(references, places)
+        })
+    }
 }
 
 /// `fmi2GetInteger`.
@@ -59,7 +64,10 @@ pub unsafe fn get_string(
 pub unsafe fn set_real(component: Component, vr: *const ValueReference, count: usize, value: *const f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        call(component, |instance| instance.slave.set_real(slice(vr, count, "vr")?, slice(value, count, "value")?))
+        call(component, |instance| {
+            let (references, values) = values(vr, value, count)?;
+            instance.slave.set_real(references, values)
+        })
     }
 }
 

@@ -47,7 +47,8 @@ impl Slave {
             (below, above) = (below.min(down), above.min(up));
             scale = scale.min(self.size(real, *here) / slope.abs());
         }
-        let wanted = unknowns.iter().fold(0, |wanted, reference| wanted | reals[*reference as usize].evaluation);
+        let wanted =
+            unknowns.iter().fold(0, |wanted, reference| wanted | self.layout().evaluation(&reals[*reference as usize]));
         let experiment = self.frame.experiment.unwrap_or_default();
         let initialize = self.initializer();
         let outputs = |s: f64| {

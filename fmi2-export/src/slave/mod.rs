@@ -69,11 +69,12 @@ impl Frame {
     }
 }
 
+#[repr(C)] // First what every call needs: of a thousand instances each has been pushed out of the processor's cache.
 pub(crate) struct Slave {
-    guid: &'static str,
-    resources: Resources,
     frame: Frame,
     subject: Subject,
+    guid: &'static str,
+    resources: Resources,
     /// Scratch for directional derivatives: a model all of whose real inputs and outputs are zero.
     direction: Option<Box<dyn AnyModel>>,
     /// What the last `fmi2GetString` returned.

@@ -3,7 +3,7 @@
 use super::{Slave, all, find, out_of_range};
 use crate::access::Access;
 use crate::any_model::AnyModel;
-use crate::layout::{Layout, RealSlot, Slot};
+use crate::layout::{Layout, Slot};
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::variable::{Causality, Variable};
@@ -21,14 +21,22 @@ impl Slave {
                 _ => return Err(self.no_real_to_set(*reference, *value)),
             }
         }
+        if changed.0 != Causality::Input.bit() {
+            return self.set_checked_reals(references, values, changed);
+        }
+        let (_, mut view) = self.subject.view();
+        // SAFETY: all are there, and none is elsewhere.
+        unsafe { view.set_near(references, values) };
+        self.after_inputs();
+        Ok(())
+    }
+
+    /// Sets variables that have been checked, and are not all inputs with an offset.
+    #[inline(never)]
+    fn set_checked_reals(&mut self, references: &[u32], values: &[f64], changed: Changed) -> Outcome {
         let old = self.before_tuning(changed);
         let (_, mut view) = self.subject.view();
-        if changed.0 & RealSlot::IS_ELSEWHERE == 0 {
-            // SAFETY: all are there, and none is elsewhere.
-            unsafe { view.set_near(references, values) };
-        } else {
-            references.iter().zip(values).for_each(|(reference, value)| view.set_real(*reference, *value));
-        }
+        references.iter().zip(values).for_each(|(reference, value)| view.set_real(*reference, *value));
         self.after_set(changed, old)
     }
 
@@ -85,9 +93,7 @@ impl Slave {
         self.after_set(changed, old)
     }
 
-    /// What to go back to if the model does not accept new values of tunable parameters. Not on the way of a step, where
-    /// only inputs are set.
-    #[inline]
+    /// What to go back to if the model does not accept new values of tunable parameters.
     fn before_tuning(&self, changed: Changed) -> Option<Box<dyn AnyModel>> {
         if changed.parameters() { self.copy_if_running() } else { None }
     }
@@ -99,18 +105,22 @@ impl Slave {
 
     /// Concludes setting variables that have all been checked: inputs make the outputs stale that depend on them;
     /// parameters make the model initialize again, or retune.
-    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
-    #[inline(always)]
     fn after_set(&mut self, changed: Changed, old: Option<Box<dyn AnyModel>>) -> Outcome {
         if changed.parameters() {
             return self.after_parameters(old);
         }
         if changed.inputs() {
-            self.frame.stale |= self.layout().input_dependent;
-            // Before there is a state, it may depend on them. Afterwards, nobody asks.
-            self.frame.uninitialized |= !self.frame.phase.is_running();
+            self.after_inputs();
         }
         Ok(())
+    }
+
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
+    fn after_inputs(&mut self) {
+        self.frame.stale |= self.layout().input_dependent;
+        // Before there is a state, it may depend on them. Afterwards, nobody asks.
+        self.frame.uninitialized |= !self.frame.phase.is_running();
     }
 
     #[inline(never)]

@@ -159,6 +159,7 @@ fn columns<const ROWS: usize>(
 }
 
 /// The built-in uncertainties (Δf_1, Δf_2, ΔF) of Section IV, from the discrete signal rates.
+#[inline]
 pub(crate) fn builtin_forces(parameters: &Parameters, signals: &Signals) -> [f64; FORCES] {
     let p = parameters;
     let [ei_1, ei_2] = [p.arms[0].ei, p.arms[1].ei];

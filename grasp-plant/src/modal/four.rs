@@ -16,6 +16,10 @@ pub(super) trait Four: Copy {
     fn times(self, other: Self) -> Self;
     /// Zero where it is [`NEGLIGIBLE`].
     fn kept(self) -> Self;
+    /// Absolute values.
+    fn size(self) -> Self;
+    /// Whether all four are; NaN is not.
+    fn is_below(self, limit: f64) -> bool;
 }
 
 impl Four for Lanes {
@@ -53,6 +57,16 @@ impl Four for Lanes {
         }
         self
     }
+
+    #[inline(always)]
+    fn size(self) -> Self {
+        self.map(f64::abs)
+    }
+
+    #[inline(always)]
+    fn is_below(self, limit: f64) -> bool {
+        self.iter().all(|x| *x < limit)
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -62,8 +76,8 @@ pub(super) use wide::Wide;
 mod wide {
     use super::{Four, Lanes, NEGLIGIBLE};
     use std::arch::x86_64::{
-        __m256d, _CMP_NLT_UQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_cmp_pd, _mm256_loadu_pd,
-        _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd,
+        __m256d, _CMP_LT_OQ, _CMP_NLT_UQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_cmp_pd,
+        _mm256_loadu_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd,
     };
 
     /// A register of four lanes. Only functions that are called where the processor has AVX may make one.
@@ -105,13 +119,24 @@ mod wide {
 
         #[inline(always)]
         fn kept(self) -> Self {
-            // SAFETY: the processor has AVX, see `Wide`.
+            let Self(size) = self.size();
+            // SAFETY: the processor has AVX, see `Wide`. NaN is kept, as above.
             unsafe {
-                let size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0);
-                // NaN is kept, as above.
                 let keep = _mm256_cmp_pd::<_CMP_NLT_UQ>(size, _mm256_set1_pd(NEGLIGIBLE));
                 Self(_mm256_and_pd(self.0, keep))
             }
+        }
+
+        #[inline(always)]
+        fn size(self) -> Self {
+            // SAFETY: the processor has AVX, see `Wide`.
+            Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        }
+
+        #[inline(always)]
+        fn is_below(self, limit: f64) -> bool {
+            // SAFETY: the processor has AVX, see `Wide`.
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, _mm256_set1_pd(limit))) == 0b1111 }
         }
     }
 }

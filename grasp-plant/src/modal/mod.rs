@@ -17,6 +17,7 @@ mod block;
 mod damped;
 mod elementary;
 mod four;
+mod held;
 mod modes;
 mod plane;
 mod readings;
@@ -26,6 +27,7 @@ mod twofold;
 mod undamped;
 mod vibration;
 
+pub(crate) use held::{Found, USABLE};
 pub(crate) use step::{NEGLIGIBLE, Travel};
 pub(crate) use table::Table;
 
@@ -120,6 +122,20 @@ impl Modal {
         next: &mut [f64],
     ) -> Travel {
         Motion { table, readings: &self.readings, rigid: &self.rigid, from, forces, rates }.make(next)
+    }
+
+    /// A step of the table's size with held forces, of coordinates that are replaced if all is usable and `accepts` says so; whether
+    /// they were.
+    #[inline]
+    pub fn hold(
+        &self,
+        table: &Table,
+        forces: &[f64; FORCES],
+        coordinates: &mut [f64],
+        accepts: impl FnOnce(&Found) -> bool,
+    ) -> bool {
+        let Self { readings, rigid, .. } = self;
+        held::Held { table, readings, rigid, forces }.make(coordinates, accepts)
     }
 
     /// All signals of modal coordinates.

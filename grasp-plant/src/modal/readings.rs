@@ -19,31 +19,61 @@ pub(super) struct Readings {
     pub positions: Vec<[[Lanes; 2]; FORCES]>,
 }
 
+/// Registers of all signals.
+const ROWS: usize = SIGNALS / LANES;
+
+/// Sums of signals over groups: two for each, or each addition would wait for the one before.
+pub(super) struct Sums<V>([V; ROWS], [V; ROWS]);
+
+impl<V: Four> Sums<V> {
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Self([V::splat(0.0); ROWS], [V::splat(0.0); ROWS])
+    }
+
+    /// Adds the signals of a group's coordinates.
+    #[inline(always)]
+    pub fn add(&mut self, columns: &[Signals; GROUP], group: &[f64; GROUP]) {
+        let Self(first, second) = self;
+        for lane in 0..LANES {
+            let (x, y) = (V::splat(group[lane]), V::splat(group[LANES + lane]));
+            let (left, right) = (columns[lane].as_chunks().0, columns[LANES + lane].as_chunks().0);
+            for row in 0..ROWS {
+                first[row] = first[row].plus(V::load(&left[row]).times(x));
+                second[row] = second[row].plus(V::load(&right[row]).times(y));
+            }
+        }
+    }
+
+    /// The signals, with those of the rigid motion.
+    #[inline(always)]
+    pub fn with(self, rigid: &Signals, zeta: f64) -> [V; ROWS] {
+        let Self(first, second) = self;
+        let (rigid, zeta) = (rigid.as_chunks().0, V::splat(zeta));
+        std::array::from_fn(|row| first[row].plus(second[row]).plus(V::load(&rigid[row]).times(zeta)))
+    }
+}
+
+/// Signals one by one.
+#[inline(always)]
+pub(super) fn lanes<V: Four>(rows: [V; ROWS]) -> Signals {
+    let mut signals = [0.0; SIGNALS];
+    for (lanes, row) in signals.as_chunks_mut().0.iter_mut().zip(rows) {
+        *lanes = row.lanes();
+    }
+    signals
+}
+
 impl Readings {
     /// The signals of coordinates.
     #[inline(always)]
     fn signals_here<V: Four>(&self, coordinates: &[f64]) -> Signals {
-        const ROWS: usize = SIGNALS / LANES;
         let (groups, rest) = coordinates.as_chunks::<GROUP>();
-        // Two sums for each, or each addition would wait for the one before.
-        let (mut first, mut second) = ([V::splat(0.0); ROWS], [V::splat(0.0); ROWS]);
+        let mut sums = Sums::<V>::zero();
         for (columns, group) in self.signals.iter().zip(groups) {
-            for lane in 0..LANES {
-                let (x, y) = (V::splat(group[lane]), V::splat(group[LANES + lane]));
-                let (left, right) = (columns[lane].as_chunks().0, columns[LANES + lane].as_chunks().0);
-                for row in 0..ROWS {
-                    first[row] = first[row].plus(V::load(&left[row]).times(x));
-                    second[row] = second[row].plus(V::load(&right[row]).times(y));
-                }
-            }
+            sums.add(columns, group);
         }
-        let rigid = V::splat(rest.first().copied().unwrap_or_default());
-        let mut signals = [0.0; SIGNALS];
-        for (row, lanes) in signals.as_chunks_mut().0.iter_mut().enumerate() {
-            let of_rigid = V::load(&self.rigid.as_chunks().0[row]).times(rigid);
-            *lanes = first[row].plus(second[row]).plus(of_rigid).lanes();
-        }
-        signals
+        lanes(sums.with(&self.rigid, rest.first().copied().unwrap_or_default()))
     }
 
     /// w_1(l) and w_2(l).

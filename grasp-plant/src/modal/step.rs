@@ -114,9 +114,8 @@ impl Motion<'_> {
         }
         let mut travel = Travel::default();
         for f in 0..FORCES {
-            let (total, integral) = (total[f].lanes(), integral[f].lanes());
-            travel.total[f] = (total[0] + total[1]) + (total[2] + total[3]);
-            travel.integral[f] = (integral[0] + integral[1]) + (integral[2] + integral[3]);
+            travel.total[f] = sum(total[f]);
+            travel.integral[f] = sum(integral[f]);
         }
         let (Some(before), Some(after)) = (rest.first(), rest_next.first_mut()) else { return travel };
         rigid.step(table.h, *before, forces, RAMPED.then_some(rates), after, &mut travel);
@@ -125,13 +124,25 @@ impl Motion<'_> {
 }
 
 #[inline(always)]
-fn splat<V: Four>(forces: &[f64; FORCES]) -> [V; FORCES] {
+pub(super) fn splat<V: Four>(forces: &[f64; FORCES]) -> [V; FORCES] {
     [V::splat(forces[0]), V::splat(forces[1]), V::splat(forces[2])]
+}
+
+/// The sum of lanes.
+#[inline(always)]
+pub(super) fn sum<V: Four>(four: V) -> f64 {
+    let lanes = four.lanes();
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
 }
 
 /// One coordinate of each block: a row of its matrix times the coordinates, and of its gain times forces.
 #[inline(always)]
-fn moved<V: Four>(coordinates: &[V; 2], row: &[Lanes; 2], gain: &[Lanes; FORCES], forces: &[V; FORCES]) -> V {
+pub(super) fn moved<V: Four>(
+    coordinates: &[V; 2],
+    row: &[Lanes; 2],
+    gain: &[Lanes; FORCES],
+    forces: &[V; FORCES],
+) -> V {
     let own = V::load(&row[0]).times(coordinates[0]).plus(V::load(&row[1]).times(coordinates[1]));
     own.plus(driven(gain, forces))
 }
@@ -146,7 +157,7 @@ fn driven<V: Four>(gain: &[Lanes; FORCES], forces: &[V; FORCES]) -> V {
 impl Rigid {
     /// The rigid part of a step.
     #[inline(always)]
-    fn step(
+    pub fn step(
         &self,
         h: f64,
         before: f64,

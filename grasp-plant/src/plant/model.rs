@@ -18,6 +18,8 @@ pub(crate) struct Model {
     pub dynamics: Dynamics,
     pub extended: Extended,
     pub actuators: [Actuator; FORCES],
+    /// Contact forces per signal of `GRIP_SIGNALS`, and per force on the object.
+    grip: [[f64; 2]; GRIP_SIGNALS.len() + 1],
     /// The modal form, computed at the first step; `None` inside if there is none.
     modal: OnceLock<Option<Modal>>,
     /// Steps of the sizes last used: in modal coordinates, and by dense matrices.
@@ -28,6 +30,9 @@ pub(crate) struct Model {
 /// Most kinks that three ramps can meet.
 pub(crate) const MAX_KINK_TIMES: usize = FORCES * Actuator::MAX_KINKS;
 
+/// The signals that λ depends on.
+const GRIP_SIGNALS: [usize; 4] = [TIP_SHEAR[0], TIP_SHEAR[1], TIP_SHEAR_RATE[0], TIP_SHEAR_RATE[1]];
+
 impl Model {
     /// Assembles the plant of valid parameters.
     pub fn new(parameters: Parameters) -> Self {
@@ -35,11 +40,20 @@ impl Model {
         let extended = Extended::new(&dynamics, parameters.length);
         let channels = [&parameters.torque_channel, &parameters.torque_channel, &parameters.force_channel];
         let actuators = channels.map(|channel| Actuator::new(parameters.actuator_model, channel));
+        let grip = std::array::from_fn(|i| {
+            let (mut signals, mut force) = (Signals::default(), 1.0);
+            if let Some(signal) = GRIP_SIGNALS.get(i) {
+                (signals[*signal], force) = (1.0, 0.0);
+            }
+            let [first, second] = lambda(&parameters, &signals, force);
+            [-first, second]
+        });
         Self {
             parameters,
             dynamics,
             extended,
             actuators,
+            grip,
             modal: OnceLock::new(),
             tables: Shared::default(),
             propagators: Shared::default(),
@@ -110,10 +124,16 @@ impl Model {
     /// λ_i with this force on the object besides the built-in one, (13) and (14).
     #[inline]
     pub fn lambda(&self, signals: &Signals, force: f64) -> [f64; 2] {
-        let p = &self.parameters;
-        let shear = [0, 1].map(|i| signals[TIP_SHEAR[i]] + p.kelvin_voigt * signals[TIP_SHEAR_RATE[i]]);
-        let acceleration = (force + builtin_forces(p, signals)[2] - shear[0] - shear[1]) / p.moving_mass();
-        [0, 1].map(|i| shear[i] + p.arms[i].tip_mass * acceleration)
+        lambda(&self.parameters, signals, force)
+    }
+
+    /// Contact forces with this force on the object, to rounding: no division and few operations one after the other, since a step waits
+    /// for them.
+    #[inline]
+    pub fn grip(&self, signals: &Signals, force: f64) -> [f64; 2] {
+        let [first, second, third, fourth, object] = &self.grip;
+        let [a, b, c, d] = GRIP_SIGNALS.map(|index| signals[index]);
+        [0, 1].map(|i| (first[i] * a + second[i] * b) + (third[i] * c + fourth[i] * d) + object[i] * force)
     }
 
     /// Tip deflections of energy coordinates.
@@ -125,4 +145,12 @@ impl Model {
     pub fn constraint(&self, tip: &[f64; 2], position: &[f64; 3]) -> [f64; 2] {
         [0, 1].map(|arm| self.parameters.length * position[arm] - tip[arm] - position[2])
     }
+}
+
+#[inline]
+fn lambda(parameters: &Parameters, signals: &Signals, force: f64) -> [f64; 2] {
+    let p = parameters;
+    let shear = [0, 1].map(|i| signals[TIP_SHEAR[i]] + p.kelvin_voigt * signals[TIP_SHEAR_RATE[i]]);
+    let acceleration = (force + builtin_forces(p, signals)[2] - shear[0] - shear[1]) / p.moving_mass();
+    [0, 1].map(|i| shear[i] + p.arms[i].tip_mass * acceleration)
 }

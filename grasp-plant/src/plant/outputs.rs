@@ -27,21 +27,38 @@ impl Plant {
         let commands = inputs.commands();
         let applied = std::array::from_fn(|i| self.model.actuators[i].output(commands[i]));
         if let Some(contacts) = &self.contacts {
-            return opening_direct(&applied, contacts.force(&self.state, &self.model.forces(inputs)));
+            return opening_direct(&applied, self.opening_force(contacts, inputs));
         }
         self.model.direct(&self.signals, &applied, &inputs.disturbances())
     }
 
-    /// The contact forces alone \[N\], as in [`Self::direct`], for callers that need them in every step.
+    /// Whether a tip may pull at the object instead of pressing: whether a [contact force](Self::contact_force) is negative, to rounding.
+    /// That is known earlier than the force, for callers that ask after every step.
     #[must_use]
     #[inline]
+    pub fn may_pull(&self, inputs: &Inputs) -> bool {
+        if self.contacts.is_some() {
+            return self.contact_force(inputs).iter().any(|force| *force < 0.0);
+        }
+        let applied = self.model.actuators[2].output(inputs.force_command);
+        let [first, second] = self.model.grip(&self.signals, applied + inputs.object_disturbance);
+        first < 0.0 || second < 0.0
+    }
+
+    /// The contact forces alone \[N\], as in [`Self::direct`].
+    #[must_use]
     pub fn contact_force(&self, inputs: &Inputs) -> [f64; 2] {
         if let Some(contacts) = &self.contacts {
-            return contacts.force(&self.state, &self.model.forces(inputs));
+            return self.opening_force(contacts, inputs);
         }
         let applied = self.model.actuators[2].output(inputs.force_command);
         let [first, second] = self.model.lambda(&self.signals, applied + inputs.object_disturbance);
         [-first, second]
+    }
+
+    #[inline(never)]
+    fn opening_force(&self, contacts: &Contacts, inputs: &Inputs) -> [f64; 2] {
+        contacts.force(&self.state, &self.model.forces(inputs))
     }
 
     /// The contacts: closed gaps and no losses, unless the grasp can open.

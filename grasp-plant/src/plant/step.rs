@@ -22,6 +22,12 @@ impl Plant {
     /// See [`StepError`]; the plant is then unchanged.
     #[inline]
     pub fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        if self.held_step(h, inputs, rates) { Ok(()) } else { self.any_step(h, inputs, rates) }
+    }
+
+    /// Any step, whatever its size and inputs.
+    #[inline(never)]
+    pub(super) fn any_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         if !(h > 0.0 && h.is_finite()) {
             return Err(StepError::NotPositive { h });
         }
@@ -181,7 +187,7 @@ pub(crate) fn flush(coordinates: &mut [f64]) {
 
 /// Numbers above some 1e100 become infinite times this: their squares (energies) and their rates would leave the range of
 /// floating-point numbers.
-const REACH: f64 = 1e208;
+pub(crate) const REACH: f64 = 1e208;
 
 /// Whether all numbers are so far inside the range of floating-point numbers that every output computed from them is
 /// finite. Several numbers are tested at a time: infinity and NaN persist in a sum.

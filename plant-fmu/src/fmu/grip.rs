@@ -42,9 +42,8 @@ impl Grip {
         let size = time - self.until;
         self.until = time;
         let Some(contact) = plant.state().contact.as_deref() else {
-            let force = plant.contact_force(inputs);
-            if force[0] < -TENSION || force[1] < -TENSION {
-                self.pulled(time, size, force);
+            if plant.may_pull(inputs) {
+                self.pulled(time, size, plant.contact_force(inputs));
             }
             return size;
         };
@@ -59,8 +58,8 @@ impl Grip {
         size
     }
 
-    /// A contact that can't open bears tension.
-    #[cold]
+    /// A contact that can't open may bear tension.
+    #[inline(never)]
     fn pulled(&mut self, time: f64, size: f64, force: [f64; 2]) {
         for (tip, force) in self.tips.iter_mut().zip(force) {
             if force < -TENSION {

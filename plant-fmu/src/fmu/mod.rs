@@ -17,19 +17,26 @@ use variables::{ActuatorChoice, ContactChoice};
 
 /// `DualArmPlant.fmu`.
 #[derive(Clone, Serialize, Deserialize)]
+#[repr(C)] // What every step needs side by side: from the measured outputs to the first half of the plant.
 pub struct DualArmPlant {
     parameters: Parameters,
     actuator_model: ActuatorChoice,
     contact_model: ContactChoice,
+    /// The plant of the run before a reset: one of equal parameters takes over what was computed for it.
+    #[serde(skip)]
+    before: Option<Box<Plant>>,
+    /// What a host that integrates may look at, from when one does.
+    #[serde(skip)]
+    continuous: Option<Box<Continuous>>,
+    /// What the host may look at.
+    #[serde(skip)]
+    outputs: Outputs,
     inputs: Inputs,
     /// Slopes of the inputs over the next step.
     input_rates: Inputs,
     /// The plant, once there is a start.
     #[serde(with = "plant_state")]
     plant: Option<Plant>,
-    /// The plant of the run before a reset: one of equal parameters takes over what was computed for it.
-    #[serde(skip)]
-    before: Option<Box<Plant>>,
     /// When and where contact was lost in this run.
     grip: Grip,
     /// Whether that has been said.
@@ -40,28 +47,23 @@ pub struct DualArmPlant {
     told_of_limits: bool,
     /// For how much longer an actuator has been at its limits than none \[s\]; never negative.
     time_at_limits: f64,
-    /// What the host may look at.
-    #[serde(skip)]
-    outputs: Outputs,
-    /// What a host that integrates may look at, from when one does.
-    #[serde(skip)]
-    continuous: Option<Box<Continuous>>,
 }
 
 /// Values of the output variables, each part filled in by the evaluation of its name.
 #[derive(Clone, Default)]
+#[repr(C)] // Last what a controller reads in every step: see `DualArmPlant`.
 struct Outputs {
-    measured: Measured,
-    direct: Direct,
-    in_contact: bool,
-    pressing: [bool; 2],
-    contact: Contact,
-    impacts: [i32; 2],
-    uncertainty: Uncertainty,
-    shape: Shape,
-    deflection: [[f64; DEFLECTION_POINTS]; 2],
     /// Time derivatives, from when a host asks for them.
     rates: Option<Box<Rates>>,
+    deflection: [[f64; DEFLECTION_POINTS]; 2],
+    shape: Shape,
+    contact: Contact,
+    impacts: [i32; 2],
+    in_contact: bool,
+    pressing: [bool; 2],
+    direct: Direct,
+    uncertainty: Uncertainty,
+    measured: Measured,
 }
 
 /// Outputs that are for looking at rather than for feeding back.
@@ -79,17 +81,17 @@ impl Default for DualArmPlant {
             parameters: Parameters { order: ORDER, ..Parameters::default() },
             actuator_model: ActuatorChoice::default(),
             contact_model: ContactChoice::default(),
+            before: None,
+            continuous: None,
+            outputs: Outputs::default(),
             inputs: Inputs::ZERO,
             input_rates: Inputs::ZERO,
             plant: None,
-            before: None,
             grip: Grip::default(),
             told_of_contact: false,
             stop_time: None,
             told_of_limits: false,
             time_at_limits: 0.0,
-            outputs: Outputs::default(),
-            continuous: None,
         }
     }
 }
@@ -121,6 +123,7 @@ impl DualArmPlant {
     const LIMITED: [&str; 8] = ["", "tau1", "tau2", "tau1, tau2", "u", "tau1, u", "tau2, u", "tau1, tau2, u"];
 
     /// Looks at the contacts after a step that ends at `time`, and says at the end of the run what became of them.
+    #[inline]
     fn watch_contact(&mut self, time: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) {
         let Some(plant) = &self.plant else { return };
         let size = self.grip.watch(time, plant, &self.inputs);

@@ -1,0 +1,112 @@
+//! The step that most steps are: with held forces, where the coordinates are.
+//!
+//! The bits are those of [`Motion`](super::step::Motion) and of the signals read after it. The old coordinates stay until the new ones are
+//! known to be usable; meanwhile these are on the stack and not in memory of the plant, which may be far away.
+
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
+use super::four::Four;
+#[cfg(target_arch = "x86_64")]
+use super::four::Wide;
+use super::readings::{Readings, Sums, lanes};
+use super::step::{Rigid, Travel, moved, splat, sum};
+use super::table::{GROUP, LANES, Lanes, Table};
+use crate::dynamics::{FORCES, Signals};
+use crate::extended::MAX_COORDINATES;
+use crate::plant::REACH;
+use std::mem::MaybeUninit;
+use std::slice;
+
+/// The most groups: one more than an order of whole groups has.
+const MAX_GROUPS: usize = MAX_COORDINATES.div_ceil(GROUP);
+
+/// Sums of sizes below this have parts all of which are [usable](crate::plant::all_usable).
+pub(crate) const USABLE: f64 = f64::MAX / REACH;
+
+/// What such a step found, besides the coordinates.
+pub(crate) struct Found {
+    pub travel: Travel,
+    pub signals: Signals,
+}
+
+/// A step with held forces: the functions of the step, the forces.
+#[derive(Clone, Copy)]
+pub(super) struct Held<'a> {
+    pub table: &'a Table,
+    pub readings: &'a Readings,
+    pub rigid: &'a Rigid,
+    pub forces: &'a [f64; FORCES],
+}
+
+impl Held<'_> {
+    /// Replaces the coordinates by those after the step if they and their signals are usable and `accepts` says so; whether it did.
+    #[inline]
+    pub fn make(self, coordinates: &mut [f64], accepts: impl FnOnce(&Found) -> bool) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        if crate::kernel::has_wide_registers() {
+            // SAFETY: the processor has it.
+            return unsafe { self.make_wide(coordinates, accepts) };
+        }
+        self.make_here::<Lanes>(coordinates, accepts)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx")]
+    fn make_wide(self, coordinates: &mut [f64], accepts: impl FnOnce(&Found) -> bool) -> bool {
+        self.make_here::<Wide>(coordinates, accepts)
+    }
+
+    #[inline(always)]
+    fn make_here<V: Four>(self, coordinates: &mut [f64], accepts: impl FnOnce(&Found) -> bool) -> bool {
+        let Self { table, readings, rigid, forces } = self;
+        let (groups, rest) = coordinates.as_chunks_mut::<GROUP>();
+        let [zeta] = rest else { return false };
+        let rows = table.held.iter().zip(&readings.positions);
+        if rows.len() != groups.len() || groups.len() > MAX_GROUPS {
+            return false;
+        }
+        // Not initialised, because that would take as long as a group.
+        let mut buffer = [const { MaybeUninit::<[f64; GROUP]>::uninit() }; MAX_GROUPS];
+        let (forces_4, mut total, mut size) = (splat::<V>(forces), [V::splat(0.0); FORCES], V::splat(0.0));
+        for ((group, next), (held, positions)) in groups.iter().zip(&mut buffer).zip(rows) {
+            let (from, next) = (group.as_chunks::<LANES>().0, next.write([0.0; GROUP]));
+            let from = [V::load(&from[0]), V::load(&from[1])];
+            for (c, lanes) in next.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+                let change = moved(&from, &held.increment[c], &held.gain[c], &forces_4);
+                let after = from[c].plus(change);
+                *lanes = after.kept().lanes();
+                size = size.plus(after.size());
+                for f in 0..FORCES {
+                    total[f] = total[f].plus(V::load(&positions[f][c]).times(change));
+                }
+            }
+        }
+        // SAFETY: there are as many rows as groups, and no more groups than places, so the loop has written one for each of them.
+        let next = unsafe { slice::from_raw_parts(buffer.as_ptr().cast::<[f64; GROUP]>(), groups.len()) };
+        let mut travel = Travel { total: total.map(sum), ..Travel::default() };
+        let mut after = 0.0;
+        rigid.step(table.h, *zeta, forces, None, &mut after, &mut travel);
+        // A loop of its own: the sums of both do not fit into the registers.
+        let mut sums = Sums::<V>::zero();
+        for (columns, next) in readings.signals.iter().zip(next) {
+            sums.add(columns, next);
+        }
+        let signals = sums.with(&readings.rigid, after);
+        for row in signals {
+            size = size.plus(row.size());
+        }
+        let usable = size.is_below(USABLE) & (after.abs() < USABLE);
+        let accepted = usable && accepts(&Found { travel, signals: lanes(signals) });
+        if accepted {
+            // In registers: a call that copies would take longer.
+            for (group, next) in
+                groups.as_flattened_mut().as_chunks_mut().0.iter_mut().zip(next.as_flattened().as_chunks().0)
+            {
+                *group = V::load(next).lanes();
+            }
+            *zeta = after;
+        }
+        accepted
+    }
+}
