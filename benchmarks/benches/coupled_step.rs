@@ -73,7 +73,7 @@ fn peers(criterion: &mut Criterion) {
 
 /// A step with every wired signal handed over and fetched.
 fn whole_steps(criterion: &mut Criterion) {
-    for name in common::Case::NAMES {
+    for name in common::Case::NAMES.into_iter().chain(common::Case::DEFAULT) {
         match common::Case::new(name, &common::dist()) {
             Ok(mut case) => {
                 _ = criterion.bench_function(&format!("step/{name}"), |bencher| bencher.iter(|| case.step()));

@@ -149,7 +149,7 @@ fn time(folder: &Path) -> Result<()> {
         println!("{:<44}{paper:>10.0}", "in C without wide registers, nabfc");
         println!("{:<44}{coupled:>10.0}", "in C without wide registers, coupled");
     }
-    for name in Case::NAMES.into_iter().chain([Case::DEFAULT]) {
+    for name in Case::NAMES.into_iter().chain(Case::DEFAULT) {
         let mut case = Case::new(name, folder)?;
         let cost = nanoseconds(u32::try_from(RUN)?, || case.step());
         match in_c.as_ref().ok().and_then(|in_c| in_c.of(name)) {

@@ -45,9 +45,6 @@ pub(crate) struct RealSlot {
     pub min: f64,
     /// The greatest, likewise.
     pub max: f64,
-    /// The evaluation to run before reading it, as a bit, 0 if none; or [`NO_SHORT_WAY`](Self::NO_SHORT_WAY). Half as many bits as there
-    /// may be evaluations, so that two slots fit into a line of a processor's cache.
-    pub needs: u32,
     /// How many bytes behind the model's beginning it always is, or [`ELSEWHERE`](Self::ELSEWHERE).
     pub offset: u32,
     /// Index into [`Layout::variables`].
@@ -63,8 +60,6 @@ impl RealSlot {
     pub const ELSEWHERE: u32 = u32::MAX;
     /// Of [`kind`](Self::kind): it has no offset. The bits of the causalities are below.
     pub const IS_ELSEWHERE: u8 = 1 << 7;
-    /// Of [`needs`](Self::needs): the variable is elsewhere, or its evaluation has no bit here.
-    pub const NO_SHORT_WAY: u32 = 1 << 31;
 
     pub fn has(&self, causality: Causality) -> bool {
         self.kind & causality.bit() != 0
@@ -74,6 +69,26 @@ impl RealSlot {
     #[inline]
     pub fn accepts(&self, value: f64) -> bool {
         self.min <= value && value <= self.max
+    }
+}
+
+/// What reading a real variable takes, if it is where the offset says: as short as possible.
+#[derive(Clone, Copy)]
+pub(crate) struct Reading {
+    /// The evaluation to run before, as a bit, 0 if none; or [`NO_SHORT_WAY`](Self::NO_SHORT_WAY).
+    pub needs: u32,
+    /// As in [`RealSlot`].
+    pub offset: u32,
+}
+
+impl Reading {
+    /// Of [`needs`](Self::needs): the variable is elsewhere, or its evaluation has no bit here.
+    pub const NO_SHORT_WAY: u32 = 1 << 31;
+
+    fn new(evaluation: u64, offset: u32) -> Self {
+        let short = u32::try_from(evaluation).ok().filter(|needs| needs & Self::NO_SHORT_WAY == 0);
+        let needs = short.filter(|_| offset != RealSlot::ELSEWHERE).unwrap_or(Self::NO_SHORT_WAY);
+        Self { needs, offset }
     }
 }
 
@@ -101,6 +116,8 @@ pub(crate) struct Layout {
     /// Base type and value reference of each variable.
     pub references: Vec<Reference>,
     pub reals: Vec<RealSlot>,
+    /// Of the same variables.
+    pub readings: Vec<Reading>,
     /// The other base types.
     pub integers: Vec<Slot>,
     pub booleans: Vec<Slot>,
@@ -183,6 +200,7 @@ impl Layout {
             references: Vec::with_capacity(list.len()),
             variables: Vec::new(),
             reals: Vec::new(),
+            readings: Vec::new(),
             integers: Vec::new(),
             booleans: Vec::new(),
             strings: Vec::new(),
@@ -200,6 +218,7 @@ impl Layout {
         // Grown by doubling, and kept as long as there are instances.
         layout.variables.shrink_to_fit();
         layout.reals.shrink_to_fit();
+        layout.readings.shrink_to_fit();
         if let Some(exchange) = exchange {
             layout.add_continuous(exchange, indicators);
         }
@@ -263,13 +282,10 @@ impl Layout {
                 }
                 let offset = place.offset().and_then(|offset| offset.try_into().ok()).unwrap_or(RealSlot::ELSEWHERE);
                 let elsewhere = if offset == RealSlot::ELSEWHERE { RealSlot::IS_ELSEWHERE } else { 0 };
-                let short = u32::try_from(evaluation)
-                    .ok()
-                    .filter(|needs| needs & RealSlot::NO_SHORT_WAY == 0 && elsewhere == 0);
+                self.readings.push(Reading::new(evaluation, offset));
                 self.reals.push(RealSlot {
                     min: variable.min.unwrap_or(f64::MIN).max(f64::MIN),
                     max: variable.max.unwrap_or(f64::MAX).min(f64::MAX),
-                    needs: short.unwrap_or(RealSlot::NO_SHORT_WAY),
                     offset,
                     variable: index,
                     settable,

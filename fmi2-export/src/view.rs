@@ -115,17 +115,14 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The value of a real variable that has an offset.
+    /// The value of a real variable that has this offset.
     ///
     /// # Safety
-    /// It must be there and have one.
+    /// There must be one.
     #[inline]
-    pub unsafe fn near(&self, reference: u32) -> f64 {
+    pub unsafe fn near(&self, offset: u32) -> f64 {
         // SAFETY: the caller's promise; the rest as in `real`.
-        unsafe {
-            let slot = self.declared.reals.get_unchecked(reference as usize);
-            *self.model.byte_add(slot.offset as usize).cast()
-        }
+        unsafe { *self.model.byte_add(offset as usize).cast() }
     }
 
     /// A real variable that only a function leads to.

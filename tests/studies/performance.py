@@ -21,7 +21,7 @@ DOCS = ROOT / "docs"
 PROGRAM = ["cargo", "run", "--quiet", "--release", "-p", "benchmarks", "--example", "step_cost", "--"]
 ROUNDS = 5
 #: What a step may cost [ns], issue by issue.
-TARGETS = {"plant": 70, "nabfc": 200, "coupled": 300}
+TARGETS = {"plant": 70, "nabfc": 200, "coupled": 300, "nabfc-r": 200, "coupled-r": 300}
 
 
 def run(*command: str) -> str:

@@ -13,8 +13,8 @@ use crate::steps::Outcome;
 use crate::tree::Tree;
 
 /// The cases of `step_cost`, [`SIMULATE`] and [`INTEGRATOR`]: the columns of the history.
-const CASES: [&str; 10] =
-    ["plant", "nabfc", "pds", "pd", "coupled", "master", SIMULATE, "get_first", "nabfc-r", INTEGRATOR];
+const CASES: [&str; 11] =
+    ["plant", "nabfc", "pds", "pd", "coupled", "master", SIMULATE, "get_first", "nabfc-r", INTEGRATOR, "coupled-r"];
 
 /// A model that computes next to nothing, by `call_cost` of fmi2-export: what the C interface costs.
 const INTEGRATOR: &str = "integrator";
@@ -203,14 +203,14 @@ fn today() -> String {
 mod tests {
     use super::*;
 
-    const HISTORY: &str = "date,note,plant\n2026-01-01,first,1,2,3,4,5,6,,,,\n2026-01-02,second,100,200,300,400,500,600,700,800,900,1000\n";
+    const HISTORY: &str = "date,note,plant\n2026-01-01,first,1,2,3,4,5,6,,,,\n2026-01-02,second,100,200,300,400,500,600,700,800,900,1000,1100\n";
 
     #[test]
     fn the_last_entry_is_the_standard() {
         let last = last(HISTORY).unwrap();
         assert_eq!((last.date.as_str(), last.note.as_str()), ("2026-01-02", "second"));
-        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630, 735, 840, 945, 1050]), Outcome::Passed);
-        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0, 0, 0, 0, 0]) else {
+        assert_eq!(compare(&last, &[105, 210, 315, 420, 525, 630, 735, 840, 945, 1050, 1155]), Outcome::Passed);
+        let Outcome::Failed(reason) = compare(&last, &[100, 211, 0, 0, 0, 0, 0, 0, 0, 0, 0]) else {
             panic!("211 is too many")
         };
         assert!(reason.contains("nabfc from 200 to 211 (+5.5 %)"), "{reason}");
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn a_damaged_history_is_refused() {
-        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,6,7,8,9,x\n"] {
+        for text in ["", "date\n", "date\n2026-01-01,note,1,2\n", "date\n2026-01-01,note,1,2,3,4,5,6,7,8,9,10,x\n"] {
             assert!(super::last(text).is_err(), "{text:?}");
         }
     }

@@ -164,14 +164,14 @@ pub const RUN: usize = 4000;
 impl Case {
     /// The names, in the order of a table; `nabfc` and what it is part of have the paper's law.
     pub const NAMES: [&str; 7] = ["plant", "nabfc", "pds", "pd", "coupled", "get_first", "master"];
-    /// The law by default.
-    pub const DEFAULT: &str = "nabfc-r";
+    /// The law by default, alone and with the plant.
+    pub const DEFAULT: [&str; 2] = ["nabfc-r", "coupled-r"];
 
     pub fn new(name: &str, folder: &Path) -> Result<Self> {
         let scenario = match name {
             "pds" => PDS,
             "pd" => PD,
-            Self::DEFAULT => NABFC_R,
+            "nabfc-r" | "coupled-r" => NABFC_R,
             _ => NABFC,
         };
         let mut pair = Pair::new(folder, &scenario)?;
@@ -184,7 +184,7 @@ impl Case {
                 }
                 Self::Alone { slave: Slave::plant(folder, None)?, inputs, outputs: vec![0.0; 12], next: 0 }
             }
-            "nabfc" | Self::DEFAULT | "pds" | "pd" => {
+            "nabfc" | "nabfc-r" | "pds" | "pd" => {
                 for _ in 0..RUN {
                     pair.step();
                     inputs.extend_from_slice(&pair.measured);
@@ -192,7 +192,7 @@ impl Case {
                 let slave = Slave::controller(folder, &scenario)?;
                 Self::Alone { slave, inputs, outputs: vec![0.0; 3], next: 0 }
             }
-            "coupled" => Self::Coupled(pair),
+            "coupled" | "coupled-r" => Self::Coupled(pair),
             "get_first" => Self::GetFirst(pair),
             "master" => {
                 let fmus = [open(folder, PLANT)?, open(folder, scenario.fmu)?];
@@ -203,7 +203,10 @@ impl Case {
                 master.initialize(&TimeGrid::new(0.0, 1e6, STEP)?)?;
                 Self::Master(Box::new(master), 0)
             }
-            _ => return Err(format!("no case {name}; there are {}", Self::NAMES.join(", ")).into()),
+            _ => {
+                let names = [&Self::NAMES[..], &Self::DEFAULT].concat().join(", ");
+                return Err(format!("no case {name}; there are {names}").into());
+            }
         })
     }
 

@@ -3,7 +3,7 @@
 use std::ffi::CString;
 
 use super::{Slave, find, no_such};
-use crate::layout::{Layout, RealSlot, Slot};
+use crate::layout::{Layout, Reading, Slot};
 use crate::out::Out;
 use crate::phase::Call;
 use crate::status::{Outcome, Refusal};
@@ -12,10 +12,10 @@ use crate::view::{Value, View};
 impl Slave {
     pub fn get_real(&mut self, references: &[u32], values: Out<'_, f64>) -> Outcome {
         self.check(Call::Get, "fmi2GetReal")?;
-        let (mut needs, reals) = (0, self.layout().reals.as_slice());
-        let mut look = |reference: &u32| match reals.get(*reference as usize) {
-            Some(real) => {
-                needs |= real.needs;
+        let (mut needs, readings) = (0, self.layout().readings.as_slice());
+        let mut look = |reference: &u32| match readings.get(*reference as usize) {
+            Some(reading) => {
+                needs |= reading.needs;
                 Ok(())
             }
             None => Err(no_such(*reference)),
@@ -29,13 +29,15 @@ impl Slave {
             look(d)?;
         }
         rest.iter().try_for_each(look)?;
-        if needs & RealSlot::NO_SHORT_WAY != 0 {
+        if needs & Reading::NO_SHORT_WAY != 0 {
             return self.get_distant(references, values);
         }
         self.evaluate(needs.into())?;
-        let (_, view) = self.subject.view();
-        // SAFETY: all are there, and none is elsewhere.
-        values.write(references.iter().map(|reference| unsafe { view.near(*reference) }));
+        let (layout, view) = self.subject.view();
+        values.write(references.iter().map(|reference| {
+            // SAFETY: all are there, and none is elsewhere.
+            unsafe { view.near(layout.readings.get_unchecked(*reference as usize).offset) }
+        }));
         Ok(())
     }
 

@@ -11,10 +11,11 @@ use super::four::Four;
 use super::four::Wide;
 use super::readings::{Readings, Sums, lanes};
 use super::step::{Rigid, Travel, moved, splat, sum};
-use super::table::{GROUP, LANES, Lanes, Table};
+use super::table::{Aligned, GROUP, LANES, Lanes, Table};
 use crate::dynamics::{FORCES, Signals};
 use crate::extended::MAX_COORDINATES;
 use crate::plant::REACH;
+use crate::state::State;
 use std::mem::MaybeUninit;
 use std::slice;
 
@@ -42,34 +43,34 @@ pub(super) struct Held<'a> {
 impl Held<'_> {
     /// Replaces the coordinates by those after the step if they and their signals are usable and `accepts` says so; whether it did.
     #[inline]
-    pub fn make(self, coordinates: &mut [f64], accepts: impl FnOnce(&Found) -> bool) -> bool {
+    pub fn make(self, state: &mut State, accepts: impl FnOnce(&mut State, &Found) -> bool) -> bool {
         #[cfg(target_arch = "x86_64")]
         if crate::kernel::has_wide_registers() {
             // SAFETY: the processor has it.
-            return unsafe { self.make_wide(coordinates, accepts) };
+            return unsafe { self.make_wide(state, accepts) };
         }
-        self.make_here::<Lanes>(coordinates, accepts)
+        self.make_here::<Lanes>(state, accepts)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx")]
-    fn make_wide(self, coordinates: &mut [f64], accepts: impl FnOnce(&Found) -> bool) -> bool {
-        self.make_here::<Wide>(coordinates, accepts)
+    fn make_wide(self, state: &mut State, accepts: impl FnOnce(&mut State, &Found) -> bool) -> bool {
+        self.make_here::<Wide>(state, accepts)
     }
 
     #[inline(always)]
-    fn make_here<V: Four>(self, coordinates: &mut [f64], accepts: impl FnOnce(&Found) -> bool) -> bool {
+    fn make_here<V: Four>(self, state: &mut State, accepts: impl FnOnce(&mut State, &Found) -> bool) -> bool {
         let Self { table, readings, rigid, forces } = self;
-        let (groups, rest) = coordinates.as_chunks_mut::<GROUP>();
+        let (groups, rest) = state.coordinates.as_chunks::<GROUP>();
         let [zeta] = rest else { return false };
         let rows = table.held.iter().zip(&readings.positions);
         if rows.len() != groups.len() || groups.len() > MAX_GROUPS {
             return false;
         }
         // Not initialised, because that would take as long as a group.
-        let mut buffer = [const { MaybeUninit::<[f64; GROUP]>::uninit() }; MAX_GROUPS];
+        let mut buffer = Aligned([const { MaybeUninit::<[f64; GROUP]>::uninit() }; MAX_GROUPS]);
         let (forces_4, mut total, mut size) = (splat::<V>(forces), [V::splat(0.0); FORCES], V::splat(0.0));
-        for ((group, next), (held, positions)) in groups.iter().zip(&mut buffer).zip(rows) {
+        for ((group, next), (held, positions)) in groups.iter().zip(&mut *buffer).zip(rows) {
             let (from, next) = (group.as_chunks::<LANES>().0, next.write([0.0; GROUP]));
             let from = [V::load(&from[0]), V::load(&from[1])];
             for (c, lanes) in next.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
@@ -97,15 +98,14 @@ impl Held<'_> {
             size = size.plus(row.size());
         }
         let usable = size.is_below(USABLE) & (after.abs() < USABLE);
-        let accepted = usable && accepts(&Found { travel, signals: lanes(signals) });
+        let accepted = usable && accepts(state, &Found { travel, signals: lanes(signals) });
         if accepted {
+            let (groups, rest) = state.coordinates.as_chunks_mut::<LANES>();
             // In registers: a call that copies would take longer.
-            for (group, next) in
-                groups.as_flattened_mut().as_chunks_mut().0.iter_mut().zip(next.as_flattened().as_chunks().0)
-            {
+            for (group, next) in groups.iter_mut().zip(next.as_flattened().as_chunks().0) {
                 *group = V::load(next).lanes();
             }
-            *zeta = after;
+            rest[0] = after;
         }
         accepted
     }

@@ -34,6 +34,7 @@ pub(crate) use table::Table;
 use crate::dynamics::{Dynamics, FORCES, Signals};
 use crate::kernel::{LANES as PANEL, Panels};
 use crate::parameters::Parameters;
+use crate::state::State;
 use block::Block;
 use modes::Modes;
 use nalgebra::DMatrix;
@@ -91,7 +92,7 @@ impl Modal {
     }
 
     fn is_finite(&self) -> bool {
-        let positions = self.readings.positions.as_flattened().as_flattened().as_flattened();
+        let positions = self.readings.positions.iter().flat_map(|group| group.as_flattened().as_flattened());
         let gains = self.gains.as_flattened().as_flattened();
         self.basis.iter().chain(positions).chain(gains).chain(&self.rigid.drift).all(|number| number.is_finite())
     }
@@ -124,18 +125,18 @@ impl Modal {
         Motion { table, readings: &self.readings, rigid: &self.rigid, from, forces, rates }.make(next)
     }
 
-    /// A step of the table's size with held forces, of coordinates that are replaced if all is usable and `accepts` says so; whether
-    /// they were.
+    /// A step of the table's size with held forces, of a state whose modal coordinates are replaced if all is usable and `accepts`, which may
+    /// change the rest of the state, says so; whether they were.
     #[inline]
     pub fn hold(
         &self,
         table: &Table,
         forces: &[f64; FORCES],
-        coordinates: &mut [f64],
-        accepts: impl FnOnce(&Found) -> bool,
+        state: &mut State,
+        accepts: impl FnOnce(&mut State, &Found) -> bool,
     ) -> bool {
         let Self { readings, rigid, .. } = self;
-        held::Held { table, readings, rigid, forces }.make(coordinates, accepts)
+        held::Held { table, readings, rigid, forces }.make(state, accepts)
     }
 
     /// All signals of modal coordinates.
@@ -179,8 +180,8 @@ impl Modal {
     pub fn numbers(&self) -> Vec<f64> {
         let blocks = self.blocks.iter().flat_map(|block| block.matrix().as_flattened().to_vec());
         let gains = self.gains.as_flattened().as_flattened().iter().copied();
-        let positions = self.readings.positions.as_flattened().as_flattened().as_flattened().iter().copied();
-        let signals = self.readings.signals.as_flattened().as_flattened().iter().copied();
+        let positions = self.readings.positions.iter().flat_map(|group| group.as_flattened().as_flattened()).copied();
+        let signals = self.readings.signals.iter().flat_map(|group| group.as_flattened()).copied();
         let basis = self.basis.iter().copied();
         blocks.chain(gains).chain(positions).chain(signals).chain(basis).chain(self.rigid.drift).collect()
     }

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::readings::Readings;
 use super::step::Rigid;
-use super::table::{GROUP, LANES};
+use super::table::{Aligned, GROUP, LANES};
 use super::twofold::{Long, Twofold};
 use super::vibration::Vibration;
 use super::{damped, undamped};
@@ -110,9 +110,9 @@ impl Modes {
         let (velocities, root, tip) = (VELOCITY.map(row), ROOT_MOMENT.map(row), TIP_SHEAR.map(row));
         let groups = self.blocks.len().div_ceil(LANES);
         let mut readings = Readings {
-            signals: vec![[Signals::default(); GROUP]; groups],
+            signals: vec![Aligned([Signals::default(); GROUP]); groups],
             rigid: Signals::default(),
-            positions: vec![[[[0.0; LANES]; 2]; FORCES]; groups],
+            positions: vec![Aligned([[[0.0; LANES]; 2]; FORCES]); groups],
         };
         for (signal, velocity) in VELOCITY.into_iter().zip(vibration.rigid_inputs) {
             readings.rigid[signal] = velocity;

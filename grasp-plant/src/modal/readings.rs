@@ -6,17 +6,17 @@
 use super::four::Four;
 #[cfg(target_arch = "x86_64")]
 use super::four::Wide;
-use super::table::{GROUP, LANES, Lanes};
+use super::table::{Aligned, GROUP, LANES, Lanes};
 use crate::dynamics::{FORCES, SIGNALS, Signals};
 
 /// The rows that read signals from the coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Readings {
     /// Signals per coordinate of each group, and per ζ.
-    pub signals: Vec<[Signals; GROUP]>,
+    pub signals: Vec<Aligned<[Signals; GROUP]>>,
     pub rigid: Signals,
     /// w_1(l), w_2(l) and y_M per coordinate.
-    pub positions: Vec<[[Lanes; 2]; FORCES]>,
+    pub positions: Vec<Aligned<[[Lanes; 2]; FORCES]>>,
 }
 
 /// Registers of all signals.
@@ -81,7 +81,7 @@ impl Readings {
         let (groups, _) = coordinates.as_chunks::<GROUP>();
         let mut tips = [0.0; 2];
         for (positions, group) in self.positions.iter().zip(groups) {
-            for (tip, position) in tips.iter_mut().zip(positions) {
+            for (tip, position) in tips.iter_mut().zip(&**positions) {
                 *tip += position.as_flattened().iter().zip(group).map(|(position, z)| position * z).sum::<f64>();
             }
         }

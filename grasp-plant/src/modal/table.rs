@@ -3,12 +3,31 @@
 use super::block::{Block, Functions};
 use crate::cache::OfOneSize;
 use crate::dynamics::FORCES;
+use std::ops::{Deref, DerefMut};
 
 /// Blocks side by side.
 pub(super) const LANES: usize = 4;
 
 /// Numbers of as many blocks.
 pub(super) type Lanes = [f64; LANES];
+
+/// At the beginning of a line of the processor's cache. Elsewhere every other register would be read from two lines.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Aligned<T>(pub T);
+
+impl<T> Deref for Aligned<T> {
+    type Target = T;
+    fn deref(&self) -> &T {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for Aligned<T> {
+    fn deref_mut(&mut self) -> &mut T {
+        &mut self.0
+    }
+}
 
 /// Coordinates of a group: the first of each block, then the second.
 pub(super) const GROUP: usize = 2 * LANES;
@@ -40,8 +59,8 @@ pub(super) struct Ramped {
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     pub(super) h: f64,
-    pub(super) held: Vec<Held>,
-    pub(super) ramped: Vec<Ramped>,
+    pub(super) held: Vec<Aligned<Held>>,
+    pub(super) ramped: Vec<Aligned<Ramped>>,
 }
 
 impl Table {
@@ -52,8 +71,8 @@ impl Table {
         let groups = blocks.div_ceil(LANES);
         Self {
             h: 0.0,
-            held: vec![Held { increment: square, gain }; groups],
-            ramped: vec![Ramped { gain, integral: square, integral_gain: gain }; groups],
+            held: vec![Aligned(Held { increment: square, gain }); groups],
+            ramped: vec![Aligned(Ramped { gain, integral: square, integral_gain: gain }); groups],
         }
     }
 

@@ -21,8 +21,8 @@ impl Plant {
         }
         let Some(modal) = model.modal() else { return false };
         let (forces, length) = (model.forces(inputs), model.parameters.length);
-        let State { coordinates, position, carry, supplied_energy, .. } = state;
-        modal.hold(table, &forces, coordinates, |found| {
+        modal.hold(table, &forces, state, |state, found| {
+            let State { position, carry, supplied_energy, .. } = state;
             let (moved, _) = found.travel.of_forces(length);
             let energy = *supplied_energy + dot(&forces, &moved);
             let (there, rest) = travelled(position, carry, &moved);

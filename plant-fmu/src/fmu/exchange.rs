@@ -224,7 +224,9 @@ impl ModelExchange for DualArmPlant {
     }
 
     fn step_completed(&mut self, moment: &mut Moment<'_>) -> Result<Completed, Failure> {
-        self.watch_contact(moment.time, &mut |said| moment.warn(said));
+        if self.watch_contact(moment.time) {
+            self.tell_of_contact(&mut |said| moment.warn(said));
+        }
         let due = self.plant.as_ref().is_some_and(|plant| plant.contact_is_due(&self.inputs));
         Ok(if due { Completed::EnterEventMode } else { Completed::Continue })
     }

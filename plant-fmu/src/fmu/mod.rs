@@ -8,7 +8,9 @@ mod variables;
 use std::fmt;
 
 use fmi2_export::{Conclusion, Declare, DefaultExperiment, Experiment, Failure, Info, Model, Step, Variables};
-use grasp_plant::{Contact, DEFLECTION_POINTS, Direct, Inputs, Measured, Parameters, Plant, Rates, Uncertainty};
+use grasp_plant::{
+    Contact, DEFLECTION_POINTS, Direct, Inputs, Measured, Parameters, Plant, Rates, StepError, Uncertainty,
+};
 use serde::{Deserialize, Serialize};
 
 use exchange::{Continuous, ORDER};
@@ -122,15 +124,14 @@ impl DualArmPlant {
     /// What the actuators at their limits are called, by the sum of 1, 2 and 4: no memory is asked for in a step.
     const LIMITED: [&str; 8] = ["", "tau1", "tau2", "tau1, tau2", "u", "tau1, u", "tau2, u", "tau1, tau2, u"];
 
-    /// Looks at the contacts after a step that ends at `time`, and says at the end of the run what became of them.
-    #[inline]
-    fn watch_contact(&mut self, time: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) {
-        let Some(plant) = &self.plant else { return };
+    /// Looks at the contacts after a step that ends at `time`. Whether the run ends there, so that it is time to say what became of them:
+    /// not only when it is terminated, which not every host does and after which few listen.
+    #[allow(clippy::inline_always)] // On the way of every step.
+    #[inline(always)]
+    fn watch_contact(&mut self, time: f64) -> bool {
+        let Some(plant) = &self.plant else { return false };
         let size = self.grip.watch(time, plant, &self.inputs);
-        // Not only when it is terminated, which not every host does and after which few listen.
-        if self.stop_time.is_some_and(|stop| time > stop - 0.5 * size) {
-            self.tell_of_contact(warn);
-        }
+        self.stop_time.is_some_and(|stop| time > stop - 0.5 * size)
     }
 
     /// The parameters as the host has set them.
@@ -269,9 +270,11 @@ impl Model for DualArmPlant {
 
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
-        plant.step(step.size, &self.inputs, &self.input_rates).map_err(Failure::discard)?;
+        plant.step(step.size, &self.inputs, &self.input_rates).map_err(discarded)?;
         let limited = plant.limited(&self.inputs);
-        self.watch_contact(step.time + step.size, &mut |said| step.warn(said));
+        if self.watch_contact(step.time + step.size) {
+            self.tell_of_contact(&mut |said| step.warn(said));
+        }
         if limited[0] | limited[1] | limited[2] {
             self.limited(step, limited);
         } else {
@@ -301,6 +304,12 @@ impl Model for DualArmPlant {
             direction.outputs.direct = plant.direct_derivative(&self.inputs, &direction.inputs);
         }
     }
+}
+
+#[cold]
+#[inline(never)]
+fn discarded(error: StepError) -> Failure {
+    Failure::discard(error)
 }
 
 /// A plant in a saved state is its parameters and what moves; the matrices are computed again.
