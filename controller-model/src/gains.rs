@@ -46,7 +46,7 @@ pub trait GainSource<G>: Enumeration + Default + Serialize + DeserializeOwned {
 }
 
 /// The settings of the user.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
 pub struct GainSettings<G, P> {
     preset: P,
     rates: Rates,
@@ -101,6 +101,6 @@ impl<L: GainLaw> FmuLaw for Encoders<L> {
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");
-        variables.parameters(&Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
+        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
     }
 }

@@ -158,7 +158,7 @@ struct Signals {
 }
 
 /// Values of the output variables.
-#[derive(Clone, Default)]
+#[derive(Clone, Copy, Default)]
 struct Outputs {
     commands: Commands,
     targets: Targets,
@@ -278,7 +278,7 @@ impl<L: FmuLaw> Declare for Controller<L> {
             variables::targets(signals, targets, rates);
         });
         L::declare_extra(variables, rates);
-        variables.parameters(&Arms::PARAMETERS, |m| &mut m.arms);
+        variables.parameters(Arms::PARAMETERS, |m| &mut m.arms);
         L::declare_settings(variables);
         // Last, so that all others have the value references that they had before there were these.
         exchange::declare(variables);

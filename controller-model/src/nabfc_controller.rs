@@ -53,7 +53,7 @@ impl From<LearnerChoice> for Learner {
 }
 
 /// The settings of the user.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
 pub struct Settings {
     choice: Choice,
     preset: Preset,
@@ -169,7 +169,7 @@ impl Continuous for NabfcLaw {
 }
 
 /// The sliding variables and the estimates.
-#[derive(Clone, Default)]
+#[derive(Clone, Copy, Default)]
 pub struct Extra {
     surfaces: Surfaces,
     estimates: Estimates,
@@ -241,12 +241,12 @@ impl FmuLaw for NabfcLaw {
     fn declare_settings(variables: &mut Variables<NabfcController>) {
         variables.parameter("law", |m| &mut m.settings.choice).description("Which law commands the grasp");
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.parameters(&ObjectGains::PARAMETERS, |m| &mut m.settings.gains.object).tunable();
-        variables.parameter_family(&PostureGains::PARAMETERS, |m| &mut m.settings.gains.posture).tunable();
-        variables.parameters(&Gains::PARAMETERS, |m| &mut m.settings.gains).tunable();
-        variables.parameter_family(&PostureGains::FIXED, |m| &mut m.settings.gains.posture);
-        variables.parameters(&ObjectGains::FIXED, |m| &mut m.settings.gains.object);
-        variables.parameters(&RbfLayout::PARAMETERS, |m| &mut m.settings.gains.rbf);
+        variables.parameters(ObjectGains::PARAMETERS, |m| &mut m.settings.gains.object).tunable();
+        variables.parameter_family(PostureGains::PARAMETERS, |m| &mut m.settings.gains.posture).tunable();
+        variables.parameters(Gains::PARAMETERS, |m| &mut m.settings.gains).tunable();
+        variables.parameter_family(PostureGains::FIXED, |m| &mut m.settings.gains.posture);
+        variables.parameters(ObjectGains::FIXED, |m| &mut m.settings.gains.object);
+        variables.parameters(RbfLayout::PARAMETERS, |m| &mut m.settings.gains.rbf);
         let (posture, object) = (RbfLayout::NODES_POSTURE, RbfLayout::RINGS_OBJECT);
         variables
             .parameter("rbf_nodes_posture", |m| &mut m.settings.gains.rbf.nodes_posture)
@@ -256,21 +256,21 @@ impl FmuLaw for NabfcLaw {
             .parameter("rbf_rings_object", |m| &mut m.settings.gains.rbf.rings_object)
             .range(f64::from(*object.start()), f64::from(*object.end()))
             .description("Nodes of the object network on each side of the centre along each of its seven axes");
-        variables.parameters(&root_strain::ObjectGains::PARAMETERS, |m| &mut m.settings.root_strain.object).tunable();
-        variables.parameter_family(&root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
-        variables.parameters(&root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
-        variables.parameters(&root_strain::InertiaGains::PARAMETERS, |m| &mut m.settings.root_strain.inertia).tunable();
-        variables.parameters(&root_strain::FilterGains::PARAMETERS, |m| &mut m.settings.root_strain.filter).tunable();
-        variables.parameters(&RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
+        variables.parameters(root_strain::ObjectGains::PARAMETERS, |m| &mut m.settings.root_strain.object).tunable();
+        variables.parameter_family(root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
+        variables.parameters(root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
+        variables.parameters(root_strain::InertiaGains::PARAMETERS, |m| &mut m.settings.root_strain.inertia).tunable();
+        variables.parameters(root_strain::FilterGains::PARAMETERS, |m| &mut m.settings.root_strain.filter).tunable();
+        variables.parameters(RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
         variables
             .parameter("r_learner", |m| &mut m.settings.learner)
             .description("Root-strain law: what learns the disturbances");
-        variables.parameters(&NetworkGains::PARAMETERS, |m| &mut m.settings.root_strain.networks).tunable();
-        variables.parameters(&root_strain::MassGains::FIXED, |m| &mut m.settings.root_strain.mass);
+        variables.parameters(NetworkGains::PARAMETERS, |m| &mut m.settings.root_strain.networks).tunable();
+        variables.parameters(root_strain::MassGains::FIXED, |m| &mut m.settings.root_strain.mass);
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");
-        variables.parameters(&Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
+        variables.parameters(Actuation::PARAMETERS, |m| &mut m.settings.actuation).tunable();
     }
 
     fn declare_extra(variables: &mut Variables<NabfcController>, rates: Evaluation) {

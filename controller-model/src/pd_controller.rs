@@ -39,7 +39,7 @@ impl GainLaw for Pd {
 
     const NAME: &'static str = "PdController";
     const DESCRIPTION: &'static str = "PD control of the dual-arm grasp, eqs. (97) and (98)";
-    const GAINS: &'static [Parameter<PdGains>] = &PdGains::PARAMETERS;
+    const GAINS: &'static [Parameter<PdGains>] = PdGains::PARAMETERS;
 
     fn new(arms: Arms, gains: PdGains, limits: Limits) -> Result<Self, InvalidParameter> {
         Self::new(arms, gains, limits)

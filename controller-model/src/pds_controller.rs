@@ -36,7 +36,7 @@ impl GainLaw for Pds {
 
     const NAME: &'static str = "PdsController";
     const DESCRIPTION: &'static str = "PD control with strain feedback (PDS) of the dual-arm grasp, eqs. (95) and (96)";
-    const GAINS: &'static [Parameter<PdsGains>] = &PdsGains::PARAMETERS;
+    const GAINS: &'static [Parameter<PdsGains>] = PdsGains::PARAMETERS;
 
     fn new(arms: Arms, gains: PdsGains, limits: Limits) -> Result<Self, InvalidParameter> {
         Self::new(arms, gains, limits)

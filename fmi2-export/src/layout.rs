@@ -234,17 +234,20 @@ impl Layout {
             indicator_count: indicators.as_ref().map_or(0, |indicators| indicators.count),
             indicators: indicators.map(|indicators| (1 << indicators.evaluation.0, indicators.array)),
         };
-        let mut derivatives: Vec<(&str, u32)> = self
+        let derivatives: Vec<(&str, u32)> = self
             .variables
             .iter()
             .zip(&self.references)
             .filter_map(|(variable, reference)| Some((variable.derivative_of.as_deref()?, reference.index)))
             .collect();
-        derivatives.sort_unstable();
+        // They are in the order of the states as a rule, so each is looked for behind the one before. That is shorter than a hash table.
+        let mut last = 0;
         for (variable, reference) in self.variables.iter().zip(&self.references).filter(|(v, _)| v.is_state) {
+            let (before, behind) = derivatives.split_at(last);
             // Each has one: see `problems`.
-            let found = derivatives.binary_search_by_key(&variable.name.as_str(), |(of, _)| of);
-            let Some((_, derivative)) = found.ok().and_then(|at| derivatives.get(at)) else { continue };
+            let Some(past) = behind.iter().chain(before).position(|(of, _)| *of == variable.name) else { continue };
+            last = (last + past) % derivatives.len();
+            let derivative = &derivatives[last].1;
             let state = reference.index;
             continuous.states.push(StateSlot {
                 state,

@@ -115,32 +115,32 @@ impl Settings {
         let one = std::slice::from_mut::<Parameters>;
         // PD and PDS have gains of the same names.
         let found = (|| {
-            let pd = set_in(&PdGains::PARAMETERS, std::slice::from_mut(&mut self.pd), name, value)?;
-            let pds = set_in(&PdsGains::PARAMETERS, std::slice::from_mut(&mut self.pds), name, value)?;
+            let pd = set_in(PdGains::PARAMETERS, std::slice::from_mut(&mut self.pd), name, value)?;
+            let pds = set_in(PdsGains::PARAMETERS, std::slice::from_mut(&mut self.pds), name, value)?;
             Ok(pd
                 || pds
                 || set_in(&Parameters::COMMON, one(&mut self.plant), name, value)?
                 || set_in(&Arm::PARAMETERS, &mut self.plant.arms, name, value)?
                 || set_in(&Start::ANGLES, std::slice::from_mut(&mut self.plant.start), name, value)?
                 || set_in(&Start::OBJECT, std::slice::from_mut(&mut self.plant.start), name, value)?
-                || set_in(&Actuation::PARAMETERS, std::slice::from_mut(&mut self.actuation), name, value)?
-                || set_in(&Gains::PARAMETERS, std::slice::from_mut(&mut self.paper), name, value)?
-                || set_in(&ObjectGains::FIXED, std::slice::from_mut(&mut self.paper.object), name, value)?
-                || set_in(&PostureGains::FIXED, &mut self.paper.posture, name, value)?
-                || set_in(&ObjectGains::PARAMETERS, std::slice::from_mut(&mut self.paper.object), name, value)?
-                || set_in(&PostureGains::PARAMETERS, &mut self.paper.posture, name, value)?
+                || set_in(Actuation::PARAMETERS, std::slice::from_mut(&mut self.actuation), name, value)?
+                || set_in(Gains::PARAMETERS, std::slice::from_mut(&mut self.paper), name, value)?
+                || set_in(ObjectGains::FIXED, std::slice::from_mut(&mut self.paper.object), name, value)?
+                || set_in(PostureGains::FIXED, &mut self.paper.posture, name, value)?
+                || set_in(ObjectGains::PARAMETERS, std::slice::from_mut(&mut self.paper.object), name, value)?
+                || set_in(PostureGains::PARAMETERS, &mut self.paper.posture, name, value)?
                 || set_in(
-                    &RootObjectGains::PARAMETERS,
+                    RootObjectGains::PARAMETERS,
                     std::slice::from_mut(&mut self.root_strain.object),
                     name,
                     value,
                 )?
-                || set_in(&HubGains::PARAMETERS, &mut self.root_strain.hub, name, value)?
-                || set_in(&MassGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
-                || set_in(&MassGains::FIXED, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
-                || set_in(&InertiaGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.inertia), name, value)?
-                || set_in(&FilterGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.filter), name, value)?
-                || set_in(&RootStrainGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain), name, value)?)
+                || set_in(HubGains::PARAMETERS, &mut self.root_strain.hub, name, value)?
+                || set_in(MassGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
+                || set_in(MassGains::FIXED, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
+                || set_in(InertiaGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.inertia), name, value)?
+                || set_in(FilterGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.filter), name, value)?
+                || set_in(RootStrainGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain), name, value)?)
         })();
         match found {
             Err(error) => return Err(SettingError::Invalid(error)),

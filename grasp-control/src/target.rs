@@ -27,19 +27,22 @@ const PHYSICAL: Range = Range::new(1e-6, 1e6);
 
 impl Arms {
     /// The parameters by their names in the interface.
-    pub const PARAMETERS: [Parameter<Self>; 4] = [
-        parameter!("EI1", "N.m2", PHYSICAL, "Flexural rigidity of arm 1", ei[0]),
-        parameter!("EI2", "N.m2", PHYSICAL, "Flexural rigidity of arm 2", ei[1]),
-        parameter!("l", "m", PHYSICAL, "Length of each arm", length),
-        parameter!("L", "m", PHYSICAL, "Width of the object and distance of the hubs", hub_distance),
-    ];
+    pub const PARAMETERS: &'static [Parameter<Self>] = {
+        static ROWS: [Parameter<Arms>; 4] = [
+            parameter!("EI1", "N.m2", PHYSICAL, "Flexural rigidity of arm 1", ei[0]),
+            parameter!("EI2", "N.m2", PHYSICAL, "Flexural rigidity of arm 2", ei[1]),
+            parameter!("l", "m", PHYSICAL, "Length of each arm", length),
+            parameter!("L", "m", PHYSICAL, "Width of the object and distance of the hubs", hub_distance),
+        ];
+        &ROWS
+    };
 
     /// Checks every parameter against its range.
     ///
     /// # Errors
     /// The first parameter that is not finite or not in its range.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        check(&Self::PARAMETERS, self)
+        check(Self::PARAMETERS, self)
     }
 
     /// The static target (16) of the references, with the L/2 that (16) leaves out and constraint (12) needs.

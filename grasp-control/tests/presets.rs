@@ -35,12 +35,12 @@ fn root_strain() {
     for (name, mut gains) in [("nabfc-r", RootStrainGains::default()), ("nabfc-r-fast", RootStrainGains::fast())] {
         let mut file = tuned(name);
         assert!(file.len() >= 15, "{name}");
-        compare(&mut file, &ObjectGains::PARAMETERS, &mut gains.object, "");
-        compare(&mut file, &HubGains::PARAMETERS, &mut gains.hub[0], "1");
-        compare(&mut file, &HubGains::PARAMETERS, &mut gains.hub[1], "2");
-        compare(&mut file, &MassGains::PARAMETERS, &mut gains.mass, "");
-        compare(&mut file, &InertiaGains::PARAMETERS, &mut gains.inertia, "");
-        compare(&mut file, &RootStrainGains::PARAMETERS, &mut gains, "");
+        compare(&mut file, ObjectGains::PARAMETERS, &mut gains.object, "");
+        compare(&mut file, HubGains::PARAMETERS, &mut gains.hub[0], "1");
+        compare(&mut file, HubGains::PARAMETERS, &mut gains.hub[1], "2");
+        compare(&mut file, MassGains::PARAMETERS, &mut gains.mass, "");
+        compare(&mut file, InertiaGains::PARAMETERS, &mut gains.inertia, "");
+        compare(&mut file, RootStrainGains::PARAMETERS, &mut gains, "");
         assert!(file.is_empty(), "{name}: {file:?} is not in the preset");
     }
 }
@@ -50,10 +50,10 @@ fn pd_and_pds() {
     for (name, mut gains) in [("pd", PdGains::tuned()), ("pid", PdGains::pid())] {
         let mut file = tuned(name);
         assert!(file.len() >= 6, "{name}");
-        compare(&mut file, &PdGains::PARAMETERS, &mut gains, "");
+        compare(&mut file, PdGains::PARAMETERS, &mut gains, "");
         assert!(file.is_empty(), "{name}: {file:?} is not in the preset");
     }
     let mut file = tuned("pds");
-    compare(&mut file, &PdsGains::PARAMETERS, &mut PdsGains::tuned(), "");
+    compare(&mut file, PdsGains::PARAMETERS, &mut PdsGains::tuned(), "");
     assert!(file.is_empty(), "pds: {file:?} is not in the preset");
 }

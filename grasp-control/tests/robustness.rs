@@ -126,14 +126,14 @@ fn refused_names<T>(table: &[Parameter<T>], number: &str, owner: fn(&mut Gains, 
 /// Every parameter is in its table under its own name: setting it out of range names it.
 #[test]
 fn bad_gains_are_named() {
-    let mut names = refused_names(&ObjectGains::PARAMETERS, "", |gains, _| &mut gains.object);
-    names.extend(refused_names(&ObjectGains::FIXED, "", |gains, _| &mut gains.object));
+    let mut names = refused_names(ObjectGains::PARAMETERS, "", |gains, _| &mut gains.object);
+    names.extend(refused_names(ObjectGains::FIXED, "", |gains, _| &mut gains.object));
     for number in ["1", "2"] {
-        names.extend(refused_names(&PostureGains::PARAMETERS, number, |gains, arm| &mut gains.posture[arm]));
-        names.extend(refused_names(&PostureGains::FIXED, number, |gains, arm| &mut gains.posture[arm]));
+        names.extend(refused_names(PostureGains::PARAMETERS, number, |gains, arm| &mut gains.posture[arm]));
+        names.extend(refused_names(PostureGains::FIXED, number, |gains, arm| &mut gains.posture[arm]));
     }
-    names.extend(refused_names(&Gains::PARAMETERS, "", |gains, _| gains));
-    names.extend(refused_names(&RbfLayout::PARAMETERS, "", |gains, _| &mut gains.rbf));
+    names.extend(refused_names(Gains::PARAMETERS, "", |gains, _| gains));
+    names.extend(refused_names(RbfLayout::PARAMETERS, "", |gains, _| &mut gains.rbf));
     let expected = "eta k mu_bar c1 epsilon1 a1 a2 W_max gamma1 gamma2 b1 b2 m_hat_0 \
         xi1 k1 mu1 c31 epsilon21 a31 a41 U1_max zeta11 zeta21 g11 g21 J1_hat_0 \
         xi2 k2 mu2 c32 epsilon22 a32 a42 U2_max zeta12 zeta22 g12 g22 J2_hat_0 sat_limit shear_rate_bandwidth";

@@ -45,33 +45,36 @@ impl Default for Actuation {
 
 impl Actuation {
     /// Limits and observers.
-    pub const PARAMETERS: [Parameter<Self>; 6] = [
-        parameter!("tau_limit", "N.m", DIVISOR, "Largest torque a hub's motor gives", torque_limit),
-        parameter!("u_limit", "N", DIVISOR, "Largest force the object's actuator gives", force_limit),
-        parameter!("observer_inertia1", "kg.m2", DIVISOR, "Inertia of hub 1 in the observers", hub_inertia[0]),
-        parameter!("observer_inertia2", "kg.m2", DIVISOR, "Inertia of hub 2 in the observers", hub_inertia[1]),
-        parameter!(
-            "observer_mass",
-            "kg",
-            DIVISOR,
-            "Moving mass m1 + m2 + M in the observers of laws that do not estimate it",
-            mass
-        ),
-        parameter!(
-            "observer_bandwidth",
-            "rad/s",
-            POLES,
-            "Poles of the observers that estimate rates, where rate_source asks for it",
-            bandwidth
-        ),
-    ];
+    pub const PARAMETERS: &'static [Parameter<Self>] = {
+        static ROWS: [Parameter<Actuation>; 6] = [
+            parameter!("tau_limit", "N.m", DIVISOR, "Largest torque a hub's motor gives", torque_limit),
+            parameter!("u_limit", "N", DIVISOR, "Largest force the object's actuator gives", force_limit),
+            parameter!("observer_inertia1", "kg.m2", DIVISOR, "Inertia of hub 1 in the observers", hub_inertia[0]),
+            parameter!("observer_inertia2", "kg.m2", DIVISOR, "Inertia of hub 2 in the observers", hub_inertia[1]),
+            parameter!(
+                "observer_mass",
+                "kg",
+                DIVISOR,
+                "Moving mass m1 + m2 + M in the observers of laws that do not estimate it",
+                mass
+            ),
+            parameter!(
+                "observer_bandwidth",
+                "rad/s",
+                POLES,
+                "Poles of the observers that estimate rates, where rate_source asks for it",
+                bandwidth
+            ),
+        ];
+        &ROWS
+    };
 
     /// Checks every parameter against its range.
     ///
     /// # Errors
     /// The first parameter that is not a number in its range.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        check(&Self::PARAMETERS, self)
+        check(Self::PARAMETERS, self)
     }
 
     /// The known forces on hubs and object: limited commands less the measured loads.

@@ -38,26 +38,29 @@ impl Default for PdsGains {
 
 impl PdsGains {
     /// The parameters by their names in the interface.
-    pub const PARAMETERS: [Parameter<Self>; 11] = [
-        parameter!("kp", "N/m", GAIN, "Object position gain", kp),
-        parameter!("kv", "N.s/m", GAIN, "Object velocity gain", kv),
-        parameter!("ki", "N/(m.s)", GAIN, "Object integral gain; 0 = the paper's law", ki),
-        parameter!("kp1", "N.m/rad", GAIN, "Hub angle gain of arm 1", kp_arm[0]),
-        parameter!("kv1", "N.m.s/rad", GAIN, "Hub velocity gain of arm 1", kv_arm[0]),
-        parameter!("ks1", "1", GAIN, "Strain gain of arm 1", ks_arm[0]),
-        parameter!("ki1", "N.m/(rad.s)", GAIN, "Hub integral gain of arm 1; 0 = the paper's law", ki_arm[0]),
-        parameter!("kp2", "N.m/rad", GAIN, "Hub angle gain of arm 2", kp_arm[1]),
-        parameter!("kv2", "N.m.s/rad", GAIN, "Hub velocity gain of arm 2", kv_arm[1]),
-        parameter!("ks2", "1", GAIN, "Strain gain of arm 2", ks_arm[1]),
-        parameter!("ki2", "N.m/(rad.s)", GAIN, "Hub integral gain of arm 2; 0 = the paper's law", ki_arm[1]),
-    ];
+    pub const PARAMETERS: &'static [Parameter<Self>] = {
+        static ROWS: [Parameter<PdsGains>; 11] = [
+            parameter!("kp", "N/m", GAIN, "Object position gain", kp),
+            parameter!("kv", "N.s/m", GAIN, "Object velocity gain", kv),
+            parameter!("ki", "N/(m.s)", GAIN, "Object integral gain; 0 = the paper's law", ki),
+            parameter!("kp1", "N.m/rad", GAIN, "Hub angle gain of arm 1", kp_arm[0]),
+            parameter!("kv1", "N.m.s/rad", GAIN, "Hub velocity gain of arm 1", kv_arm[0]),
+            parameter!("ks1", "1", GAIN, "Strain gain of arm 1", ks_arm[0]),
+            parameter!("ki1", "N.m/(rad.s)", GAIN, "Hub integral gain of arm 1; 0 = the paper's law", ki_arm[0]),
+            parameter!("kp2", "N.m/rad", GAIN, "Hub angle gain of arm 2", kp_arm[1]),
+            parameter!("kv2", "N.m.s/rad", GAIN, "Hub velocity gain of arm 2", kv_arm[1]),
+            parameter!("ks2", "1", GAIN, "Strain gain of arm 2", ks_arm[1]),
+            parameter!("ki2", "N.m/(rad.s)", GAIN, "Hub integral gain of arm 2; 0 = the paper's law", ki_arm[1]),
+        ];
+        &ROWS
+    };
 
     /// Checks every parameter against its range.
     ///
     /// # Errors
     /// The first parameter that is not finite or not in its range.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        check(&Self::PARAMETERS, self)
+        check(Self::PARAMETERS, self)
     }
 
     /// The preset *tuned*: what `dualarm tune` found, with the objective and the budget of NABFC's gains
