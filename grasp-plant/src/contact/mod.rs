@@ -42,6 +42,7 @@ mod assembly;
 mod complementarity;
 mod continuous;
 mod decay;
+mod growth;
 mod impact;
 mod layout;
 mod mode;

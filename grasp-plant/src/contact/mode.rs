@@ -5,15 +5,18 @@
 //! of a Gauss rule, which are rows of exp(𝒜t). A ladder of pieces, each twice as long as the one before, makes any duration;
 //! what remains below the shortest is the Taylor series itself, whose terms are the signals' coefficients in powers.
 //!
-//! The ladder begins at ατ ≤ 0.75 and ends at ατ ≤ 24, α = max(‖𝒜²‖^½, ‖𝒜³‖^⅓). So ‖𝒜^m‖ ≤ α^m for m ≥ 2: what is left out of
-//! the series of degree 17 is below rounding, and so is what lies beyond the coefficients that are kept.
+//! The ladder begins at ατ ≤ 0.75 and ends at ατ ≤ 24, with the [growth] α of 𝒜: what is left out of the series of degree 17 is
+//! below rounding, and so is what lies beyond the coefficients that are kept.
+//!
+//! [growth]: super::growth
 
 use super::assembly::{ModeMatrices, Touching};
+use super::growth::growth;
 use super::layout::Layout;
 use super::series::{Basis, MOST_TERMS, Series};
 use crate::basis::{gauss, legendre};
-use crate::exponential::{TAYLOR_NORM, doubled, exp_m1, one_norm, orthogonalise};
-use crate::kernel::{LANES, Panels, product};
+use crate::exponential::{TAYLOR_NORM, doubled, exp_m1, orthogonalise};
+use crate::kernel::{LANES, Panels};
 use nalgebra::{DMatrix, DVector, RowDVector};
 use std::sync::{Arc, OnceLock};
 
@@ -76,11 +79,7 @@ pub(super) struct Mode {
 impl Mode {
     pub fn new(touching: Touching, layout: Layout, matrices: ModeMatrices, conservative: bool) -> Self {
         let ModeMatrices { matrix, watched, force } = matrices;
-        let squared = product(&matrix, &matrix);
-        let cubed = product(&squared, &matrix);
-        // Cube roots by Newton: basic arithmetic only.
-        let (two, three) = (one_norm(&squared).sqrt(), cube_root(one_norm(&cubed)));
-        let alpha = two.max(three);
+        let alpha = growth(&matrix);
         let mut base = 1.0;
         while base * alpha > TAYLOR_NORM {
             base *= 0.5;
@@ -145,18 +144,25 @@ impl Mode {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 14 and MOST_TERMS")]
         let terms = (14.0 + 1.25 * duration / self.base * TAYLOR_NORM).ceil().min((MOST_TERMS - 2) as f64) as usize;
         let rule = gauss(terms);
+        // Coefficient m is (2m + 1) ∫ P_m of the signal, by that rule.
+        let mut factors = vec![0.0; terms * terms];
+        for ((node, weight), factors) in rule.iter().zip(factors.chunks_exact_mut(terms)) {
+            for (m, factor) in factors.iter_mut().enumerate() {
+                *factor = (2 * m + 1) as f64 * weight * legendre(m, 2.0 * node - 1.0);
+            }
+        }
         let transposed = Panels::new(&self.matrix.transpose());
         let mut watched = DMatrix::zeros(2 * terms, layout.drive());
         for side in 0..2 {
             let mut row: DVector<f64> = self.watched[side].transpose();
             let mut time = 0.0;
-            for (node, weight) in &rule {
+            for ((node, _), factors) in rule.iter().zip(factors.chunks_exact(terms)) {
                 self.carry(&transposed, node * duration - time, row.as_mut_slice());
                 time = node * duration;
-                for m in 0..terms {
-                    let factor = (2 * m + 1) as f64 * weight * legendre(m, 2.0 * node - 1.0);
-                    for column in 0..layout.drive() {
-                        watched[(side * terms + m, column)] += factor * row[source(column)];
+                for (column, coefficients) in watched.as_mut_slice().chunks_exact_mut(2 * terms).enumerate() {
+                    let value = row[source(column)];
+                    for (coefficient, factor) in coefficients[side * terms..].iter_mut().zip(factors) {
+                        *coefficient += factor * value;
                     }
                 }
             }
@@ -228,7 +234,9 @@ impl Mode {
                 coefficients[side][m] = read(&self.watched[side], term.as_flattened());
             }
         }
-        motion.watched = coefficients.map(|terms| Series::new(Basis::Powers, &terms));
+        for (series, terms) in motion.watched.iter_mut().zip(&coefficients) {
+            series.assign(Basis::Powers, terms);
+        }
     }
 }
 
@@ -239,31 +247,15 @@ impl Piece {
         self.increment.multiply(drive, &mut motion.increment);
         self.watched.multiply(drive, &mut watched);
         let coefficients = watched.as_flattened();
-        motion.watched =
-            [0, 1].map(|side| Series::new(Basis::Legendre, &coefficients[side * self.terms..(side + 1) * self.terms]));
+        for (side, series) in motion.watched.iter_mut().enumerate() {
+            series.assign(Basis::Legendre, &coefficients[side * self.terms..(side + 1) * self.terms]);
+        }
     }
 
     /// The increments alone.
     pub fn increment(&self, drive: &[f64], increment: &mut Scratch) {
         self.increment.multiply(drive, increment);
     }
-}
-
-/// x^⅓, x ≥ 0, to a few digits and never less: by halvings and Newton, the same bits everywhere.
-fn cube_root(x: f64) -> f64 {
-    if x == 0.0 {
-        return 0.0;
-    }
-    let mut root = x.max(1.0);
-    for _ in 0..2000 {
-        // Newton from above stays above.
-        let next = (2.0 * root + x / (root * root)) / 3.0;
-        if next >= root * (1.0 - 1e-3) {
-            break;
-        }
-        root = next;
-    }
-    root
 }
 
 /// The pieces of the step sizes in use, for all modes, most recent first. Clones share them.

@@ -201,7 +201,14 @@ impl Part<'_> {
         let size = self.magnitude();
         let mut first: Option<(usize, f64)> = None;
         for side in 0..2 {
-            let (signal, noise) = self.signal(side, taken, mode.sizes[side] * size);
+            let size = mode.sizes[side] * size;
+            let made;
+            let (signal, noise) = if self.modes.rigid && self.contact.touching[side] {
+                (&self.motion.watched[side], ROUNDING * size)
+            } else {
+                made = self.signal(side, taken, size);
+                (&made.0, made.1)
+            };
             if let Some(xi) = signal.first_negative(noise)?
                 && first.is_none_or(|(_, other)| xi < other)
             {
@@ -211,14 +218,11 @@ impl Part<'_> {
         Ok(first)
     }
 
-    /// What must not become negative on a side, over the piece of the motion at hand, and its rounding. `size` is that of what
-    /// is watched.
+    /// What must not become negative on a side, over the piece of the motion at hand, and its rounding, unless it is what is watched
+    /// itself: the force of a rigid contact. `size` is that of what is watched.
     fn signal(&self, side: usize, taken: f64, size: f64) -> (Series, f64) {
         let watched = &self.motion.watched[side];
         let (modes, clearance) = (self.modes, self.contact.clearance[side]);
-        if modes.rigid && self.contact.touching[side] {
-            return (*watched, ROUNDING * size);
-        }
         let face = &modes.faces[side];
         let pressed = if modes.rigid { 0.0 } else { self.drive[modes.layout.face(side)] / face.stiffness.sqrt() };
         if self.contact.touching[side] {
