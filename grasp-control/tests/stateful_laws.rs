@@ -208,7 +208,7 @@ fn bad_parameters_are_named() {
         assert_eq!(gains.validate().unwrap_err().name, row.name.replace("{}", "2"));
         gains = RootStrainGains::default();
     }
-    for row in MassGains::PARAMETERS.into_iter().chain(MassGains::FIXED) {
+    for row in MassGains::PARAMETERS.iter().chain(MassGains::FIXED) {
         *(row.field)(&mut gains.mass) = -1.0;
         assert_eq!(gains.validate().unwrap_err().name, row.name);
         gains = RootStrainGains::default();

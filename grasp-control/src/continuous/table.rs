@@ -13,63 +13,59 @@ const COORDINATES: [Coordinate; 3] = [
     ("y_object", "u", "the object", ["m", "m/s", "N"], [0.05, 0.05, 0.1]),
 ];
 
-fn observers() -> impl Iterator<Item = StateVariable> {
-    COORDINATES.into_iter().flat_map(|(name, force, of, units, nominals)| {
-        [
-            StateVariable::new(format!("observed_{name}"), units[0], nominals[0], format!("Observed position of {of}")),
-            StateVariable::new(format!("observed_{name}_dot"), units[1], nominals[1], format!("Observed rate of {of}")),
-            StateVariable::new(
-                format!("observed_{force}_disturbance"),
-                units[2],
-                nominals[2],
-                format!("Observed disturbance of {of}"),
-            ),
-        ]
-    })
+/// A row, its texts in pieces. There are some dozens of them, each of which would be longer with a format of its own.
+#[inline(never)]
+fn row(name: &[&str], unit: &'static str, nominal: f64, description: &[&str]) -> StateVariable {
+    StateVariable { name: name.concat(), unit, nominal, description: description.concat() }
+}
+
+fn observers() -> Vec<StateVariable> {
+    let mut rows = Vec::new();
+    for (name, force, of, units, nominals) in COORDINATES {
+        rows.push(row(&["observed_", name], units[0], nominals[0], &["Observed position of ", of]));
+        rows.push(row(&["observed_", name, "_dot"], units[1], nominals[1], &["Observed rate of ", of]));
+        let disturbance = ["observed_", force, "_disturbance"];
+        rows.push(row(&disturbance, units[2], nominals[2], &["Observed disturbance of ", of]));
+    }
+    rows
 }
 
 /// Continuous states of PD and PDS, also of those with estimated rates.
 #[must_use]
 pub fn pds_state_variables() -> Vec<StateVariable> {
-    let integrals = COORDINATES.into_iter().map(|(_, force, of, units, nominals)| {
-        StateVariable::new(
-            format!("{force}_integral"),
-            units[2],
-            nominals[2],
-            format!("Integral of the position error of {of} times its gain"),
-        )
-    });
-    observers().chain(integrals).collect()
+    let mut rows = observers();
+    for (_, force, of, units, nominals) in COORDINATES {
+        let text = ["Integral of the position error of ", of, " times its gain"];
+        rows.push(row(&[force, "_integral"], units[2], nominals[2], &text));
+    }
+    rows
 }
+
+/// Numbers of the arms.
+const ARMS: [&str; 2] = ["1", "2"];
 
 /// Continuous states of NABFC with these networks, of both laws.
 #[must_use]
 pub fn nabfc_state_variables(layout: &RbfLayout) -> Vec<StateVariable> {
-    let mut rows: Vec<_> = observers().collect();
-    let mut row = |name: String, unit, nominal, description: &str| {
-        rows.push(StateVariable::new(name, unit, nominal, description));
-    };
+    let mut rows = observers();
     for (signal, unit, nominal, called) in
         [("tip_shear", "N/s", 10.0, "tip shear"), ("root_moment", "N.m/s", 1.0, "root moment")]
     {
-        for arm in 1..=2 {
-            let text = format!("Rate of the {called} of arm {arm} behind the low-pass");
-            row(format!("filtered_{signal}{arm}_dot"), unit, nominal, &text);
+        for arm in ARMS {
+            let text = ["Rate of the ", called, " of arm ", arm, " behind the low-pass"];
+            rows.push(row(&["filtered_", signal, arm, "_dot"], unit, nominal, &text));
         }
     }
-    for arm in 1..=2 {
-        row(
-            format!("adapted_J{arm}"),
-            "kg.m2",
-            1e-3,
-            &format!("Paper's law: estimated inertia of hub {arm}, eq. (57)"),
-        );
+    for arm in ARMS {
+        let text = ["Paper's law: estimated inertia of hub ", arm, ", eq. (57)"];
+        rows.push(row(&["adapted_J", arm], "kg.m2", 1e-3, &text));
     }
-    row("adapted_m".into(), "kg", 0.1, "Paper's law: estimated moving mass, eq. (39)");
-    for arm in 1..=2 {
-        row(format!("adapted_pi{arm}"), "N.m", 0.1, &format!("Bound of posture network {arm}'s error, eq. (56)"));
+    rows.push(row(&["adapted_m"], "kg", 0.1, &["Paper's law: estimated moving mass, eq. (39)"]));
+    for arm in ARMS {
+        let text = ["Bound of posture network ", arm, "'s error, eq. (56)"];
+        rows.push(row(&["adapted_pi", arm], "N.m", 0.1, &text));
     }
-    row("adapted_epsilon".into(), "N", 0.1, "Bound of the object network's error, eq. (38)");
+    rows.push(row(&["adapted_epsilon"], "N", 0.1, &["Bound of the object network's error, eq. (38)"]));
     let (turning, pushing) = (
         ["rad/s", "N.m", "N.m", "rad/s2", "N.m", "N.m/s", "N2.m2.s", "N2.m2/s", "N2.m2", "N.m.rad/s", "N.m.rad/s2"],
         ["m/s", "N", "N", "m/s2", "N", "N/s", "N2.s", "N2/s", "N2", "N.m/s", "N.m/s2"],
@@ -93,21 +89,25 @@ pub fn nabfc_state_variables(layout: &RbfLayout) -> Vec<StateVariable> {
             ("an", "sum of accelerations times load rates"),
         ];
         for (((signal, text), unit), nominal) in texts.into_iter().zip(units).zip(nominals) {
-            let text = format!("Root-strain law's estimate of the inertia of {of}: {text}");
-            row(format!("estimate_{name}_{signal}"), unit, nominal, &text);
+            let text = ["Root-strain law's estimate of the inertia of ", of, ": ", text];
+            rows.push(row(&["estimate_", name, "_", signal], unit, nominal, &text));
         }
     }
-    for arm in 1..=2 {
-        let text = format!("Root moment of arm {arm} behind the low-pass of the surfaces");
-        row(format!("filtered_root_moment{arm}"), "N.m", 0.1, &text);
+    for arm in ARMS {
+        let text = ["Root moment of arm ", arm, " behind the low-pass of the surfaces"];
+        rows.push(row(&["filtered_root_moment", arm], "N.m", 0.1, &text));
     }
-    for arm in 1..=2 {
+    for arm in ARMS {
         for node in 1..=layout.posture().nodes(3) {
-            row(format!("U{arm}[{node}]"), "N.m", 0.01, &format!("Weight {node} of posture network {arm}, eq. (55)"));
+            let node = node.to_string();
+            let text = ["Weight ", &node, " of posture network ", arm, ", eq. (55)"];
+            rows.push(row(&["U", arm, "[", &node, "]"], "N.m", 0.01, &text));
         }
     }
     for node in 1..=layout.object().nodes(7) {
-        row(format!("W[{node}]"), "N", 0.01, &format!("Weight {node} of the object network, eq. (37)"));
+        let node = node.to_string();
+        let text = ["Weight ", &node, " of the object network, eq. (37)"];
+        rows.push(row(&["W[", &node, "]"], "N", 0.01, &text));
     }
     debug_assert!(rows.len() == nabfc_states(layout) && state::WEIGHTS < rows.len());
     rows
