@@ -1,4 +1,4 @@
-"""Derivatives that the FMUs provide, against differences of what they compute, and ramps against many small steps.
+"""Derivatives that the FMUs provide, against differences of what they compute.
 
 No tolerance here is chosen: every difference quotient is taken with several widths, and how much it changes from one to
 the next, together with the round-off of the values it is made of, bounds its error.
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,25 +15,12 @@ import pytest
 from .support.capabilities import directional_derivative, input_slopes, output_slopes, restore, saved_state
 from .support.contract import ACTUATORS, INSTRUMENTS, PAPER, PLANT
 from .support.harness import Fmu, Slave
+from .support.operating_points import INPUT_SIZES, NETWORKS_OFF, NETWORKS_ON
 from .test_alone import direct_dependencies
 
 EPS = np.finfo(float).eps
 
-# Sizes of the signals in a grasp: random operating points are drawn from +- these.
-INPUT_SIZES = {
-    **{"tau1_cmd": 0.3, "tau2_cmd": 0.3, "u_cmd": 0.2, "delta_f1": 0.05, "delta_f2": 0.05, "delta_F": 0.05},
-    **{"theta1": 0.05, "theta2": 0.05, "theta1_dot": 0.5, "theta2_dot": 0.5, "y_object": 0.05, "y_object_dot": 0.1},
-    **{"root_moment1": 0.1, "root_moment2": 0.1, "tip_shear1": 0.5, "tip_shear2": 0.5},
-    **{"tip_shear1_dot": 10.0, "tip_shear2_dot": 10.0, "lambda1_ref": 0.5, "theta1_ref": 0.05},
-    **{"root_moment1_dot": 1.0, "root_moment2_dot": 1.0},
-}
 SIZES = {**INPUT_SIZES, "root_moment1_dot": 5.0, "root_moment2_dot": 5.0}
-NETWORKS_OFF = {**PAPER, "a1": 0.0, "a31": 0.0, "a32": 0.0}
-NETWORKS_ON = {
-    **PAPER,
-    **{"a1": 5.0, "a2": 0.1, "a31": 0.5, "a41": 0.1, "a32": 0.5, "a42": 0.1},
-    **{"m_hat_0": 0.05, "J1_hat_0": 0.002, "J2_hat_0": 0.003},
-}
 
 
 @dataclass(frozen=True)
@@ -216,116 +202,6 @@ def test_output_derivatives(case: Case, ramped: bool, fmus: dict[str, Fmu]) -> N
     else:
         assert case.name in ("PdController", "PdsController")  # no state: outputs stand still with the inputs
         assert not ramped
-
-
-# --- Input derivatives -----------------------------------------------------------------------------------------------
-
-DURATION = 0.02
-
-# Value at the start and slope. Commands of the plant: within all limits; and from one limit of an actuator through its
-# dead zone to the other limit.
-Ramp = dict[str, tuple[float, float]]
-RAMPS: dict[str, Ramp] = {
-    "linear": {"tau1_cmd": (0.1, 5.0), "tau2_cmd": (-0.2, 3.0), "u_cmd": (0.05, -4.0), "delta_F": (0.0, 2.0)},
-    "kinks": {"tau1_cmd": (-3.0, 300.0), "tau2_cmd": (2.5, -110.0), "u_cmd": (0.5, -50.0), "delta_f1": (0.0, 1.0)},
-}
-# All inputs of a controller cross zero; the sliding variables pass the limits of sat.
-CONTROLLER_RAMP = {
-    name: (size * (0.3 - 0.05 * i), size * (4.0 * i - 30.0))
-    for i, (name, size) in enumerate(list(INPUT_SIZES.items())[6:])
-}
-
-
-def end_of_ramp(fmu: Fmu, parameters: dict[str, Any], ramp: Ramp, panels: int, hold: str) -> np.ndarray:
-    """All outputs after the ramps; over each panel the inputs are ramps themselves, or held at its `middle`."""
-    start, slope = np.array(list(ramp.values())).T
-    step = DURATION / panels
-    with fmu.instantiate() as slave:
-        slave.set(**parameters)
-        slave.start()
-        values, slopes = slave.writer(list(ramp)), input_slopes(slave, list(ramp))
-        slopes.values[:] = slope
-        for i in range(panels):
-            values.values[:] = start + slope * (i + 0.5 * (hold == "middle")) * step
-            values.write()
-            if hold == "ramp":
-                slopes.write()
-            slave.step(i * step, step, 1)
-        values.values[:] = start + slope * DURATION
-        values.write()
-        return np.array(slave.reader(fmu.names("output", "Real")).read())
-
-
-def observed_order(panels: tuple[int, ...], errors: list[np.ndarray]) -> np.ndarray:
-    """Slope of log error over log panel size, by least squares."""
-    return -np.polyfit(np.log(panels), np.log(np.array(errors)), 1)[0]
-
-
-@pytest.mark.parametrize("ramp", RAMPS)
-@pytest.mark.parametrize("actuator", ["ideal", "compensated", "raw"])
-def test_plant_follows_ramps_exactly(actuator: str, ramp: str, plant: Fmu) -> None:
-    """One step along a ramp is any number of steps along it, to round-off, also through the kinks of the actuators."""
-    one, some, many = (
-        end_of_ramp(plant, {"actuator_model": actuator}, RAMPS[ramp], panels, "ramp") for panels in (1, 7, 1000)
-    )
-    # Constraints are zero up to round-off of lengths of 0.1 m.
-    size = np.array([0.1 if "constraint" in n else v for n, v in zip(plant.names("output", "Real"), np.abs(many))])
-    # Round-off of 1e-16 of the forces, as the fast modes (up to 1e5 rad/s) show it in the shear rates: 2e-10 measured.
-    assert np.all(np.abs(some - one) <= 1e-9 * size)
-    assert np.all(np.abs(many - one) <= 1e-9 * size)
-
-
-@pytest.mark.parametrize("ramp", RAMPS)
-def test_plant_ramp_is_the_limit_of_held_inputs(ramp: str, plant: Fmu) -> None:
-    """Held at each panel's middle, the inputs lead to the same end with an error of second order.
-
-    Where a kink lies in its panel is up to chance, and makes the single error: so the order is a mean over a factor 32.
-    """
-    names, parameters = plant.names("output", "Real"), {"actuator_model": "raw"}
-    exact = end_of_ramp(plant, parameters, RAMPS[ramp], 1, "ramp")
-    panels = (200, 400, 800, 1600, 3200, 6400)
-    errors = [np.abs(end_of_ramp(plant, parameters, RAMPS[ramp], n, "middle") - exact) for n in panels]
-    # Shears and moments follow modes that the coarsest panels of 0.1 ms do not resolve: their order shows later.
-    slow = [names.index(n) for n in ("theta1", "theta2", "theta1_dot", "theta2_dot", "y_object", "energy")]
-    order = observed_order(panels, [error[slow] for error in errors])
-    assert order == pytest.approx(2.0, abs=0.05 if ramp == "linear" else 0.2)
-
-
-@pytest.mark.parametrize("name", ["PdController", "PdsController"])
-def test_ramped_inputs_end_where_the_ramp_ends(name: str, fmus: dict[str, Fmu]) -> None:
-    """A law without state then answers to the end of the ramp as if it had been set; and the ramp is over."""
-    ramp, outputs = CONTROLLER_RAMP, fmus[name].names("output", "Real")
-    with fmus[name].instantiate() as ramped, fmus[name].instantiate() as told:
-        for slave in (ramped, told):
-            slave.start()
-        ramped.set(**{n: start for n, (start, _) in ramp.items()})
-        slopes = input_slopes(ramped, list(ramp))
-        slopes.values[:] = [slope for _, slope in ramp.values()]
-        slopes.write()
-        ramped.step(0.0, DURATION, 1)
-        told.set(**{n: start + slope * DURATION for n, (start, slope) in ramp.items()})
-        assert ramped.get(*outputs) == told.get(*outputs)
-        ramped.step(DURATION, DURATION, 1)
-        assert ramped.get(*outputs) == told.get(*outputs)
-
-
-@pytest.mark.parametrize("networks", [NETWORKS_OFF, NETWORKS_ON], ids=["adaptation", "networks"])
-@pytest.mark.parametrize("bandwidth", [0.0, 300.0])
-def test_adaptation_follows_ramps(bandwidth: float, networks: dict[str, float], fmus: dict[str, Fmu]) -> None:
-    """The update laws along a ramp: both ways converge to one end, held inputs with order 2, ramps with order 4.
-
-    4 is the order of the two Gauss points in which a step samples the forcing. Left out is what these ramps hardly
-    change, so that its errors are round-off.
-    """
-    controller = fmus["NabfcController"]
-    parameters = {"shear_rate_bandwidth": bandwidth, **networks}
-    names = controller.names("output", "Real")
-    shown = ["tau1_cmd", "tau2_cmd", "pi1_hat", "pi2_hat"] + (["U1_norm"] if networks is NETWORKS_ON else [])
-    chosen = [names.index(name) for name in shown]
-    panels, end = (16, 32, 64, 128), end_of_ramp(controller, parameters, CONTROLLER_RAMP, 4096, "ramp")[chosen]
-    for hold, order in (("middle", 2.0), ("ramp", 4.0)):
-        ends = [end_of_ramp(controller, parameters, CONTROLLER_RAMP, n, hold)[chosen] for n in panels]
-        assert observed_order(panels, [np.abs(e - end) for e in ends]) == pytest.approx(order, abs=0.1)
 
 
 # --- Directional derivatives in initialization mode ------------------------------------------------------------------

@@ -3,7 +3,6 @@ integrates is the motion that co-simulation steps exactly from switch to switch.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterator
 from typing import Any
 
@@ -12,95 +11,17 @@ import pytest
 from fmpy import simulate_fmu
 
 from .support import exponential
-from .support.exchange import Grasp, Model, fixed_steps, integrate
+from .support.contact_exchange import CASES, COMPLIANT, COUNTS, FREE, SHOWN, UNILATERAL, Alone, in_a_mode, touches
+from .support.exchange import Model
 from .support.harness import Fmu
 from .support.paths import fmu_path
-from .support.slave import FmuError
 
-UNILATERAL, COMPLIANT = 2, 3
-FREE: dict[str, Any] = {"root_uncertainty": 0.0, "tip_uncertainty": 0.0}
-# 0.8 and 1.2 mm away, both coming.
-AWAY: dict[str, Any] = {"theta1_0": -0.004, "theta2_0": 0.006, "theta1_dot_0": 0.5, "theta2_dot_0": -0.6}
-# What 0.1 N.m on both hubs hold.
-HELD: dict[str, Any] = {"theta1_0": 0.1 * 0.2 / (3 * 0.115), "theta2_0": -0.1 * 0.2 / (3 * 0.115)}
-SQUEEZE: dict[str, Any] = {"tau1_cmd": 0.1, "tau2_cmd": -0.12}
-CASES: dict[str, dict[str, Any]] = {
-    "plastic": {"contact_model": UNILATERAL, **AWAY, **SQUEEZE},
-    "bouncing": {"contact_model": UNILATERAL, "restitution": 0.5, **AWAY, **SQUEEZE},
-    "soft": {"contact_model": COMPLIANT, "contact_stiffness1": 5000.0, "contact_damping2": 2.0, **AWAY, **SQUEEZE},
-    "undamped": {"contact_model": COMPLIANT, "contact_damping1": 0.0, "contact_damping2": 0.0, **AWAY, **SQUEEZE},
-    "pulled off": {"contact_model": UNILATERAL, **HELD, "tau1_cmd": -1.5, "tau2_cmd": 1.2},
-    "pulled off soft faces": {"contact_model": COMPLIANT, **HELD, "tau1_cmd": -1.5, "tau2_cmd": 1.2},
-    "jerked out": {"contact_model": UNILATERAL, **HELD, "tau1_cmd": 0.1, "tau2_cmd": -0.1, "delta_F": 3.0},
-}
 # Over this time (s). Later rigid faces chatter, and a bit in a force decides about an impact more.
 STOP = {"plastic": 0.0095, "bouncing": 0.02, "jerked out": 0.01}
-SHOWN = (
-    *("theta1", "theta2", "y_object", "theta1_dot", "y_object_dot", "root_moment1", "contact_force1", "contact_force2"),
-    *("gap1", "gap2", "indentation1", "indentation2", "impact_loss", "energy"),
-)
 # Forces follow a bending wave's last bit, and the losses in faces are the one integral that this solver has no error control for.
 SCALES = dict.fromkeys(SHOWN, 1e-9) | {"contact_force1": 1e-7, "contact_force2": 1e-7, "root_moment1": 1e-8, "energy": 1e-8, "impact_loss": 1e-6}
 # No step is longer (s): bending waves open and close rigid contacts for some microseconds, and lost energy is an integral of squares.
 LONGEST = {"plastic": 1e-5, "bouncing": 1e-5, "soft": 1e-5}
-COUNTS = ("impacts1", "impacts2")
-
-
-class Nothing:
-    """No controller."""
-
-    size, nominals, states, derivatives = 0, np.zeros(0), (), ()
-
-    def set_time(self, _t: float) -> None:
-        """Nothing."""
-
-    def step_completed(self) -> tuple[bool, bool]:
-        """No wish."""
-        return False, False
-
-
-class Alone(Grasp):
-    """The plant with inputs that stand still, as one system; keeps what was seen at its events."""
-
-    def __init__(self, plant: Model) -> None:  # pylint: disable=super-init-not-called
-        self.plant, self.controller, self.split = plant, Nothing(), plant.size
-        self.shown, self.seen = plant.reader(SHOWN), []
-
-    def start(self) -> np.ndarray:
-        """From instantiated to continuous-time mode."""
-        self.plant.start()
-        return self.plant.x
-
-    def put(self, z: np.ndarray) -> None:
-        """Sets the states."""
-        self.plant.x = z
-
-    def rates(self, _t: float, z: np.ndarray) -> np.ndarray:
-        """The derivatives."""
-        self.put(z)
-        return self.plant.rates()
-
-    def jacobian(self, _t: float, z: np.ndarray) -> np.ndarray:
-        """Their derivatives by the states."""
-        self.put(z)
-        return self.plant.jacobian(self.plant.derivatives, self.plant.states)
-
-    def indicators(self, z: np.ndarray) -> np.ndarray:
-        """The event indicators."""
-        self.put(z)
-        return self.plant.indicators()
-
-    def event(self) -> np.ndarray:
-        """Updates the discrete states; what was there before and after."""
-        before, counts = dict(zip(SHOWN, self.shown.read())), self.plant.get(*COUNTS)
-        x = self.plant.x
-        info = self.plant.update()
-        after = dict(zip(SHOWN, self.shown.read()))
-        self.seen.append((before, after, counts, self.plant.get(*COUNTS)))
-        assert bool(info.nominals) is False and bool(info.has_next_time) is False
-        changed = [name for name, old, new in zip(self.plant.states, x, self.plant.x) if abs(old - new) > 1e-12]
-        assert all(name.startswith(("clearance", "impact_loss")) for name in changed), changed
-        return self.plant.x
 
 
 @pytest.fixture(name="model")
@@ -108,11 +29,6 @@ def fixture_model(plant: Fmu) -> Iterator[Model]:
     """The plant for model exchange, instantiated."""
     with Model(plant) as model:
         yield model
-
-
-def touches(z: np.ndarray) -> np.ndarray:
-    """The indicators of both contacts."""
-    return z[12:]
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -189,15 +105,6 @@ def test_fmpy_finds_the_switches_with_cvode(case: str) -> None:
     assert np.ptp(books) < 1e-7 * found["energy"].max()
     for tip in (1, 2):
         assert np.all(found[f"gap{tip}"] * found[f"contact_force{tip}"] == 0.0)
-
-
-def in_a_mode(model: Model, touching: tuple[bool, bool], kind: int) -> None:
-    """Starts the plant with these tips on the object, and moves it away from rest."""
-    angles = [(0.01 if touches else -0.02) for touches in touching]
-    model.set(contact_model=kind, theta1_0=angles[0], theta2_0=-angles[1], theta1_dot_0=0.1, **SQUEEZE)
-    model.start()
-    x = model.x + 1e-3 * model.nominals * np.sin(np.arange(model.size))
-    model.x = x
 
 
 @pytest.mark.parametrize("kind", (UNILATERAL, COMPLIANT))
@@ -281,122 +188,3 @@ def test_saved_in_one_mode_and_restored_in_another(case: str, model: Model, plan
     model.fmi.setFMUstate(state)
     model.update(enter=False)
     assert np.array_equal(model.x, after[0]) and model.get(*COUNTS) == after[1]
-
-
-@pytest.mark.parametrize("obeys", (True, False), ids=("obeys", "ignores"))
-@pytest.mark.parametrize("case", ("plastic", "bouncing", "soft", "pulled off", "undamped"))
-def test_hosts_that_locate_no_events(case: str, obeys: bool, model: Model, plant: Fmu) -> None:
-    """Fixed steps, events at their ends: a tip comes in by at most a step's way. A host that does not take over the states which an event has
-    changed gets another motion, but never one that blows up, and every call is answered."""
-    size, steps = 2e-6, 14_000 if case == "pulled off" else 6000
-    grasp = Alone(model)
-    model.set(**CASES[case])
-    if not obeys:
-        keep = grasp.event
-        held: list[np.ndarray] = []
-        put = grasp.put
-
-        def remember(z: np.ndarray) -> None:
-            held[:] = [z]
-            put(z)
-
-        def ignore() -> np.ndarray:
-            z = held[0].copy()
-            keep()
-            return z
-
-        grasp.put, grasp.event = remember, ignore  # type: ignore[method-assign]
-    clearances = [model.states.index(f"clearance{tip}") for tip in (1, 2)]
-    depth: list[float] = []
-    events = fixed_steps(grasp, size, steps, lambda _t: depth.append(min(model.x[clearances])))
-    assert events > 0 and np.all(np.isfinite(model.x))
-    if obeys:
-        limit = 1e-2 if case in ("soft", "undamped") else 0.3 * size
-        assert min(depth) > -limit
-        with plant.instantiate() as slave:
-            slave.set(**CASES[case])
-            slave.start()
-            slave.fmi.doStep(0.0, size * steps)
-            found, exact = model.get("theta1", "y_object"), slave.get("theta1", "y_object")
-        # Plastic tips open and close within a step, too.
-        assert found == pytest.approx(exact, abs=1e-4 if case == "plastic" else 2e-6)
-    assert not [m for m in model.log if m.status > 1]
-
-
-def test_an_event_tells_of_its_jumps_until_it_ends(model: Model) -> None:
-    """Rates jump, commands may follow: the host shall call once more, and may look at the last answer alone."""
-    in_a_mode(model, (False, False), UNILATERAL)
-    x = model.x
-    x[[model.states.index(f"clearance{tip}") for tip in (1, 2)]] = -1e-9
-    x[[model.states.index(f"clearance{tip}_dot") for tip in (1, 2)]] = -0.1
-    model.x = x
-    model._enter_event_mode()  # pylint: disable=protected-access
-    model._new_discrete_states(ctypes.byref(model.info))  # pylint: disable=protected-access
-    assert (model.info.again, model.info.states, model.info.nominals) == (1, 1, 0)
-    model._new_discrete_states(ctypes.byref(model.info))  # pylint: disable=protected-access
-    assert (model.info.again, model.info.states, model.info.nominals) == (0, 1, 0)
-    model.update(enter=False)
-    # Nothing has happened since.
-    assert model.update().states == 0
-
-
-def test_both_tips_at_once(model: Model) -> None:
-    """Two arms that do the same hit the object in one event, as co-simulation has it: it stays where it is."""
-    model.set(contact_model=UNILATERAL, restitution=0.5, theta1_0=-0.004, theta2_0=0.004, tau1_cmd=0.1, tau2_cmd=-0.1)
-    model.set(theta1_dot_0=0.8, theta2_dot_0=-0.8)
-    grasp = Alone(model)
-    z = grasp.start()
-    nominal = model.nominals
-    from scipy.integrate import DOP853
-
-    options: dict[str, Any] = {"method": DOP853, "rtol": 1e-9, "atol": 1e-11 * nominal}
-    integrate(grasp.rates, z, 0.006, [], grasp.indicators, grasp.event, **options)
-    assert [counts for *_, counts in grasp.seen if counts != [0, 0]][:1] == [[1, 1]]
-    assert abs(model.get("y_object_dot")[0]) < 1e-9
-
-
-def test_bounces_come_to_rest(model: Model) -> None:
-    """An object that falls onto a tip with next to no arm bounces at times that arithmetic knows, and comes to rest where their sum
-    ends: after a finite number of events."""
-    bounce, gap, force, mass = 0.5, 1e-3, 0.3, 0.3
-    light: dict[str, float] = {f"{name}{arm}": 1e-9 for name in ("EI", "rho", "J") for arm in (1, 2)}
-    model.set(contact_model=UNILATERAL, restitution=bounce, theta1_0=-gap / 0.2, theta2_0=0.5, **FREE, **light)
-    model.set(delta_F=-force)
-    grasp, impacts = Alone(model), []
-    first = np.sqrt(2 * gap * mass / force)
-    end = first * (1 + bounce) / (1 - bounce)
-    events = exponential.integrate(grasp, 1.1 * end, [], lambda _t, _z: None, 1e-10, 1e-3)
-    impacts = [time for time, (_, _, before, after) in zip(events, grasp.seen) if before != after]
-    expected = [first * (1 + 2 * bounce * (1 - bounce**n) / (1 - bounce)) for n in range(12)]
-    # The hub's inertia is a quarter of a millionth of the tip's mass.
-    assert impacts[:12] == pytest.approx(expected, rel=2e-6)
-    assert 12 < len(impacts) < 40 and max(impacts) < end * (1 + 2e-6)
-    assert model.get("gap1", "contact_force1") == pytest.approx([0.0, force * 0.1 / (mass + 0.1)], rel=1e-5)
-
-
-@pytest.mark.parametrize("bad", (np.nan, np.inf, 1e200))
-def test_states_that_are_no_numbers_are_discarded(bad: float, model: Model) -> None:
-    """With fmi2Discard, and nothing has changed."""
-    in_a_mode(model, (False, True), UNILATERAL)
-    x, rates = model.x, model.rates()
-    for name in ("x[3]", "clearance1", "clearance1_dot", "indentation1", "impact_loss"):
-        trial = x.copy()
-        trial[model.states.index(name)] = bad
-        with pytest.raises(FmuError) as refused:
-            model.x = trial
-        assert refused.value.status == 2
-        assert np.array_equal(model.x, x) and np.array_equal(model.rates(), rates)
-
-
-def test_the_default_grasp_has_idle_states(model: Model) -> None:
-    """Seven states for what opens, which with a bilateral contact are zero, stay zero and are felt by nothing."""
-    model.set(**SQUEEZE)
-    model.start()
-    assert model.size == 42 and model.states[35:] == [
-        *("indentation1", "indentation2", "impact_loss", "clearance1", "clearance2", "clearance1_dot", "clearance2_dot")
-    ]
-    x, rates = model.x, model.rates()
-    assert np.all(x[35:] == 0.0) and np.all(rates[35:] == 0.0)
-    x[35:] = 0.1
-    model.x = x
-    assert np.all(model.x[35:] == 0.0) and np.array_equal(model.rates(), rates)

@@ -74,6 +74,15 @@ def advance(slave: Slave, first: int, count: int) -> list[list[float]]:
     return rows
 
 
+def running(fmu: Fmu, steps: int) -> Slave:
+    """An instance in the middle of a run."""
+    slave = fmu.instantiate(logging=True)
+    slave.set(**SETTINGS[fmu.name])
+    slave.start()
+    advance(slave, 0, steps)
+    return slave
+
+
 def main() -> None:
     """Continues from a blob whose number of steps so far is its clock's."""
     path, blob, first, count = sys.argv[1:]
