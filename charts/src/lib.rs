@@ -6,6 +6,7 @@
 
 pub mod chart;
 mod indexed;
+mod letters;
 pub mod pack;
 pub mod pdf;
 pub mod raster;

@@ -8,6 +8,7 @@ use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, Tree, fontdb};
 
 use crate::indexed::Indexed;
+use crate::letters;
 use crate::text;
 
 /// Pixels of the PNG per px of the SVG.
@@ -73,7 +74,7 @@ const EFFORT: u8 = 4;
 pub(crate) fn parse(svg: &str) -> Result<Tree, String> {
     let options =
         usvg::Options { fontdb: fonts(), font_family: text::EMBEDDED_FAMILY.into(), ..usvg::Options::default() };
-    Tree::from_str(svg, &options).map_err(|error| error.to_string())
+    Tree::from_str(&letters::outlined(svg), &options).map_err(|error| error.to_string())
 }
 
 fn fonts() -> Arc<fontdb::Database> {

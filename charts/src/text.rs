@@ -72,7 +72,7 @@ pub fn missing(text: &str) -> Vec<char> {
     text.chars().filter(|letter| shifted(*letter).is_none() && glyphs.map(*letter).is_none()).collect()
 }
 
-fn face(bold: bool) -> FontRef<'static> {
+pub(crate) fn face(bold: bool) -> FontRef<'static> {
     FontRef::new(FACES[usize::from(bold)]).expect("the embedded fonts are sound")
 }
 

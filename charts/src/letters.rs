@@ -1,0 +1,306 @@
+//! The letters of an SVG as paths of the embedded font, for pixels and PDF.
+//!
+//! What draws the SVG would read the font's tables anew for every text, which was a fifth of the time for a comparison's figures. Most
+//! labels come again, if not in the same figure, then in the next one: here each is shaped once.
+
+use std::collections::HashMap;
+use std::fmt::Write;
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
+
+use harfrust::{Direction, ShapeOptions, ShaperData, UnicodeBuffer};
+use roxmltree::Node;
+use skrifa::instance::{LocationRef, Size};
+use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::{FontRef, GlyphId, MetadataProvider};
+
+use crate::text::{FAMILIES, face};
+
+/// The same document with texts as paths. Those whose looks are not all known here stay texts.
+pub(crate) fn outlined(svg: &str) -> String {
+    // Whoever reads it next says what is wrong with it.
+    let Ok(document) = roxmltree::Document::parse(svg) else { return svg.to_owned() };
+    let mut drawn = String::with_capacity(2 * svg.len());
+    let mut done = 0;
+    if document.descendants().all(|node| node.tag_name().name() != "style") {
+        for node in document.descendants().filter(|node| node.tag_name().name() == "text") {
+            let Some(paths) = paths(node) else { continue };
+            drawn += &svg[done..node.range().start];
+            drawn += &paths;
+            done = node.range().end;
+        }
+    }
+    drawn + &svg[done..]
+}
+
+/// Attributes of a text that say the same of a path.
+const KEPT: [&str; 4] = ["fill", "fill-opacity", "stroke-opacity", "opacity"];
+/// Further ones of a text, which this module understands.
+const KNOWN: [&str; 8] = ["x", "y", "dy", "text-anchor", "font-family", "font-size", "font-weight", "transform"];
+/// Attributes of elements around a text that do not change its letters, or change a path in the same way.
+const AROUND: [&str; 10] = [
+    "width",
+    "height",
+    "viewBox",
+    "role",
+    "font-family",
+    "fill",
+    "fill-opacity",
+    "stroke-linejoin",
+    "opacity",
+    "transform",
+];
+
+/// A text as paths, if its looks are known.
+fn paths(text: Node) -> Option<String> {
+    let has_family = |node: Node| node.attribute("font-family").is_none_or(|family| family == FAMILIES);
+    let is_known = |node: Node, known: &[&str]| {
+        node.attributes().all(|attribute| known.contains(&attribute.name()) || KEPT.contains(&attribute.name()))
+            && has_family(node)
+    };
+    if !is_known(text, &KNOWN) || !text.ancestors().skip(1).all(|node| is_known(node, &AROUND)) {
+        return None;
+    }
+    let plain = |name: &str| match text.attribute(name) {
+        Some(value) if value.contains(['"', '&', '<']) => None,
+        value => Some(value),
+    };
+    let bold = match text.attribute("font-weight") {
+        None | Some("normal") => false,
+        Some("bold") => true,
+        Some(_) => return None,
+    };
+    let size: f64 = text.attribute("font-size")?.parse().ok()?;
+    let place = |name: &str| text.attribute(name).map_or(Some(0.0), |value| value.parse::<f64>().ok());
+    let (x, y) = (place("x")?, place("y")? + length(text.attribute("dy"), size)?);
+
+    // Along the line from its beginning.
+    let (mut along, mut down) = (0.0, y);
+    let mut pieces = Vec::new();
+    for piece in pieces_of(text)? {
+        let size = size * piece.size;
+        down += length(piece.down, size)?;
+        let outline = outline(&piece.letters, bold)?;
+        let scale = size / outline.units;
+        pieces.push((along, down, scale, Arc::clone(&outline)));
+        along += outline.width * scale;
+    }
+    let left = match text.attribute("text-anchor") {
+        None | Some("start") => x,
+        Some("middle") => x - 0.5 * along,
+        Some("end") => x - along,
+        Some(_) => return None,
+    };
+    let mut looks = String::new();
+    for name in KEPT {
+        if let Some(value) = plain(name)? {
+            let _ = write!(looks, " {name}=\"{value}\"");
+        }
+    }
+    let around = plain("transform")?.unwrap_or_default();
+    let mut paths = String::new();
+    for (along, down, scale, outline) in pieces {
+        let _ = write!(
+            paths,
+            "<path{looks} transform=\"{around} translate({:.3} {down:.3}) scale({scale:.7} -{scale:.7})\" d=\"{}\"/>",
+            left + along,
+            outline.path
+        );
+    }
+    Some(paths)
+}
+
+/// Letters of one size on one line.
+struct Piece<'a> {
+    letters: String,
+    /// Relative to the size of the text.
+    size: f64,
+    /// By how much it and all that follows are lower than what is before.
+    down: Option<&'a str>,
+}
+
+/// The pieces of a text, if there are none but those of [`crate::text::with_shifts`].
+fn pieces_of<'a>(text: Node<'a, '_>) -> Option<Vec<Piece<'a>>> {
+    let mut pieces = Vec::new();
+    for child in text.children() {
+        let (words, size, down) = if child.is_text() {
+            (child.text()?, 1.0, None)
+        } else {
+            let inside = child.first_child().filter(|inside| inside.is_text() && inside.next_sibling().is_none());
+            if child.tag_name().name() != "tspan"
+                || !child.attributes().all(|a| ["dy", "font-size"].contains(&a.name()))
+            {
+                return None;
+            }
+            let percent = |size: &str| size.strip_suffix('%')?.parse::<f64>().ok().map(|percent| percent / 100.0);
+            let size = child.attribute("font-size").map_or(Some(1.0), percent)?;
+            (inside?.text()?, size, child.attribute("dy"))
+        };
+        let letters = words.replace(['\n', '\r'], "");
+        if letters.contains('\t') || letters.contains("  ") {
+            return None;
+        }
+        pieces.push(Piece { letters, size, down });
+    }
+    // White space at both ends counts nothing.
+    if let Some(first) = pieces.first_mut() {
+        first.letters = first.letters.trim_start_matches(' ').to_owned();
+    }
+    while let Some(last) = pieces.last_mut() {
+        last.letters.truncate(last.letters.trim_end_matches(' ').len());
+        if !last.letters.is_empty() {
+            break;
+        }
+        pieces.pop();
+    }
+    Some(pieces)
+}
+
+/// A length in the units of the drawing, for letters of this size.
+fn length(text: Option<&str>, size: f64) -> Option<f64> {
+    let Some(text) = text else { return Some(0.0) };
+    let unit = [("em", size), ("ex", 0.5 * size), ("", 1.0)].into_iter().find(|(unit, _)| text.ends_with(unit));
+    unit.and_then(|(unit, length)| Some(text.strip_suffix(unit)?.parse::<f64>().ok()? * length))
+}
+
+/// Shaped letters, in the units of their font.
+struct Outline {
+    /// As an SVG path, upwards.
+    path: String,
+    width: f64,
+    /// Units per em.
+    units: f64,
+}
+
+/// A face with what is the same for all texts.
+struct Shaped {
+    font: FontRef<'static>,
+    data: ShaperData,
+    units: f64,
+}
+
+/// Outlines of texts, by their boldness and letters.
+type Known = Mutex<HashMap<(bool, String), Arc<Outline>>>;
+
+/// The outline of a text, unless the font lacks one of its letters.
+fn outline(letters: &str, bold: bool) -> Option<Arc<Outline>> {
+    static KNOWN: LazyLock<Known> = LazyLock::new(Mutex::default);
+    let key = (bold, letters.to_owned());
+    if let Some(known) = KNOWN.lock().unwrap_or_else(PoisonError::into_inner).get(&key) {
+        return Some(Arc::clone(known));
+    }
+    let outline = Arc::new(shape(letters, bold)?);
+    KNOWN.lock().unwrap_or_else(PoisonError::into_inner).insert(key, Arc::clone(&outline));
+    Some(outline)
+}
+
+fn shape(letters: &str, bold: bool) -> Option<Outline> {
+    static FACES: LazyLock<[Shaped; 2]> = LazyLock::new(|| {
+        [false, true].map(|bold| {
+            let font = face(bold);
+            let units = f64::from(font.metrics(Size::unscaled(), LocationRef::default()).units_per_em);
+            Shaped { data: ShaperData::new(&font), font, units }
+        })
+    });
+    let Shaped { font, data, units } = &FACES[usize::from(bold)];
+    let mut buffer = UnicodeBuffer::new();
+    buffer.push_str(letters);
+    buffer.set_direction(Direction::LeftToRight);
+    buffer.guess_segment_properties();
+    let shaped = data.shaper(font).build().shape(buffer, ShapeOptions::new());
+    let glyphs = font.outline_glyphs();
+    let mut path = Path::default();
+    let mut width = 0;
+    for (info, position) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
+        if info.glyph_id == 0 {
+            return None;
+        }
+        path.origin = (f64::from(width + position.x_offset), f64::from(position.y_offset));
+        let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
+        glyphs.get(GlyphId::new(info.glyph_id))?.draw(settings, &mut path).ok()?;
+        width += position.x_advance;
+    }
+    Some(Outline { path: path.text, width: f64::from(width), units: *units })
+}
+
+/// Writes outlines of glyphs as an SVG path.
+#[derive(Default)]
+struct Path {
+    text: String,
+    origin: (f64, f64),
+}
+
+impl Path {
+    fn add(&mut self, command: char, points: &[(f32, f32)]) {
+        self.text.push(command);
+        for (x, y) in points {
+            let _ = write!(self.text, "{} {} ", self.origin.0 + f64::from(*x), self.origin.1 + f64::from(*y));
+        }
+    }
+}
+
+impl OutlinePen for Path {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.add('M', &[(x, y)]);
+    }
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.add('L', &[(x, y)]);
+    }
+    fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
+        self.add('Q', &[(cx, cy), (x, y)]);
+    }
+    fn curve_to(&mut self, cx: f32, cy: f32, dx: f32, dy: f32, x: f32, y: f32) {
+        self.add('C', &[(cx, cy), (dx, dy), (x, y)]);
+    }
+    fn close(&mut self) {
+        self.add('Z', &[]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::text::with_shifts;
+
+    fn document(text: &str) -> String {
+        with_shifts(&format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='300' height='100' fill='#123456'>{text}</svg>"
+        ))
+    }
+
+    #[test]
+    fn known_texts_are_paths_and_all_others_stay() {
+        for text in [
+            "<text x=\"9\" y=\"30\" dy=\"0.76em\" font-size=\"12\" fill=\"#22262E\">\nm̂ (10⁻³ kg), To\n</text>",
+            "<text font-size='12' text-anchor='middle' font-weight='bold' transform='translate(16 30) rotate(-90)'>τ₁</text>",
+        ] {
+            let outlined = outlined(&document(text));
+            assert!(!outlined.contains("<text") && outlined.contains("<path"), "{outlined}");
+            assert!(roxmltree::Document::parse(&outlined).is_ok());
+        }
+        for text in [
+            "<text x='9' y='30'>no size</text>",
+            "<text x='9' y='30' font-size='12' letter-spacing='2'>a</text>",
+            "<text x='9' y='30' font-size='12' font-family='Serif'>a</text>",
+            "<text x='9' y='30' font-size='12'>漢</text>",
+            "<g font-weight='bold'><text x='9' y='30' font-size='12'>a</text></g>",
+            "<style>text { fill: red }</style><text x='9' y='30' font-size='12'>a</text>",
+        ] {
+            assert_eq!(outlined(&document(text)), document(text));
+        }
+        assert_eq!(outlined("<svg"), "<svg");
+    }
+
+    #[test]
+    fn lines_are_as_long_as_the_letters_and_their_kerning_say() {
+        let width =
+            |letters: &str| outline(letters, false).map(|outline| 10.0 * outline.width / outline.units).unwrap();
+        // Without pairs that are closer to each other than others.
+        assert!((width("mm") - crate::text::width("mm", 10.0, false)).abs() < 1e-6);
+        assert!(width("To") < width("T") + width("o"));
+        assert_eq!(length(Some("0.5ex"), 12.0), Some(3.0));
+        assert_eq!(
+            (length(Some("-2em"), 12.0), length(Some("7"), 12.0), length(Some("1pt"), 12.0)),
+            (Some(-24.0), Some(7.0), None)
+        );
+    }
+}
