@@ -84,8 +84,7 @@ impl Content {
             match node {
                 Node::Group(group) => self.group(group, page, opacity),
                 Node::Path(path) => self.path(path, page, opacity),
-                Node::Text(text) => self.group(text.flattened(), page, opacity),
-                Node::Image(_) => {} // figures have none
+                Node::Image(_) | Node::Text(_) => {} // figures have none, and letters are paths
             }
         }
     }

@@ -2,14 +2,12 @@
 
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::sync::{Arc, OnceLock};
 
 use resvg::tiny_skia::{Pixmap, Transform};
-use resvg::usvg::{self, Tree, fontdb};
+use resvg::usvg::{self, Tree};
 
 use crate::indexed::Indexed;
 use crate::letters;
-use crate::text;
 
 /// Pixels of the PNG per px of the SVG.
 pub const SCALE: f32 = 2.0;
@@ -67,32 +65,18 @@ fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
 /// Of nine: charts become hardly smaller beyond it.
 const EFFORT: u8 = 4;
 
-/// An SVG document with the embedded font.
+/// An SVG document, its texts with the embedded font.
 ///
 /// # Errors
 /// When it is not valid.
 pub(crate) fn parse(svg: &str) -> Result<Tree, String> {
-    let options =
-        usvg::Options { fontdb: fonts(), font_family: text::EMBEDDED_FAMILY.into(), ..usvg::Options::default() };
-    Tree::from_str(&letters::outlined(svg), &options).map_err(|error| error.to_string())
-}
-
-fn fonts() -> Arc<fontdb::Database> {
-    static FONTS: OnceLock<Arc<fontdb::Database>> = OnceLock::new();
-    let fonts = FONTS.get_or_init(|| {
-        let mut fonts = fontdb::Database::new();
-        for face in text::FACES {
-            fonts.load_font_data(face.to_vec());
-        }
-        fonts.set_sans_serif_family(text::EMBEDDED_FAMILY);
-        Arc::new(fonts)
-    });
-    Arc::clone(fonts)
+    Tree::from_str(&letters::outlined(svg)?, &usvg::Options::default()).map_err(|error| error.to_string())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text;
 
     #[test]
     fn text_is_rendered_with_the_embedded_font() {
