@@ -86,7 +86,7 @@ def test_archives_of_the_same_description_are_joined(library: Path, tmp_path: Pa
         new.writestr("binaries/win64/DualArmPlant.dll", b"no library")
     done = package(tmp_path, "--library", library, "--merge", elsewhere)
     assert done.returncode == 1
-    assert "binaries/win64/DualArmPlant.dll: it is no shared library" in done.stderr
+    assert "binaries/win64/DualArmPlant.dll: it is not a shared library" in done.stderr
 
 
 def test_platforms_are_those_of_the_standard(library: Path, tmp_path: Path) -> None:

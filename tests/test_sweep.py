@@ -185,7 +185,7 @@ def test_a_value_that_an_fmu_refuses_is_a_row(tmp_path: Path) -> None:
         ('"nabfc-r"', '"nabfcr"', 'there is no controller "nabfcr"; did you mean'),
         ('["theta1"]', '["theta"]', 'no FMU has an output "theta" that is a number; did you mean theta1'),
         ("overshoot = 5", "overshot = 5", 'study.toml:18: there is no figure "overshot"; did you mean overshoot?'),
-        ("stop = 0.2", "stop = -1", "the stop time (-1 s) must lie behind the start time"),
+        ("stop = 0.2", "stop = -1", "the stop time (-1 s) must be later than the start time"),
     ],
 )
 def test_what_cannot_be_is_said_before_the_first_run(tmp_path: Path, old: str, new: str, said: str) -> None:

@@ -53,8 +53,8 @@ pub enum GridError {
     /// The step is zero, negative or not a number.
     #[error("the step size must be a positive number of seconds, not {}", number(*.0))]
     Step(f64),
-    /// The stop time does not lie behind the start time.
-    #[error("the stop time ({} s) must lie behind the start time ({} s)", number(*stop), number(*start))]
+    /// The stop time is not later than the start time.
+    #[error("the stop time ({} s) must be later than the start time ({} s)", number(*stop), number(*start))]
     Stop {
         /// Start time in s.
         start: f64,

@@ -81,7 +81,7 @@ pub enum Misfit {
         to: BaseType,
     },
     /// This tool does not connect strings.
-    #[error("this tool connects no texts")]
+    #[error("this tool does not connect string variables")]
     Text,
     /// Units that do not fit.
     #[error(transparent)]

@@ -20,7 +20,7 @@ pub enum XmlError {
     #[error("it is not well-formed XML: {0}")]
     Syntax(roxmltree::Error),
     /// More of something than any document needs.
-    #[error("line {line}: there are more than {most} {what}; this tool reads no such document")]
+    #[error("line {line}: there are more than {most} {what}; this tool does not read such documents")]
     Limit {
         /// The limited quantity.
         what: &'static str,

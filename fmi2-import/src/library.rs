@@ -83,7 +83,7 @@ pub enum LibraryError {
     #[error("it is empty")]
     Empty,
     /// It is not a library.
-    #[error("it is no shared library")]
+    #[error("it is not a shared library")]
     NoLibrary,
     /// It was made for another machine.
     #[error("it is for {found}, and this is {wanted}")]

@@ -125,7 +125,7 @@ fn a_library_is_judged_without_being_loaded() {
         Fmu::check_library(&path).map_err(|error| error.to_string())
     };
     assert_eq!(check(&lag), Ok(()));
-    assert!(check(b"no library").unwrap_err().ends_with("it is no shared library"));
+    assert!(check(b"no library").unwrap_err().ends_with("it is not a shared library"));
     let Ok(other) = fs::read("/proc/self/exe") else { return };
     assert!(check(&other).unwrap_err().contains("it lacks the function fmi2GetTypesPlatform"));
 }

@@ -32,7 +32,7 @@ pub enum BuildError {
     #[error("cargo metadata: {0}")]
     Metadata(String),
     /// The crate has no such library.
-    #[error("the crate's library is no cdylib: say crate-type = [\"cdylib\", \"rlib\"] under [lib] in Cargo.toml")]
+    #[error("the crate's library is not a cdylib: say crate-type = [\"cdylib\", \"rlib\"] under [lib] in Cargo.toml")]
     NoLibrary,
 }
 

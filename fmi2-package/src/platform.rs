@@ -120,7 +120,7 @@ impl Platform {
     /// # Errors
     /// If the file is not such a library; the message says what it is.
     pub fn of(library: &[u8]) -> Result<&'static Self, String> {
-        let file = object::File::parse(library).map_err(|error| format!("it is no shared library: {error}"))?;
+        let file = object::File::parse(library).map_err(|error| format!("it is not a shared library: {error}"))?;
         let os = match file.format() {
             BinaryFormat::Elf => "linux",
             BinaryFormat::Pe => "windows",
@@ -134,7 +134,7 @@ impl Platform {
             other => return Err(format!("FMI 2.0 names no folder for binaries of {os} on {other:?}")),
         };
         if file.kind() != ObjectKind::Dynamic {
-            return Err(format!("it is no shared library, but {:?}", file.kind()));
+            return Err(format!("it is not a shared library, but {:?}", file.kind()));
         }
         let exports = file.exports().map_err(|error| format!("its exported symbols cannot be read: {error}"))?;
         // Mach-O puts an underscore before the names of C.

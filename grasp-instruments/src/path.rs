@@ -70,7 +70,7 @@ pub enum StepError {
     )]
     Samples(u64),
     /// Too late.
-    #[error("samples are counted up to 2^53 and not on; take a longer sample_time")]
+    #[error("only 2^53 samples can be counted; take a longer sample_time")]
     Count,
     /// A number has left the range of doubles.
     #[error("a signal is no longer finite; its input is too large")]

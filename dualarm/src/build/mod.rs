@@ -78,7 +78,7 @@ pub enum PackageError {
         problem: String,
     },
     /// The result is no FMU.
-    #[error("packaging went wrong: {0}")]
+    #[error("packaging failed: {0}")]
     Unusable(#[from] FmuError),
     /// The folder cannot be written to.
     #[error("cannot write to {}: {source}", folder.display())]

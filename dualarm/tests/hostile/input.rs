@@ -62,7 +62,7 @@ fn what_the_descriptions_tell_is_found_before_code_runs() {
         (&["Hostile.fmu", "--set", "n=0"], 2, "Hostile.n must be at least 1, not 0"),
         (&["Hostile.fmu", "--set", "n=0.5"], 2, "Hostile.n needs an integer"),
         (&["Hostile.fmu", "--set", "y=1"], 2, "it is an output that the FMU computes"),
-        (&["Hostile.fmu", "--stop", "-1"], 2, "must lie behind the start time"),
+        (&["Hostile.fmu", "--stop", "-1"], 2, "must be later than the start time"),
         (&["Hostile.fmu", "--stop", "0.95"], 1, "Hostile can only do steps of equal size"),
         (&["s.toml"], 2, "s.toml:4: Hostile.k must be from 0 to 2, not 3"),
     ] {

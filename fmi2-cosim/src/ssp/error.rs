@@ -127,7 +127,7 @@ pub enum DocumentError {
         line: u32,
     },
     /// More parameters than any real system has.
-    #[error("line {line}: the bindings apply more than {most} parameters; this tool reads no such document")]
+    #[error("line {line}: the bindings apply more than {most} parameters; this tool does not read such documents")]
     TooMany {
         /// The largest allowed number.
         most: usize,
