@@ -48,7 +48,7 @@ def test_what_is_no_library_of_this_model_is_refused(library: Path, tmp_path: Pa
     other.write_bytes(library.read_bytes().replace(guid.encode(), guid[::-1].encode()))
     for file, reason in [
         (tmp_path / "missing.so", "cannot read"),
-        (empty, "no shared library"),
+        (empty, "not a shared library"),
         (cut, "library"),
         (Path(shutil.which("python3") or "").resolve(), "shared library"),
         (other, "FMI2_EXPORT_GUIDS="),

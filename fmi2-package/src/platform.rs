@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn what_is_no_library_is_refused_with_what_it_is() {
         for junk in [&b""[..], b"no library", b"\x7fELF", b"MZ"] {
-            assert!(Platform::of(junk).unwrap_err().contains("no shared library"));
+            assert!(Platform::of(junk).unwrap_err().contains("not a shared library"));
         }
         let program = std::fs::read(std::env::current_exe().unwrap()).unwrap();
         assert!(Platform::of(&program).is_err(), "a program");
