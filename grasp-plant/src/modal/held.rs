@@ -63,14 +63,15 @@ impl Held<'_> {
         let Self { table, readings, rigid, forces } = self;
         let (groups, rest) = state.coordinates.as_chunks::<GROUP>();
         let [zeta] = rest else { return false };
-        let rows = table.held.iter().zip(&readings.positions);
-        if rows.len() != groups.len() || groups.len() > MAX_GROUPS {
+        let (held, positions, columns) = (&table.held[..], &readings.positions[..], &readings.signals[..]);
+        let count = groups.len();
+        if held.len() != count || positions.len() != count || columns.len() != count || count > MAX_GROUPS {
             return false;
         }
         // Not initialised, because that would take as long as a group.
         let mut buffer = Aligned([const { MaybeUninit::<[f64; GROUP]>::uninit() }; MAX_GROUPS]);
         let (forces_4, mut total, mut size) = (splat::<V>(forces), [V::splat(0.0); FORCES], V::splat(0.0));
-        for ((group, next), (held, positions)) in groups.iter().zip(&mut *buffer).zip(rows) {
+        for (((group, next), held), positions) in groups.iter().zip(&mut buffer[..count]).zip(held).zip(positions) {
             let (from, next) = (group.as_chunks::<LANES>().0, next.write([0.0; GROUP]));
             let from = [V::load(&from[0]), V::load(&from[1])];
             for (c, lanes) in next.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
@@ -83,14 +84,14 @@ impl Held<'_> {
                 }
             }
         }
-        // SAFETY: there are as many rows as groups, and no more groups than places, so the loop has written one for each of them.
-        let next = unsafe { slice::from_raw_parts(buffer.as_ptr().cast::<[f64; GROUP]>(), groups.len()) };
+        // SAFETY: all that the loop went through are of this length, so it has written so many places.
+        let next = unsafe { slice::from_raw_parts(buffer.as_ptr().cast::<[f64; GROUP]>(), count) };
         let mut travel = Travel { total: total.map(sum), ..Travel::default() };
         let mut after = 0.0;
         rigid.step(table.h, *zeta, forces, None, &mut after, &mut travel);
         // A loop of its own: the sums of both do not fit into the registers.
         let mut sums = Sums::<V>::zero();
-        for (columns, next) in readings.signals.iter().zip(next) {
+        for (columns, next) in columns.iter().zip(next) {
             sums.add(columns, next);
         }
         let signals = sums.with(&readings.rigid, after);
@@ -100,12 +101,16 @@ impl Held<'_> {
         let usable = size.is_below(USABLE) & (after.abs() < USABLE);
         let accepted = usable && accepts(state, &Found { travel, signals: lanes(signals) });
         if accepted {
-            let (groups, rest) = state.coordinates.as_chunks_mut::<LANES>();
-            // In registers: a call that copies would take longer.
-            for (group, next) in groups.iter_mut().zip(next.as_flattened().as_chunks().0) {
-                *group = V::load(next).lanes();
+            let (groups, rest) = state.coordinates.as_chunks_mut::<GROUP>();
+            for (group, next) in groups.iter_mut().zip(next) {
+                // In registers: a call that copies would take longer.
+                for (group, next) in group.as_chunks_mut().0.iter_mut().zip(next.as_chunks().0) {
+                    *group = V::load(next).lanes();
+                }
             }
-            rest[0] = after;
+            if let [zeta] = rest {
+                *zeta = after;
+            }
         }
         accepted
     }

@@ -37,7 +37,8 @@ impl Grip {
     }
 
     /// Looks at the contacts at the end of a step, and returns the step's size.
-    #[inline]
+    #[allow(clippy::inline_always)] // On the way of every step.
+    #[inline(always)]
     pub fn watch(&mut self, time: f64, plant: &Plant, inputs: &Inputs) -> f64 {
         let size = time - self.until;
         self.until = time;
