@@ -52,28 +52,32 @@ impl<T: OfOneSize> Cache<T> {
         self.last.as_ref().filter(|entry| is_of(entry, h)).map(|entry| &**entry)
     }
 
+    /// Makes the result for step size h the last, if it is here.
+    pub fn recall(&mut self, h: f64) -> bool {
+        if self.last(h).is_some() {
+            return true;
+        }
+        let Some(index) = self.others.iter().position(|entry| is_of(entry, h)) else { return false };
+        if let Some(last) = &mut self.last {
+            std::mem::swap(last, &mut self.others[index]);
+            // What was the last before comes first.
+            self.others[..=index].rotate_right(1);
+        } else {
+            self.last = Some(self.others.remove(index));
+        }
+        true
+    }
+
     /// The result for step size h, computed now unless this plant or one that shares with it has it among its last sizes.
     #[inline]
     pub fn get(&mut self, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) -> &T {
-        match self.last.take() {
-            Some(last) if is_of(&last, h) => self.last.insert(last),
-            before => {
-                let found = self.bring(before, shared, h, make);
-                self.last.insert(found)
-            }
-        }
-    }
-
-    /// The result of a size that is not the last, which goes to the others.
-    #[cold]
-    fn bring(&mut self, before: Option<Arc<T>>, shared: &Shared<T>, h: f64, make: impl FnOnce() -> T) -> Arc<T> {
-        let index = self.others.iter().position(|entry| is_of(entry, h));
-        let found = index.map_or_else(|| shared.get(h, make), |index| self.others.remove(index));
-        if let Some(before) = before {
+        if !self.recall(h)
+            && let Some(before) = self.last.replace(shared.get(h, make))
+        {
             self.others.truncate(CAPACITY - 2);
             self.others.insert(0, before);
         }
-        found
+        self.last.as_deref().expect("the result is the last")
     }
 }
 
