@@ -53,8 +53,8 @@ def test_files_are_where_the_standard_wants_them(name: str) -> None:
     assert 100 <= height <= 512
     assert content["documentation/licenses/license.txt"] == (ROOT / "LICENSE").read_bytes()
     assert content[INDEX].lower().startswith(b"<!doctype html>")
-    # NABFC, the largest, holds two laws behind two interfaces.
-    assert fmu_path(name).stat().st_size < 800_000
+    # NABFC, the largest, holds two laws behind two interfaces: 0.63 MB with the library for linux64.
+    assert fmu_path(name).stat().st_size < 680_000
 
 
 @each_fmu

@@ -37,6 +37,14 @@ SYSTEM = {
     "linux": re.compile(r"lib(c|m|dl|pthread|rt)\.so\.\d+|ld-linux.*\.so\.\d|libgcc_s\.so\.1"),
 }
 
+#: What the libraries may take [bytes] where the standard library is compiled with them, without its backtraces; some 7 % above
+#: what they take. What the bytes are: docs/performance.md, "Size of the libraries".
+LARGEST = {
+    "NabfcController": {"win64": 770_000, "aarch64-linux": 595_000},
+    "DualArmPlant": {"win64": 870_000, "aarch64-linux": 675_000},
+    "GraspInstruments": {"win64": 385_000, "aarch64-linux": 320_000},
+}
+
 
 @dataclass
 class Machine:
@@ -95,6 +103,12 @@ def library(platform: str, name: str, folder: Path) -> Path:
     with zipfile.ZipFile(archive) as zipped:
         (entry,) = (entry for entry in zipped.namelist() if entry.startswith(f"binaries/{inside}/"))
         return Path(zipped.extract(entry, folder / ODD))
+
+
+@pytest.mark.skipif(PLATFORM == "linux64", reason="with the standard library as it comes: tests/test_packaging.py")
+@pytest.mark.parametrize("name", LARGEST)
+def test_libraries_stay_as_short_as_they_are(name: str, tmp_path: Path) -> None:
+    assert library(PLATFORM, name, tmp_path).stat().st_size < LARGEST[name][PLATFORM]
 
 
 def loop(machine: Machine, platform: str, controller: str, folder: Path) -> list[str]:
