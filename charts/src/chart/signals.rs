@@ -21,13 +21,18 @@ impl Signals {
     /// Signals with their names, as long as the times.
     #[must_use]
     pub fn new(times: Vec<f64>, columns: impl IntoIterator<Item = (String, Vec<f64>)>) -> Self {
-        #[allow(clippy::cast_possible_truncation)] // as the type says
-        let signal = |(name, values): (String, Vec<f64>)| Signal {
-            name,
-            values: values.iter().map(|value| *value as f32).collect(),
-            last: values.last().copied(),
-        };
-        Self { times, columns: columns.into_iter().map(signal).collect() }
+        let mut signals = Self { times, columns: Vec::new() };
+        for (name, values) in columns {
+            signals.add(name, &values);
+        }
+        signals
+    }
+
+    /// A function of its own, which is compiled here and not by the caller.
+    #[allow(clippy::cast_possible_truncation)] // as the type says
+    fn add(&mut self, name: String, values: &[f64]) {
+        let (last, values) = (values.last().copied(), values.iter().map(|value| *value as f32).collect());
+        self.columns.push(Signal { name, values, last });
     }
 
     /// The times.
