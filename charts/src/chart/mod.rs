@@ -3,6 +3,7 @@
 //! Plotters rounds all coordinates to whole units. So a chart is drawn on a canvas of ten units per px and scaled down by
 //! the SVG's own size.
 
+mod chatter;
 mod panel;
 mod pen;
 mod points;
@@ -14,11 +15,11 @@ use plotters::prelude::*;
 use quick_xml::escape::partial_escape;
 
 use crate::text;
+pub use chatter::{Chatter, chatter};
 use pen::{
     CURVE, Canvas, DrawResult, LABEL_SIZE, TITLE_SIZE, TextLook, WIDE, WIDE_OPACITY, draw_line, pen, units, write,
 };
 pub use plotters::style::RGBColor;
-pub use points::{Chatter, chatter};
 pub use signals::Signals;
 
 /// Dark text.

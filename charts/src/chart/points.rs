@@ -81,7 +81,7 @@ pub(super) enum Piece {
 }
 
 /// Points within a few px, and how often the curve turns there.
-struct Bin<'a> {
+pub(super) struct Bin<'a> {
     points: &'a [(f64, f64)],
     /// The place of the first of them.
     from: usize,
@@ -91,10 +91,10 @@ struct Bin<'a> {
 }
 
 impl Bin<'_> {
-    fn left(&self) -> f64 {
+    pub(super) fn left(&self) -> f64 {
         self.points[0].0
     }
-    fn right(&self) -> f64 {
+    pub(super) fn right(&self) -> f64 {
         self.points[self.points.len() - 1].0
     }
 }
@@ -124,7 +124,7 @@ pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size
 }
 
 /// Neighbouring bins, and whether the curve swings fast in them.
-fn stretches(bins: &[Bin], px: f64) -> Vec<(bool, Range<usize>)> {
+pub(super) fn stretches(bins: &[Bin], px: f64) -> Vec<(bool, Range<usize>)> {
     let swings: Vec<bool> = bins.iter().map(|bin| bin.turns >= 2 && (bin.high - bin.low) * px > SMALLEST).collect();
     let swings_at = |index: Option<usize>| index.and_then(|index| swings.get(index)).copied().unwrap_or(false);
     // One bin alone is a kick, and one calm bin between two others no calm.
@@ -143,7 +143,7 @@ fn stretches(bins: &[Bin], px: f64) -> Vec<(bool, Range<usize>)> {
     stretches
 }
 
-fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) -> Vec<Bin<'a>> {
+pub(super) fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) -> Vec<Bin<'a>> {
     #[allow(clippy::cast_possible_truncation)] // thousands at most; no point is left of the range
     let place = |x: f64| ((x - range.0) / (range.1 - range.0) * width / BIN) as i64;
     let mut extreme = points.first().map_or(0.0, |first| first.1);
@@ -168,52 +168,6 @@ fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) ->
         bin
     };
     columns(points, place).map(bin).collect()
-}
-
-/// Where a curve chatters in a picture of some width.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Chatter {
-    /// Time in the middle of the longest stretch.
-    pub at: f64,
-    /// How long the stretch is.
-    pub span: f64,
-    /// How long a swing takes there.
-    pub period: f64,
-}
-
-/// Where a curve chatters longest in a picture of this width in px, if it does.
-#[must_use]
-pub fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<Chatter> {
-    let extremes = |points: &[(f64, f64)]| {
-        points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, y)| (low.min(*y), high.max(*y)))
-    };
-    let between = |from: f64, to: f64| {
-        let from = points.partition_point(|(x, _)| *x < from);
-        &points[from..points.partition_point(|(x, _)| *x <= to).max(from)]
-    };
-    let (low, high) = extremes(between(range.0, range.1));
-    let inside = inside(points, range);
-    let px = 200.0 / (high - low).max(f64::MIN_POSITIVE);
-    let bins = bins(&inside, range, px, width);
-    let stretches = stretches(&bins, px).into_iter().filter(|(fast, _)| *fast);
-    let stretches = stretches.map(|(_, part)| (bins[part.start].left(), bins[part.end - 1].right()));
-    let (from, to) = stretches.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
-    let at = f64::midpoint(from, to);
-    // An oscillation must cover a good part of the band's height; a ripple does not count.
-    let near = between(at, at + (to - from) / 16.0);
-    let (low, high) = extremes(near);
-    let (mut is_up, mut turns) = (None, 0_u32);
-    for (_, y) in near {
-        let side = match (y - low) / (high - low) {
-            share if share > 0.7 => true,
-            share if share < 0.3 => false,
-            _ => continue,
-        };
-        turns += u32::from(is_up.is_some_and(|is_up| is_up != side));
-        is_up = Some(side);
-    }
-    let period = (to - from) / 8.0 / f64::from(turns);
-    (turns > 3).then_some(Chatter { at, span: to - from, period })
 }
 
 /// The pieces of a curve between two heights; each ends where the curve leaves.
@@ -268,6 +222,7 @@ fn without_collinear(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::{Chatter, chatter};
 
     #[test]
     fn ticks_are_round_and_inside() {
