@@ -1,5 +1,8 @@
 //! What goes in and out of a controller, by the names of the interface.
 
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
 use serde::{Deserialize, Serialize};
 
 /// Number of inputs of every controller: fourteen measurements and two references.
@@ -101,7 +104,7 @@ impl Inputs {
 
     /// Whether these rates are those of constant inputs.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn are_held(&self) -> bool {
         all_equal(&self.to_array(), &[0.0; INPUTS])
     }
@@ -187,7 +190,7 @@ impl Inputs {
 }
 
 /// Whether all numbers are equal; without a branch for each, so that several are compared at once.
-#[inline]
+#[inline(always)]
 pub(crate) fn all_equal<const N: usize>(some: &[f64; N], others: &[f64; N]) -> bool {
     let mut any_differs = false;
     for (one, other) in some.iter().zip(others) {

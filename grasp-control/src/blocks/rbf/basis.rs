@@ -5,7 +5,7 @@
 
 use super::Network;
 use super::axis::NEGLIGIBLE;
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS, groups, lane};
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL, USUAL_ROW, groups, lane};
 use crate::blocks::exponential::exp_of_all;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
 #[cfg(target_arch = "x86_64")]
@@ -129,7 +129,7 @@ impl<const D: usize> Network<D> {
             // There are none: see `Layout`.
             Layout::Grid(_) if groups(D) > 1 => {}
             // The usual sizes: if it knows them, the compiler unrolls the rest.
-            Layout::Grid(5) => self.fill_grid(5, exponentials),
+            Layout::Grid(USUAL) => self.fill_grid(USUAL, exponentials),
             Layout::Star(2) => self.fill_star(2, exponentials),
             Layout::Grid(n) => self.fill_grid(n, exponentials),
             Layout::Star(rings) => self.fill_star(rings, exponentials),
@@ -150,12 +150,29 @@ impl<const D: usize> Network<D> {
             }
         }
         self.outer.copy_from_slice(&values[0][..MAX_PER_AXIS]);
-        let inner = self.inner.as_flattened_mut();
         if D < 3 {
+            let inner = self.inner.as_flattened_mut();
             let factors = if D == 2 { values[1] } else { ONE };
             inner.copy_from_slice(&factors[..inner.len()]);
             return;
         }
+        if n == USUAL
+            && let Some(inner) = self.inner.first_chunk_mut::<USUAL_ROW>()
+        {
+            // Four by four, as they will be read: what is read back while parts of it are on their way to memory has to wait.
+            for group in 0..USUAL_ROW {
+                let (mut slow, mut fast) = ([0.0; LANES], [0.0; LANES]);
+                for lane in 0..LANES {
+                    let node = group * LANES + lane;
+                    if node < USUAL * USUAL {
+                        (slow[lane], fast[lane]) = (values[1][node / USUAL], values[2][node % USUAL]);
+                    }
+                }
+                inner[group] = (V::load(&slow) * V::load(&fast)).lanes();
+            }
+            return;
+        }
+        let inner = self.inner.as_flattened_mut();
         let (slow, fast) = (values[1], values[2].as_chunks::<LANES>().0);
         let row = n.div_ceil(LANES);
         let needed = (n - 1) * n + row * LANES;
@@ -188,7 +205,7 @@ impl<const D: usize> Network<D> {
         let common = exponentials[groups - 1].lanes()[D % LANES];
         let common = if common > NOTHING_IS_NEAR { common } else { 0.0 };
         let (origin, nodes) = self.inner.split_at_mut(1);
-        origin[0][0] = if common > NEGLIGIBLE { common } else { 0.0 };
+        origin[0] = V::load(&[common, 0.0, 0.0, 0.0]).above(NEGLIGIBLE).lanes();
         let nodes = &mut nodes[..2 * rings * groups];
         for group in 0..groups {
             // No axis, no node. A field and not constants: to assemble a vector of some `common` and some zeros, the

@@ -6,6 +6,12 @@ use serde::{Deserialize, Serialize};
 /// Largest number of nodes along one axis.
 pub const MAX_PER_AXIS: usize = 9;
 
+/// Nodes per axis of a posture network by default.
+pub(super) const USUAL: usize = 5;
+
+/// Fours in a row of such a grid with three axes.
+pub(super) const USUAL_ROW: usize = (USUAL * USUAL).div_ceil(LANES);
+
 /// Room for the axes of a network, in fours, with one lane to spare.
 pub(super) const GROUPS: usize = 2;
 

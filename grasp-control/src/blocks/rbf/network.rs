@@ -2,16 +2,13 @@
 
 use super::axis::Axis;
 use super::lanes::{adapt_row, products, products_here, total};
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS};
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL_ROW};
 use super::stored::Stored;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
 #[cfg(target_arch = "x86_64")]
 use crate::blocks::four::{Wide, has_wide_registers};
 use serde::{Deserialize, Serialize};
-
-/// Fours in a row of a grid of 5³ nodes.
-const USUAL_ROW: usize = 7;
 
 /// A network of `D` inputs with its weights.
 ///

@@ -11,6 +11,7 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
+use super::object_loop::Point;
 use super::{LoopInputs, Nabfc};
 use crate::blocks::exponential::{exp_of_all, tanh_of};
 #[cfg(target_arch = "x86_64")]
@@ -20,75 +21,80 @@ use crate::law::StepError;
 use crate::signals::{Commands, Inputs, all_equal};
 
 impl Nabfc {
-    /// Evaluates surfaces, tangents, regressors and bases at an instant, as far as they are not known there.
+    /// Evaluates surfaces, tangents, regressors and bases for inputs, with the shear rates `first` instead of those in them, as far as they are
+    /// not known there.
     ///
     /// `second` are the shear rates of a second instant that is otherwise the same, if there is one: gives the second half of the
     /// exponentials that the star needs there.
     #[inline(always)]
-    fn evaluate<V: Four>(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
-        if !self.is_known_but_for_rates(at) {
-            #[cfg(target_arch = "x86_64")]
-            if V::IS_WIDE {
-                // SAFETY: a wide register is in use.
-                return unsafe { self.evaluate_all_wide(at, second) };
+    fn evaluate<V: Four>(&mut self, inputs: &Inputs, first: [f64; 2], second: Option<[f64; 2]>) -> Lanes {
+        let mut moved = [0.0; LANES];
+        if let Some(point) = self.known(inputs) {
+            if let Some(second) = second {
+                moved = self.object.moved_exponentials::<V>(point, second);
             }
-            return self.evaluate_all_narrow(at, second);
+            if point.inputs.shear_dot != first {
+                let moving = self.object.moved_exponentials::<V>(point, first);
+                self.object.move_to::<V>(first, moving);
+            }
+            return moved;
         }
-        let moved = second.map_or([0.0; LANES], |shear_dot| self.object.moved_exponentials::<V>(&at.object, shear_dot));
-        if self.object.point.as_ref().is_some_and(|point| point.inputs.shear_dot != at.object.shear_dot) {
-            let moving = self.object.moved_exponentials::<V>(&at.object, at.object.shear_dot);
-            self.object.move_to::<V>(&at.object, moving);
+        self.seen = *inputs;
+        let at = self.loop_inputs(inputs, first);
+        #[cfg(target_arch = "x86_64")]
+        if V::IS_WIDE {
+            // SAFETY: a wide register is in use.
+            return unsafe { self.evaluate_all_wide(&at, second.unwrap_or(first)) };
         }
-        moved
+        self.evaluate_all_narrow(&at, second.unwrap_or(first))
     }
 
-    /// Whether the loops are evaluated at an instant of which `at` differs at most in the shear rates.
+    /// The object's point, if the loops are evaluated for these inputs, whatever the shear rates.
     #[inline(always)]
-    fn is_known_but_for_rates(&self, at: &LoopInputs) -> bool {
+    fn known(&self, inputs: &Inputs) -> Option<&Point> {
         let [arm1, arm2] = &self.posture;
         let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point) else {
-            return false;
+            return None;
         };
-        object.inputs.agrees_but_for_rates(&at.object)
-            && all_equal(
-                &[point1.e, point1.e_dot, point2.e, point2.e_dot],
-                &[at.posture[0].0, at.posture[0].1, at.posture[1].0, at.posture[1].1],
-            )
+        let are_of_seen = object.is_of_seen & point1.is_of_seen & point2.is_of_seen;
+        if are_of_seen && all_equal(&self.seen.to_array(), &inputs.to_array()) { Some(object) } else { None }
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     #[inline(never)]
-    fn evaluate_all_wide(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
+    fn evaluate_all_wide(&mut self, at: &LoopInputs, second: [f64; 2]) -> Lanes {
         self.evaluate_all::<Wide>(at, second)
     }
 
     #[inline(never)]
-    fn evaluate_all_narrow(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
+    fn evaluate_all_narrow(&mut self, at: &LoopInputs, second: [f64; 2]) -> Lanes {
         self.evaluate_all::<Narrow>(at, second)
     }
 
-    /// [`evaluate`](Self::evaluate) where nothing is known.
+    /// [`evaluate`](Self::evaluate) where nothing is known. Without a branch for the second instant: at it the compiler would put all
+    /// constants of the exponentials aside.
     #[inline(always)]
-    fn evaluate_all<V: Four>(&mut self, at: &LoopInputs, second: Option<[f64; 2]>) -> Lanes {
+    fn evaluate_all<V: Four>(&mut self, at: &LoopInputs, second: [f64; 2]) -> Lanes {
         let [arm1, arm2] = &self.posture;
-        let (mut object, x) = self.object.signals(&at.object);
+        let mut object = self.object.signals(&at.object);
         let (mut point1, z1) = arm1.signals(at.posture[0].0, at.posture[0].1);
         let (mut point2, z2) = arm2.signals(at.posture[1].0, at.posture[1].1);
+        (object.is_of_seen, point1.is_of_seen, point2.is_of_seen) = (true, true, true);
         let tangents =
             [self.object.tanh_argument(&object), arm1.tanh_argument(&point1), arm2.tanh_argument(&point2), 0.0];
         let [tanh, tanh1, tanh2, _] = tanh_of(V::load(&tangents)).lanes();
         (object.tanh, point1.tanh, point2.tanh) = (tanh, tanh1, tanh2);
-        let moved = second.map_or([0.0; LANES], |shear_dot| self.object.moved_exponentials::<V>(&at.object, shear_dot));
+        let moved = self.object.moved_exponentials::<V>(&object, second);
         let [first1, second1] = arm1.estimator.exponents::<V>(z1);
         let [first2, second2] = arm2.estimator.exponents::<V>(z2);
-        let [first, second] = self.object.estimator.exponents::<V>(x);
-        let [first1, second1, first2, second2, first, second] =
-            exp_of_all([first1, second1, first2, second2, first, second]);
+        let [still, moving] = self.object.estimator.exponents::<V>(object.x);
+        let [first1, second1, first2, second2, still, moving] =
+            exp_of_all([first1, second1, first2, second2, still, moving]);
         let [arm1, arm2] = &mut self.posture;
         arm1.estimator.fill::<V>(z1, &[first1, second1]);
         arm2.estimator.fill::<V>(z2, &[first2, second2]);
-        self.object.estimator.fill::<V>(x, &[first, second]);
+        self.object.estimator.fill::<V>(object.x, &[still, moving]);
         (self.object.point, arm1.point, arm2.point) = (Some(object), Some(point1), Some(point2));
         moved
     }
@@ -96,8 +102,8 @@ impl Nabfc {
     /// Eqs. (36) and (54).
     #[inline(always)]
     pub(super) fn commands_here<V: Four>(&mut self, inputs: &Inputs) -> Commands {
-        let at = self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot));
-        self.evaluate::<V>(&at, None);
+        let used = self.shear_rate.output(inputs.measured.tip_shear_dot);
+        self.evaluate::<V>(inputs, used, None);
         let [arm1, arm2] = &self.posture;
         let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point) else {
             return Commands::default();
@@ -127,13 +133,12 @@ impl Nabfc {
     fn held_step_here<V: Four>(&mut self, h: f64, inputs: &Inputs) {
         let shear_dot = inputs.measured.tip_shear_dot;
         let used = self.shear_rate.sampled(h, shear_dot, [0.0; 2]);
-        let at = self.loop_inputs(inputs, used[0]);
         if self.shear_rate.is_settled(shear_dot) {
-            self.evaluate::<V>(&at, None);
+            self.evaluate::<V>(inputs, used[0], None);
             self.object.step_here::<V>(h);
         } else {
-            let moved = self.evaluate::<V>(&at, Some(used[1]));
-            self.object.step_both_here::<V>(h, &at.object, used[1], moved);
+            let moved = self.evaluate::<V>(inputs, used[0], Some(used[1]));
+            self.object.step_both_here::<V>(h, used[1], moved);
         }
         for posture in &mut self.posture {
             posture.step_here::<V>(h);

@@ -42,6 +42,9 @@ pub struct Nabfc {
     object: ObjectLoop,
     posture: [PostureLoop; 2],
     shear_rate: LowPass,
+    /// Inputs for which the loops are evaluated, where their points say so.
+    #[serde(skip)]
+    seen: Inputs,
 }
 
 /// The sliding variables (33) and (51).
@@ -102,6 +105,7 @@ impl Nabfc {
             object: ObjectLoop::new(&gains, arms.ei),
             posture: [PostureLoop::new(&gains, 0), PostureLoop::new(&gains, 1)],
             shear_rate: LowPass::new(gains.shear_rate_bandwidth),
+            seen: Inputs::default(),
         })
     }
 

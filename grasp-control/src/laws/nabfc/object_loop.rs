@@ -12,7 +12,6 @@ use crate::blocks::exponential::{exp_of_all, tanh};
 use crate::blocks::four::{Four, Lanes};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
-use crate::signals::all_equal;
 use serde::{Deserialize, Serialize};
 
 /// What the loop sees at one instant.
@@ -28,15 +27,6 @@ pub(crate) struct ObjectInputs {
     pub shear_dot: [f64; 2],
     /// λ₁ᵈ \[N\]; λ₂ᵈ = −λ₁ᵈ.
     pub lambda1: f64,
-}
-
-impl ObjectInputs {
-    /// Whether these are the inputs of another instant but for the shear rates.
-    #[inline(always)]
-    pub fn agrees_but_for_rates(&self, other: &Self) -> bool {
-        let rest = |inputs: &Self| [inputs.z1, inputs.z1_dot, inputs.shear[0], inputs.shear[1], inputs.lambda1];
-        all_equal(&rest(self), &rest(other))
-    }
 }
 
 /// What the user can set.
@@ -104,6 +94,10 @@ pub(crate) struct Point {
     pub tanh: f64,
     /// (μ̄ + c₁) ż₁ + Σ q̇ᵢ'''(l), which m̂ multiplies.
     regressor: f64,
+    /// The normalised input of the network.
+    pub x: [f64; 7],
+    /// Whether it is of the inputs that the law has seen last.
+    pub is_of_seen: bool,
 }
 
 impl Point {
@@ -185,12 +179,12 @@ impl ObjectLoop {
             return point;
         }
         // Where only the shear rates differ, the surface is the same.
-        let (mut point, x) = self.signals(inputs);
+        let mut point = self.signals(inputs);
         point.tanh = match self.point {
             Some(known) if known.s == point.s => known.tanh,
             _ => tanh(self.tanh_argument(&point)),
         };
-        self.estimator.activate(x);
+        self.estimator.activate(point.x);
         self.point = Some(point);
         point
     }
@@ -201,34 +195,56 @@ impl ObjectLoop {
         point.s / self.settings.gains.epsilon1
     }
 
-    /// The signals at a point, without its tanh, and the normalised input of the network.
+    /// The signals at a point, without its tanh.
     #[inline(always)]
-    pub fn signals(&self, inputs: &ObjectInputs) -> (Point, [f64; 7]) {
+    pub fn signals(&self, inputs: &ObjectInputs) -> Point {
         let ObjectSettings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
         let w_dot = [inputs.shear_dot[0] * c1, inputs.shear_dot[1] * c2];
         let shear_rate = w_dot[0] + w_dot[1];
         let s = self.surface(inputs);
         let alpha_dot = -gains.c1 * inputs.z1_dot - shear_rate;
         let x = [inputs.z1, s, alpha_dot, inputs.shear[0] * c1, inputs.shear[1] * c2, w_dot[0], w_dot[1]];
-        let point = Point { inputs: *inputs, s, tanh: 0.0, regressor: self.slope() * inputs.z1_dot + shear_rate };
-        (point, std::array::from_fn(|axis| x[axis] * inverse_scales[axis]))
+        Point {
+            inputs: *inputs,
+            s,
+            tanh: 0.0,
+            regressor: self.slope() * inputs.z1_dot + shear_rate,
+            x: std::array::from_fn(|axis| x[axis] * inverse_scales[axis]),
+            is_of_seen: false,
+        }
     }
 
-    /// The second half of the exponentials that the network needs where only the shear rates are others.
+    /// What is else at a point with other shear rates: the regressor, and the network's inputs α̇₁, ẇ₁''' and ẇ₂''', with the same numbers as of
+    /// [`signals`](Self::signals).
     #[inline(always)]
-    pub fn moved_exponentials<V: Four>(&self, inputs: &ObjectInputs, shear_dot: [f64; 2]) -> Lanes {
-        let (_, x) = self.signals(&ObjectInputs { shear_dot, ..*inputs });
+    fn moved(&self, z1_dot: f64, shear_dot: [f64; 2]) -> (f64, [f64; 3]) {
+        let ObjectSettings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
+        let w_dot = [shear_dot[0] * c1, shear_dot[1] * c2];
+        let shear_rate = w_dot[0] + w_dot[1];
+        let alpha_dot = -gains.c1 * z1_dot - shear_rate;
+        let [.., alpha, _, _, by1, by2] = inverse_scales;
+        (self.slope() * z1_dot + shear_rate, [alpha_dot * alpha, w_dot[0] * by1, w_dot[1] * by2])
+    }
+
+    /// The second half of the exponentials that the network needs where only the shear rates are others than at a `point`.
+    #[inline(always)]
+    pub fn moved_exponentials<V: Four>(&self, point: &Point, shear_dot: [f64; 2]) -> Lanes {
+        let (_, [alpha_dot, w1_dot, w2_dot]) = self.moved(point.inputs.z1_dot, shear_dot);
+        let [z1, s, _, w1, w2, ..] = point.x;
+        let x = [z1, s, alpha_dot, w1, w2, w1_dot, w2_dot];
         let [moved] = exp_of_all([self.estimator.network.moving_exponents::<V>(x)]);
         moved
     }
 
-    /// Goes on to a point where only the shear rates are others.
+    /// Goes on from where the loop is evaluated to a point where only the shear rates are others.
     #[inline(always)]
-    pub fn move_to<V: Four>(&mut self, inputs: &ObjectInputs, moving: Lanes) {
-        let (mut point, x) = self.signals(inputs);
-        point.tanh = self.point.map_or(0.0, |known| known.tanh);
-        self.estimator.fill_moving::<V>(x, moving);
-        self.point = Some(point);
+    pub fn move_to<V: Four>(&mut self, shear_dot: [f64; 2], moving: Lanes) {
+        let z1_dot = self.point.as_ref().map_or(0.0, |point| point.inputs.z1_dot);
+        let (regressor, [alpha_dot, w1_dot, w2_dot]) = self.moved(z1_dot, shear_dot);
+        let Some(point) = &mut self.point else { return };
+        (point.inputs.shear_dot, point.regressor) = (shear_dot, regressor);
+        (point.x[2], point.x[5], point.x[6]) = (alpha_dot, w1_dot, w2_dot);
+        self.estimator.fill_moving::<V>(point.x, moving);
     }
 
     /// Advances the estimates over a step with held signals, where the loop is evaluated, exactly.
@@ -242,12 +258,12 @@ impl ObjectLoop {
     /// Advances the estimates over a step whose shear rates are sampled at [`NODES`](crate::blocks::adaptation::NODES): the loop is
     /// evaluated at the first node, `moved` are the [`moved_exponentials`](Self::moved_exponentials) of the second.
     #[inline(always)]
-    pub fn step_both_here<V: Four>(&mut self, h: f64, inputs: &ObjectInputs, shear_dot: [f64; 2], moved: Lanes) {
+    pub fn step_both_here<V: Four>(&mut self, h: f64, shear_dot: [f64; 2], moved: Lanes) {
         let Some(first) = self.point.as_ref().map(Point::drive) else { return };
         if self.estimator.has_ball() {
             self.estimator.step_sampled(h, 0, &first);
         }
-        self.move_to::<V>(&ObjectInputs { shear_dot, ..*inputs }, moved);
+        self.move_to::<V>(shear_dot, moved);
         let Some(second) = self.point.as_ref().map(Point::drive) else { return };
         if self.estimator.has_ball() {
             self.estimator.step_sampled(h, 1, &second);
@@ -259,7 +275,7 @@ impl ObjectLoop {
     /// Force v on the object, eq. (36). Σ `EIᵢ` qᵢ''' is Q₁ + Q₂, because λ₁ᵈ + λ₂ᵈ = 0.
     #[inline(always)]
     pub fn command_here<V: Four>(&self, point: &Point) -> f64 {
-        let Point { inputs, s, tanh, regressor } = point;
+        let Point { inputs, s, tanh, regressor, .. } = point;
         let ObjectSettings { gains: g, sat_limit, .. } = &self.settings;
         -g.eta * sat(*s, *sat_limit) - g.k * s - inputs.z1 + inputs.shear[0] + inputs.shear[1]
             - self.estimator.output_here::<V>()

@@ -66,6 +66,8 @@ pub(crate) struct Point {
     pub tanh: f64,
     /// ė (μ + c₃), which Ĵ multiplies.
     regressor: f64,
+    /// Whether it is of the inputs that the law has seen last.
+    pub is_of_seen: bool,
 }
 
 impl Point {
@@ -149,7 +151,7 @@ impl PostureLoop {
     pub fn signals(&self, e: f64, e_dot: f64) -> (Point, [f64; 3]) {
         let PostureSettings { gains, inverse_scales: [angle, surface, alpha], .. } = &self.settings;
         let s = self.surface(e, e_dot);
-        let point = Point { e, e_dot, s, tanh: 0.0, regressor: e_dot * self.slope() };
+        let point = Point { e, e_dot, s, tanh: 0.0, regressor: e_dot * self.slope(), is_of_seen: false };
         (point, [e * angle, s * surface, -gains.c3 * e_dot * alpha])
     }
 
