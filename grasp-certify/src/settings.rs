@@ -252,7 +252,7 @@ impl Settings {
                 assumed_inertia: self.actuation.hub_inertia[i],
                 slope: scaled.hub_slope[i],
                 reach: scaled.hub_reach[i],
-                strain: g.strain / self.actuation.hub_inertia[i],
+                strain: scaled.hub_strain[i] / self.actuation.hub_inertia[i],
                 feedforward: g.feedforward,
                 observer: g.observer,
                 load_rate: self.plant.root_uncertainty,

@@ -77,20 +77,25 @@ fn assert_derivatives<L: Law + Clone>(mut law: L, history: &[Inputs], inputs: &I
         }
     }
     let expected = law.command_rates(inputs, rates).to_array();
-    // Estimated inertias change within 1e-7 s at rates as random ones can be; rounding of commands of 1e3 is 2e-5 here.
-    let h = 3e-8;
-    let later = |steps: f64| {
-        let mut law = law.clone();
-        if steps > 0.0 {
-            law.step(steps * h, inputs, rates).unwrap();
-        }
-        law.commands(&inputs.after(steps * h, rates)).to_array()
+    // Estimated inertias change within 1e-7 s at rates as random ones can be; rounding of commands of 1e3 is 2e-5 here. Within the
+    // interval an estimate may also come to where γ ≥ 0 begins to hold, a kink. A tenth of the interval then shows the slope before.
+    let by_differences = |h: f64| -> [f64; 3] {
+        let later = |steps: f64| {
+            let mut law = law.clone();
+            if steps > 0.0 {
+                law.step(steps * h, inputs, rates).unwrap();
+            }
+            law.commands(&inputs.after(steps * h, rates)).to_array()
+        };
+        let (c0, c1, c2) = (later(0.0), later(1.0), later(2.0));
+        std::array::from_fn(|i| (-3.0 * c0[i] + 4.0 * c1[i] - c2[i]) / (2.0 * h))
     };
-    let (c0, c1, c2) = (later(0.0), later(1.0), later(2.0));
+    // The second derivatives of observers and filters are up to 1e7; they matter as h² times a third one.
+    let close = |actual: f64, expected: f64| (actual - expected).abs() < 1e-4 * (1.0 + expected.abs());
+    let (coarse, fine) = (by_differences(3e-8), by_differences(3e-9));
     for i in 0..3 {
-        let actual = (-3.0 * c0[i] + 4.0 * c1[i] - c2[i]) / (2.0 * h);
-        // The second derivatives of observers and filters are up to 1e7; they matter as h² times a third one.
-        assert!((actual - expected[i]).abs() < 1e-4 * (1.0 + expected[i].abs()), "{i}: {actual} {expected:?}");
+        let right = close(coarse[i], expected[i]) || close(fine[i], expected[i]);
+        assert!(right, "{i}: {} or {}, {expected:?}", coarse[i], fine[i]);
     }
 }
 

@@ -159,8 +159,8 @@ _NABFC = [
     *_rows("parameter", None, "r_slope r_reach r_strain r_slope1 r_reach1 r_strain1 r_slope2 r_reach2 r_strain2"),
     Variable("r_learner", "parameter", type="Enumeration", items=("observer", "networks")),
     *_rows("parameter", "kg", "r_mass_0 r_mass_min r_mass_max"),
-    *_rows("parameter", None, "r_inertia_min r_inertia_max"),
-    *_rows("parameter", "rad/s", "r_strain_bandwidth r_strain_rate_bandwidth"),
+    *_rows("parameter", None, "r_inertia_min r_inertia_max r_strain_rate_bandwidth"),
+    *_rows("parameter", "rad/s", "r_strain_bandwidth"),
     *_ACTUATION,
 ]
 

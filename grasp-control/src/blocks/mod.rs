@@ -7,3 +7,4 @@ pub mod lowpass;
 pub mod observer;
 pub mod rbf;
 pub(crate) mod sat;
+pub(crate) mod slope;

@@ -10,9 +10,10 @@ pub(crate) mod state {
     pub const OBSERVERS: Range<usize> = 0..9;
     /// PD and PDS: integrals of hub 1, hub 2 and object.
     pub const INTEGRALS: Range<usize> = 9..12;
-    /// NABFC: filtered rates of tip shears and root moments.
+    /// NABFC, paper's law: filtered rates of tip shears.
     pub const SHEAR_RATES: Range<usize> = 9..11;
-    pub const MOMENT_RATES: Range<usize> = 11..13;
+    /// Root-strain law: filtered root moments, from which their rates come.
+    pub const SLOW_MOMENTS: Range<usize> = 11..13;
     /// Ĵ₁, Ĵ₂, m̂ of the paper's update laws.
     pub const INERTIAS: Range<usize> = 13..16;
     /// π̂₁, π̂₂, ε̂.
@@ -21,8 +22,10 @@ pub(crate) mod state {
     pub const ESTIMATORS: Range<usize> = 19..52;
     /// Filtered root moments.
     pub const MOMENTS: Range<usize> = 52..54;
+    /// Filtered tip shears, from which their rates come.
+    pub const SLOW_SHEARS: Range<usize> = 54..56;
     /// Û₁, Û₂, Ŵ.
-    pub const WEIGHTS: usize = 54;
+    pub const WEIGHTS: usize = 56;
 }
 
 /// Places of the event indicators: hub 1, hub 2, object.

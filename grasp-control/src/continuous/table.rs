@@ -48,13 +48,13 @@ const ARMS: [&str; 2] = ["1", "2"];
 #[must_use]
 pub fn nabfc_state_variables(layout: &RbfLayout) -> Vec<StateVariable> {
     let mut rows = observers();
-    for (signal, unit, nominal, called) in
-        [("tip_shear", "N/s", 10.0, "tip shear"), ("root_moment", "N.m/s", 1.0, "root moment")]
-    {
-        for arm in ARMS {
-            let text = ["Rate of the ", called, " of arm ", arm, " behind the low-pass"];
-            rows.push(row(&["filtered_", signal, arm, "_dot"], unit, nominal, &text));
-        }
+    for arm in ARMS {
+        let text = ["Paper's law: rate of the tip shear of arm ", arm, " behind the low-pass"];
+        rows.push(row(&["filtered_tip_shear", arm, "_dot"], "N/s", 10.0, &text));
+    }
+    for arm in ARMS {
+        let text = ["Root-strain law: root moment of arm ", arm, " behind the low-pass for its rate"];
+        rows.push(row(&["slow_root_moment", arm], "N.m", 0.1, &text));
     }
     for arm in ARMS {
         let text = ["Paper's law: estimated inertia of hub ", arm, ", eq. (57)"];
@@ -96,6 +96,10 @@ pub fn nabfc_state_variables(layout: &RbfLayout) -> Vec<StateVariable> {
     for arm in ARMS {
         let text = ["Root moment of arm ", arm, " behind the low-pass of the surfaces"];
         rows.push(row(&["filtered_root_moment", arm], "N.m", 0.1, &text));
+    }
+    for arm in ARMS {
+        let text = ["Root-strain law: tip shear of arm ", arm, " behind the low-pass for its rate"];
+        rows.push(row(&["slow_tip_shear", arm], "N", 1.0, &text));
     }
     for arm in ARMS {
         for node in 1..=layout.posture().nodes(3) {

@@ -28,11 +28,12 @@ pub struct ObjectGains {
 /// Gains of one hub's loop.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct HubGains {
-    /// Slope Gᵢ of the surface in units of the natural rate of the hub on its arm.
+    /// Slope Gᵢ of the surface in units of the natural rate of the object between the arms.
     pub slope: f64,
-    /// Rate kᵢ at which the surface is reached, in the same unit.
+    /// Rate kᵢ at which the surface is reached in units of the natural rate of the hub on its arm.
     pub reach: f64,
-    /// Time cᵢ \[s\] by which M̃ᵢ/Ĵᵢ, the acceleration that the arm's bending gives the hub, becomes a rate in the surface.
+    /// Time cᵢ by which M̃ᵢ/Ĵᵢ, the acceleration that the arm's bending gives the hub, becomes a rate in the surface, times the
+    /// hub's natural rate.
     pub strain: f64,
     /// Share of the hub's inertia that is fed forward, 0 to 1.
     pub feedforward: f64,
@@ -59,7 +60,8 @@ pub struct RootStrainGains {
     pub networks: NetworkGains,
     /// Bandwidth of the low-pass on the root moments in the surfaces \[rad/s\]; 0 = off.
     pub strain_bandwidth: f64,
-    /// Bandwidth of the low-pass on the measured rates of moments and shears \[rad/s\]; 0 = off.
+    /// Bandwidth of the low-pass on the rates of moments and shears in units of the hubs' natural rate; 0 = off.
+    /// With it they come from moments and shears themselves, without it they are the measured ones.
     pub strain_rate_bandwidth: f64,
 }
 
@@ -82,7 +84,7 @@ impl RootStrainGains {
     /// cases with the paper's arms and object (`scenarios/tuned/nabfc-r-fast.toml`). Heavy objects and long arms overshoot.
     #[must_use]
     pub fn fast() -> Self {
-        let hub = HubGains { slope: 13.65, reach: 0.7341, strain: 0.02517, feedforward: 0.2013, observer: 181.5 };
+        let hub = HubGains { slope: 15.98, reach: 0.7341, strain: 0.3869, feedforward: 0.2013, observer: 181.5 };
         let default = Self::default();
         Self {
             object: ObjectGains {
@@ -95,7 +97,7 @@ impl RootStrainGains {
             },
             hub: [hub; 2],
             strain_bandwidth: 0.0,
-            strain_rate_bandwidth: 286.2,
+            strain_rate_bandwidth: 18.62,
             ..default
         }
     }
@@ -108,8 +110,8 @@ impl RootStrainGains {
         // Natural rates of the paper's hubs and object: √(3·0.115/(0.2·0.0073)) and √(6·0.115/0.2³/0.5).
         let (hub, object) = (15.372_097_119_879_697, 13.133_925_536_563_698);
         // The share in the surface was 95 1/s of the angle that a moment bends the arm by, l/3EI.
-        let strain = 95.0 * 0.2 / 0.345 * 0.0073;
-        let hub = HubGains { slope: 20.0 / hub, reach: 20.0 / hub, strain, feedforward: 0.4, observer: 60.0 };
+        let strain = 95.0 * 0.2 / 0.345 * 0.0073 * hub;
+        let hub = HubGains { slope: 20.0 / object, reach: 20.0 / hub, strain, feedforward: 0.4, observer: 60.0 };
         let default = Self::default();
         Self {
             object: ObjectGains {
@@ -138,24 +140,24 @@ impl Default for RootStrainGains {
     /// ṗ = −√(2 q `u_limit` |p|/m̂) on which a constant force brings it to rest at the target, the shares of damping that
     /// the arms have included.
     fn default() -> Self {
-        let hub = HubGains { slope: 0.49, reach: 2.2, strain: 0.265, feedforward: 0.93, observer: 54.0 };
+        let hub = HubGains { slope: 0.615, reach: 1.546, strain: 3.382, feedforward: 0.6493, observer: 100.8 };
         Self {
             object: ObjectGains {
-                slope: 24.5,
-                reach: 0.4,
-                strain: 2.0,
-                feedforward: 0.165,
-                brake: 84.0,
-                observer: 95.0,
+                slope: 25.62,
+                reach: 0.4409,
+                strain: 1.323,
+                feedforward: 0.1606,
+                brake: 77.8,
+                observer: 88.08,
             },
             hub: [hub; 2],
-            mass: MassGains { initial: 0.5, smallest: 0.15, largest: 20.0, threshold: 0.02, prior: 2e-4, memory: 0.05 },
+            mass: MassGains { initial: 0.5, smallest: 0.25, largest: 20.0, threshold: 0.02, prior: 2e-4, memory: 0.05 },
             inertia: InertiaGains { smallest: 0.5, largest: 20.0, threshold: 0.2, prior: 3e-4, memory: 0.1 },
             filter: FilterGains { bandwidth: 150.0, high_pass: 3.0 },
             learner: Learner::Observer,
             networks: NetworkGains { leakage: 0.02, robust: 0.1 },
-            strain_bandwidth: 160.0,
-            strain_rate_bandwidth: 37.0,
+            strain_bandwidth: 302.5,
+            strain_rate_bandwidth: 3.877,
         }
     }
 }

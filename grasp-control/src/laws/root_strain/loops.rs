@@ -79,20 +79,21 @@ impl Loops<'_> {
     fn turning(&self, i: usize, at: &Point) -> f64 {
         let (g, slope) = (&self.gains.hub[i], self.scaled.hub_slope[i]);
         self.scaled.hub_reach[i] * (slope * at.e[i] + at.omega[i])
-            + (g.feedforward * slope + g.strain.recip()) * at.omega[i]
+            + (g.feedforward * slope + self.scaled.hub_strain[i].recip()) * at.omega[i]
     }
 
     /// cᵢ (kᵢ M̃ᵢ + fᵢ M̃̇ᵢ) \[N·m\].
     fn yielding(&self, i: usize, at: &Point) -> f64 {
-        let g = &self.gains.hub[i];
-        g.strain * (self.scaled.hub_reach[i] * at.moment[i] + g.feedforward * at.moment_rate[i])
+        let scaled = self.scaled;
+        let answer = scaled.hub_reach[i] * at.moment[i] + self.gains.hub[i].feedforward * at.moment_rate[i];
+        scaled.hub_strain[i] * answer
     }
 
     /// Surfaces and commands.
     #[inline(always)]
     pub fn at(&self, at: &Point) -> Outcome {
         let posture = std::array::from_fn(|i| {
-            self.scaled.hub_slope[i] * at.e[i] + at.omega[i] + self.gains.hub[i].strain * at.moment[i] / at.inertia[i]
+            self.scaled.hub_slope[i] * at.e[i] + at.omega[i] + self.scaled.hub_strain[i] * at.moment[i] / at.inertia[i]
         });
         let tau = std::array::from_fn(|i| {
             at.load[i] - at.inertia[i] * self.turning(i, at) - self.yielding(i, at) - at.unknown[i]
@@ -107,7 +108,7 @@ impl Loops<'_> {
     /// Change of surfaces and commands for a change `by` of the point.
     pub fn change(&self, at: &Point, by: &Point) -> Outcome {
         let posture = std::array::from_fn(|i| {
-            let share = self.gains.hub[i].strain / at.inertia[i];
+            let share = self.scaled.hub_strain[i] / at.inertia[i];
             self.scaled.hub_slope[i] * by.e[i] + by.omega[i] + share * by.moment[i]
                 - share * at.moment[i] * by.inertia[i] / at.inertia[i]
         });

@@ -21,10 +21,13 @@
 //!
 //! also for unequal arms.
 //!
-//! **Units.** G_i, k_i, G, k are pure numbers times the plant's natural rates ([`Scaled`]). c_i is a time: what the arm's bending
-//! does to the hub enters as the acceleration M̃_i/Ĵ_i, so the torque that answers it, c_i (k_i M̃_i + f_i M̃̇_i), depends on no
-//! inertia. That matters at the beams' frequencies, where a late command no longer damps and only Section IV's loss −c_f Ṁ_i does:
-//! there the law's gain on the root moment has to stay below c_f ω (`docs/comparison.md`).
+//! **Units.** G_i, k_i, G, k and 1/c_i are pure numbers times the plant's natural rates ([`Scaled`]), which are known at the start. What the
+//! arm's bending does to the hub enters as the acceleration M̃_i/Ĵ_i, so the torque that answers it, c_i (k_i M̃_i + f_i M̃̇_i), does not
+//! grow with the estimated inertia. That matters at the beams' frequencies, where a late command no longer damps and only Section
+//! IV's loss −c_f Ṁ_i does: there the law's gain on the root moment has to stay below c_f ω (`docs/comparison.md`).
+//!
+//! **Rates of strain** come from the moments and shears themselves, as ω_s (x − x̄) with x̄ behind a low-pass: what a low-pass makes of a
+//! measured rate, but an impact cannot mislead it ([`slope`](crate::blocks::slope)).
 //!
 //! **Learning.** The paper's networks learn from s, which is also what a new reference and noise make; under noise they
 //! learn without end. Here Δ̂ is the weight of a constant basis function that learns from the error of a prediction
@@ -57,6 +60,7 @@ pub use networks::{Learner, NetworkGains};
 use crate::blocks::four::Lanes;
 use crate::blocks::lowpass::LowPass;
 use crate::blocks::observer::{Known, Motion, Observer, RateSource};
+use crate::blocks::slope::{Signals, Slope};
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::encoders::Actuation;
 use crate::laws::nabfc::{Estimates, RbfLayout, Surfaces};
@@ -91,8 +95,8 @@ pub struct RootStrain {
     #[serde(skip)]
     of_size: Option<OfSize>,
     root_moment: LowPass,
-    root_moment_rate: LowPass,
-    tip_shear_rate: LowPass,
+    root_moment_rate: Slope,
+    tip_shear_rate: Slope,
     /// None where the observers learn.
     networks: Option<Box<Networks>>,
 }
@@ -124,11 +128,12 @@ impl RootStrain {
         arms.validate()?;
         gains.validate()?;
         actuation.validate()?;
+        let scaled = Scaled::new(&gains, &arms, &actuation);
         let networks = (gains.learner == Learner::Networks).then(|| Box::new(Networks::new(layout, &arms)));
         Ok(Self {
             arms,
             gains,
-            scaled: Scaled::new(&gains, &arms, &actuation),
+            scaled,
             actuation,
             source,
             observers: [Observer::default(); 3],
@@ -138,8 +143,8 @@ impl RootStrain {
             slopes: Some(arms.slopes()),
             of_size: None,
             root_moment: LowPass::new(gains.strain_bandwidth),
-            root_moment_rate: LowPass::new(gains.strain_rate_bandwidth),
-            tip_shear_rate: LowPass::new(gains.strain_rate_bandwidth),
+            root_moment_rate: Slope::new(scaled.strain_rate_bandwidth),
+            tip_shear_rate: Slope::new(scaled.strain_rate_bandwidth),
             networks,
         })
     }
@@ -161,9 +166,9 @@ impl RootStrain {
         gains.validate()?;
         actuation.validate()?;
         self.root_moment.set_bandwidth(gains.strain_bandwidth);
-        self.root_moment_rate.set_bandwidth(gains.strain_rate_bandwidth);
-        self.tip_shear_rate.set_bandwidth(gains.strain_rate_bandwidth);
         self.scaled = Scaled::new(&gains, &self.arms, &actuation);
+        self.root_moment_rate.set_bandwidth(self.scaled.strain_rate_bandwidth);
+        self.tip_shear_rate.set_bandwidth(self.scaled.strain_rate_bandwidth);
         self.priors = gains.priors(&self.arms, &actuation);
         (self.gains, self.actuation) = (gains, actuation);
         (self.found, self.of_size) = (None, None);
@@ -201,9 +206,8 @@ impl RootStrain {
         let [hub1, hub2, object] = &self.observers;
         match self.source {
             RateSource::Measured => {
-                let measured = &inputs.measured;
-                let moment = self.root_moment_rate.output(measured.root_moment_dot);
-                (moment, self.tip_shear_rate.output(measured.tip_shear_dot))
+                let (moments, shears) = loads(inputs);
+                (self.root_moment_rate.output(moments), self.tip_shear_rate.output(shears))
             }
             RateSource::Estimated => self.quasi_static([hub1.rate, hub2.rate], object.rate),
         }
@@ -263,9 +267,11 @@ impl RootStrain {
             shear: measured.tip_shear[0] + measured.tip_shear[1],
             ..Point::default()
         };
-        if self.source == RateSource::Measured && !self.root_moment_rate.is_on() {
-            change.moment_rate = measured.root_moment_dot;
-            change.shear_rate = measured.tip_shear_dot[0] + measured.tip_shear_dot[1];
+        if self.source == RateSource::Measured {
+            let (moments, shears) = loads(direction);
+            change.moment_rate = self.root_moment_rate.output_change(moments, [0.0; 2]);
+            let shear = self.tip_shear_rate.output_change(shears, [0.0; 2]);
+            change.shear_rate = shear[0] + shear[1];
         }
         change
     }
@@ -291,9 +297,12 @@ impl RootStrain {
                 change.shear_rate = shear[0] + shear[1];
             }
             RateSource::Measured if self.root_moment_rate.is_on() => {
-                let (m, r) = (&inputs.measured, &rates.measured);
-                let shear = self.tip_shear_rate.output_rate(m.tip_shear_dot, r.tip_shear_dot);
-                change.moment_rate = self.root_moment_rate.output_rate(m.root_moment_dot, r.root_moment_dot);
+                let (moments, shears) = loads(rates);
+                let m = &inputs.measured;
+                let slow = self.root_moment_rate.filtered_rate(m.root_moment);
+                change.moment_rate = self.root_moment_rate.output_change(moments, slow);
+                let slow = self.tip_shear_rate.filtered_rate(m.tip_shear);
+                let shear = self.tip_shear_rate.output_change(shears, slow);
                 change.shear_rate = shear[0] + shear[1];
             }
             RateSource::Measured => {}
@@ -422,8 +431,8 @@ impl RootStrain {
     #[inline(always)]
     fn follow(&mut self, h: f64, measured: &Measurements, rate: &Measurements) {
         self.root_moment.step(h, measured.root_moment, rate.root_moment);
-        self.root_moment_rate.step(h, measured.root_moment_dot, rate.root_moment_dot);
-        self.tip_shear_rate.step(h, measured.tip_shear_dot, rate.tip_shear_dot);
+        self.root_moment_rate.step(h, measured.root_moment, rate.root_moment);
+        self.tip_shear_rate.step(h, measured.tip_shear, rate.tip_shear);
     }
 
     /// A step of all that learns, with the inputs held at `mean`.
@@ -470,14 +479,14 @@ impl RootStrain {
 
     /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm.
     fn seen<'a>(&self, at: &'a Point, outcome: &Outcome, shear: [f64; 2], shear_rate: [f64; 2]) -> Seen<'a> {
-        let (hub, scaled) = (&self.gains.hub, &self.scaled);
+        let scaled = &self.scaled;
         Seen {
             at,
             surface: outcome.object,
             posture: outcome.posture,
             alpha_rate: -scaled.slope * at.v - self.loops().tip(at) * at.shear_rate,
             posture_alpha_rate: std::array::from_fn(|i| {
-                -scaled.hub_slope[i] * at.omega[i] - hub[i].strain * at.moment_rate[i] / at.inertia[i]
+                -scaled.hub_slope[i] * at.omega[i] - scaled.hub_strain[i] * at.moment_rate[i] / at.inertia[i]
             }),
             shear,
             shear_rate,
@@ -499,6 +508,12 @@ pub(crate) fn motions(inputs: &Inputs) -> [Motion; 3] {
         Motion { position: m.theta[1], rate: m.theta_dot[1] },
         Motion { position: m.y_object, rate: m.y_object_dot },
     ]
+}
+
+/// Root moments and tip shears with their rates, or the change of that.
+fn loads(inputs: &Inputs) -> (Signals, Signals) {
+    let m = &inputs.measured;
+    (Signals { value: m.root_moment, rate: m.root_moment_dot }, Signals { value: m.tip_shear, rate: m.tip_shear_dot })
 }
 
 /// What the estimators of the inertias see of hub 1, hub 2 and the object; or the change of that, for it is linear.
@@ -531,8 +546,9 @@ impl Law for RootStrain {
         self.inertia = self.moving(inputs, &[0.0; 3]).map(settled).into();
         self.found = None;
         self.root_moment.settle(inputs.measured.root_moment);
-        self.root_moment_rate.settle(inputs.measured.root_moment_dot);
-        self.tip_shear_rate.settle(inputs.measured.tip_shear_dot);
+        let (moments, shears) = loads(inputs);
+        self.root_moment_rate.settle(moments);
+        self.tip_shear_rate.settle(shears);
         if let Some(networks) = &mut self.networks {
             networks.reset();
         }

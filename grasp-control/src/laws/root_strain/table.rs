@@ -66,7 +66,7 @@ impl HubGains {
                 "r_slope{}",
                 "1",
                 GAIN,
-                "Root-strain law: slope of hub {}'s surface, in units of the natural rate of the hub on its arm",
+                "Root-strain law: slope of hub {}'s surface, in units of the natural rate of the object between the arms",
                 slope
             ),
             parameter!(
@@ -78,9 +78,9 @@ impl HubGains {
             ),
             parameter!(
                 "r_strain{}",
-                "s",
+                "1",
                 POSITIVE,
-                "Root-strain law: time by which the root moment over the inertia becomes a rate in hub {}'s surface",
+                "Root-strain law: time by which the root moment over the inertia becomes a rate in hub {}'s surface, times the natural rate of the hub on its arm",
                 strain
             ),
             parameter!(
@@ -231,9 +231,9 @@ impl RootStrainGains {
             ),
             parameter!(
                 "r_strain_rate_bandwidth",
-                "rad/s",
+                "1",
                 GAIN,
-                "Root-strain law: bandwidth of the low-pass on the measured rates of moments and shears; 0 = off",
+                "Root-strain law: bandwidth of the low-pass on the rates of moments and shears, in units of the natural rate of the hubs on their arms; 0 = off, and the measured rates are used",
                 strain_rate_bandwidth
             ),
         ];

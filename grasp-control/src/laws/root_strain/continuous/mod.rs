@@ -33,8 +33,8 @@ impl Continuous for RootStrain {
         });
         put_observers(&kept, out);
         if self.filters() {
-            out[state::SHEAR_RATES].copy_from_slice(&self.tip_shear_rate.output([0.0; 2]));
-            out[state::MOMENT_RATES].copy_from_slice(&self.root_moment_rate.output([0.0; 2]));
+            out[state::SLOW_SHEARS].copy_from_slice(&self.tip_shear_rate.filtered());
+            out[state::SLOW_MOMENTS].copy_from_slice(&self.root_moment_rate.filtered());
         }
         if self.root_moment.is_on() {
             out[state::MOMENTS].copy_from_slice(&self.root_moment.output([0.0; 2]));
@@ -50,8 +50,8 @@ impl Continuous for RootStrain {
     fn take_states(&mut self, states: &[f64]) {
         self.observers = observers(states);
         if self.filters() {
-            self.tip_shear_rate.settle(std::array::from_fn(|i| states[state::SHEAR_RATES.start + i]));
-            self.root_moment_rate.settle(std::array::from_fn(|i| states[state::MOMENT_RATES.start + i]));
+            self.tip_shear_rate.take(std::array::from_fn(|i| states[state::SLOW_SHEARS.start + i]));
+            self.root_moment_rate.take(std::array::from_fn(|i| states[state::SLOW_MOMENTS.start + i]));
         }
         if self.root_moment.is_on() {
             self.root_moment.settle(std::array::from_fn(|i| states[state::MOMENTS.start + i]));
@@ -84,9 +84,8 @@ impl Continuous for RootStrain {
         put_observers(&rates, out);
         if self.filters() {
             let measured = &inputs.measured;
-            out[state::SHEAR_RATES].copy_from_slice(&self.tip_shear_rate.output_rate(measured.tip_shear_dot, [0.0; 2]));
-            out[state::MOMENT_RATES]
-                .copy_from_slice(&self.root_moment_rate.output_rate(measured.root_moment_dot, [0.0; 2]));
+            out[state::SLOW_SHEARS].copy_from_slice(&self.tip_shear_rate.filtered_rate(measured.tip_shear));
+            out[state::SLOW_MOMENTS].copy_from_slice(&self.root_moment_rate.filtered_rate(measured.root_moment));
         }
         if self.root_moment.is_on() {
             let rates = self.root_moment.output_rate(inputs.measured.root_moment, [0.0; 2]);
@@ -122,11 +121,11 @@ impl Continuous for RootStrain {
         });
         put_observers(&rates, out);
         if self.filters() {
-            let (w, moving) = (self.gains.strain_rate_bandwidth, &along.inputs.measured);
+            let (w, moving) = (self.scaled.strain_rate_bandwidth, &along.inputs.measured);
             for i in 0..2 {
-                let (shear, moment) = (state::SHEAR_RATES.start + i, state::MOMENT_RATES.start + i);
-                out[shear] = w * (moving.tip_shear_dot[i] - along.states[shear]);
-                out[moment] = w * (moving.root_moment_dot[i] - along.states[moment]);
+                let (shear, moment) = (state::SLOW_SHEARS.start + i, state::SLOW_MOMENTS.start + i);
+                out[shear] = w * (moving.tip_shear[i] - along.states[shear]);
+                out[moment] = w * (moving.root_moment[i] - along.states[moment]);
             }
         }
         if self.root_moment.is_on() {

@@ -3,7 +3,7 @@
 use super::super::inertia::Estimator;
 use super::super::loops::{Outcome, Point};
 use super::super::networks::{NetworkDirection, Seen, Sight, SightChange};
-use super::super::{RootStrain, motions};
+use super::super::{RootStrain, loads, motions};
 use crate::blocks::observer::RateSource;
 use crate::continuous::{Direction, state};
 use crate::laws::encoders::observers;
@@ -75,8 +75,14 @@ impl RootStrain {
         }
         let (moment_rate, shear_rate) = match self.source {
             RateSource::Estimated => self.quasi_static(by.omega, by.v),
-            RateSource::Measured if self.filters() => (pair(state::MOMENT_RATES.start), pair(state::SHEAR_RATES.start)),
-            RateSource::Measured => (along.inputs.measured.root_moment_dot, along.inputs.measured.tip_shear_dot),
+            RateSource::Measured => {
+                let (moments, shears) = loads(along.inputs);
+                let slow = |first: usize| if self.filters() { pair(first) } else { [0.0; 2] };
+                (
+                    self.root_moment_rate.output_change(moments, slow(state::SLOW_MOMENTS.start)),
+                    self.tip_shear_rate.output_change(shears, slow(state::SLOW_SHEARS.start)),
+                )
+            }
         };
         (by.moment_rate, by.shear_rate) = (moment_rate, shear_rate[0] + shear_rate[1]);
         let measured = motions(along.inputs);
@@ -118,7 +124,7 @@ impl RootStrain {
         shear: [f64; 2],
         shear_rate: [f64; 2],
     ) -> Seen<'a> {
-        let (hub, scaled) = (&self.gains.hub, &self.scaled);
+        let scaled = &self.scaled;
         let tip = self.loops().tip(at);
         Seen {
             at: by,
@@ -127,7 +133,7 @@ impl RootStrain {
             alpha_rate: -scaled.slope * by.v - tip * (by.shear_rate - 0.5 * at.shear_rate * by.mass / at.mass),
             posture_alpha_rate: std::array::from_fn(|i| {
                 let moment_rate = by.moment_rate[i] - at.moment_rate[i] * by.inertia[i] / at.inertia[i];
-                -scaled.hub_slope[i] * by.omega[i] - hub[i].strain * moment_rate / at.inertia[i]
+                -scaled.hub_slope[i] * by.omega[i] - scaled.hub_strain[i] * moment_rate / at.inertia[i]
             }),
             shear,
             shear_rate,
