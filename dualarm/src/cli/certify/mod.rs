@@ -37,7 +37,7 @@ of those that observers learn. The plant's built-in uncertainties are off unless
 Examples:
   dualarm certify --preset certified --set root_uncertainty=0.1 \\
     --set tip_uncertainty=0.05
-  dualarm certify --set r_strain1=0.25 --set r_strain2=0.25 --set delta_F=0.01
+  dualarm certify --set r_strain1=4 --set r_strain2=4 --set delta_F=0.01
   dualarm certify --map gains --out stability.svg
 
 docs/certificates.md has the derivations.";
