@@ -27,7 +27,7 @@
 //! IV's loss −c_f Ṁ_i does: there the law's gain on the root moment has to stay below c_f ω (`docs/comparison.md`).
 //!
 //! **Rates of strain** come from the moments and shears themselves, as ω_s (x − x̄) with x̄ behind a low-pass: what a low-pass makes of a
-//! measured rate, but an impact cannot mislead it ([`slope`](crate::blocks::slope)).
+//! measured rate, but an impact cannot mislead it (`blocks/slope.rs`).
 //!
 //! **Learning.** The paper's networks learn from s, which is also what a new reference and noise make; under noise they
 //! learn without end. Here Δ̂ is the weight of a constant basis function that learns from the error of a prediction
