@@ -47,31 +47,34 @@
 mod continuous;
 mod gains;
 mod inertia;
+mod learning;
 mod loops;
 mod natural;
 mod networks;
+mod signals;
 mod table;
 
 pub use gains::{HubGains, ObjectGains, RootStrainGains};
 pub use inertia::{FilterGains, InertiaGains, MassGains};
 pub use natural::Scaled;
 pub use networks::{Learner, NetworkGains};
+pub(crate) use signals::{motions, quasi_static_shear_rates};
 
 use crate::blocks::four::Lanes;
 use crate::blocks::lowpass::LowPass;
-use crate::blocks::observer::{Known, Motion, Observer, RateSource};
-use crate::blocks::slope::{Signals, Slope};
+use crate::blocks::observer::{Observer, RateSource};
+use crate::blocks::slope::Slope;
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::encoders::Actuation;
 use crate::laws::nabfc::{Estimates, RbfLayout, Surfaces};
-use crate::signals::{Commands, INPUTS, Inputs, Measurements};
+use crate::signals::{Commands, INPUTS, Inputs};
 use crate::target::{Arms, TargetSlopes};
-use inertia::{Estimator, Estimators, Moving, OfSize, Prior, Priors, Sights};
-use loops::{Loops, Outcome, Point};
-use natural::Compliance;
-use networks::{Networks, Seen};
+use inertia::{Estimator, Estimators, Moving, OfSize, Prior};
+use loops::{Loops, Outcome};
+use networks::Networks;
 use parameter_table::InvalidParameter;
 use serde::{Deserialize, Serialize};
+use signals::loads;
 
 /// The law of the module's text.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -194,140 +197,6 @@ impl RootStrain {
         Loops { gains: &self.gains, scaled: &self.scaled, actuation: &self.actuation }
     }
 
-    /// Q̇ᵢ = −(3EIᵢ/l³)(l θ̇ᵢ − ẏ), Ṁᵢ = −l Q̇ᵢ; also maps accelerations to the rates of these.
-    fn quasi_static(&self, omega: [f64; 2], v: f64) -> ([f64; 2], [f64; 2]) {
-        let shear = quasi_static_shear_rates(&self.arms, omega, v);
-        (shear.map(|rate| -self.arms.length * rate), shear)
-    }
-
-    /// Rates of root moments and of the tip shears. Estimated ones are those of arms that bend as at rest: right below
-    /// the first beam mode.
-    fn strain_rates(&self, inputs: &Inputs) -> ([f64; 2], [f64; 2]) {
-        let [hub1, hub2, object] = &self.observers;
-        match self.source {
-            RateSource::Measured => {
-                let (moments, shears) = loads(inputs);
-                (self.root_moment_rate.output(moments), self.tip_shear_rate.output(shears))
-            }
-            RateSource::Estimated => self.quasi_static([hub1.rate, hub2.rate], object.rate),
-        }
-    }
-
-    /// The commands for these inputs. Not inlined, because a step and what comes after it ask for them; what they are made of is.
-    #[inline(never)]
-    fn act(&self, inputs: &Inputs) -> Commands {
-        self.loops().at(&self.point_here(inputs)).into()
-    }
-
-    /// The signals for these inputs.
-    #[inline(never)]
-    fn point(&self, inputs: &Inputs) -> Point {
-        self.point_here(inputs)
-    }
-
-    #[inline(always)]
-    fn point_here(&self, inputs: &Inputs) -> Point {
-        let slopes = self.slopes.unwrap_or_else(|| self.arms.slopes());
-        let targets = self.arms.targets_with(&slopes, &inputs.reference);
-        let errors = targets.errors(inputs);
-        let measured = &inputs.measured;
-        let [hub1, hub2, object] = &self.observers;
-        let (moment_rate, shear_rate) = self.strain_rates(inputs);
-        let [inertia1, inertia2, mass] = self.inertias();
-        let moment = self.root_moment.output(measured.root_moment);
-        Point {
-            e: errors.e,
-            omega: [hub1.rate, hub2.rate],
-            moment: std::array::from_fn(|i| moment[i] + targets.lambda[i] * self.arms.length),
-            moment_rate,
-            load: measured.root_moment,
-            p: errors.p,
-            v: object.rate,
-            shear: measured.tip_shear[0] + measured.tip_shear[1],
-            shear_rate: shear_rate[0] + shear_rate[1],
-            mass,
-            inertia: [inertia1, inertia2],
-            unknown: self.observers.map(|observer| observer.disturbance),
-        }
-    }
-
-    /// Change of the signals along a direction of the inputs, with the law's state as it is.
-    fn direction(&self, direction: &Inputs) -> Point {
-        let jacobian = self.arms.error_jacobian();
-        let values = direction.to_array();
-        let inner = |row: &[f64; INPUTS]| crate::law::inner(row, &values);
-        let lambda = [direction.reference.lambda1_ref, -direction.reference.lambda1_ref];
-        let measured = &direction.measured;
-        let moment = if self.root_moment.is_on() { [0.0; 2] } else { measured.root_moment };
-        let mut change = Point {
-            e: jacobian.e.each_ref().map(inner),
-            moment: std::array::from_fn(|i| moment[i] + lambda[i] * self.arms.length),
-            load: measured.root_moment,
-            p: inner(&jacobian.p),
-            shear: measured.tip_shear[0] + measured.tip_shear[1],
-            ..Point::default()
-        };
-        if self.source == RateSource::Measured {
-            let (moments, shears) = loads(direction);
-            change.moment_rate = self.root_moment_rate.output_change(moments, [0.0; 2]);
-            let shear = self.tip_shear_rate.output_change(shears, [0.0; 2]);
-            change.shear_rate = shear[0] + shear[1];
-        }
-        change
-    }
-
-    /// Change of the signals in time, for inputs that change at `rates`.
-    fn velocity(&mut self, inputs: &Inputs, rates: &Inputs) -> Point {
-        let state = self.state_rates(inputs);
-        let mut change = self.direction(rates);
-        if self.root_moment.is_on() {
-            let rate = self.root_moment.output_rate(inputs.measured.root_moment, rates.measured.root_moment);
-            (0..2).for_each(|i| change.moment[i] += rate[i]);
-        }
-        let [hub1, hub2, object] = &state.observers;
-        change.omega = [hub1.rate, hub2.rate];
-        change.v = object.rate;
-        change.unknown = state.observers.map(|observer| observer.disturbance);
-        let [inertia1, inertia2, mass] = state.inertia;
-        (change.mass, change.inertia) = (mass, [inertia1, inertia2]);
-        match self.source {
-            RateSource::Estimated => {
-                let shear;
-                (change.moment_rate, shear) = self.quasi_static(change.omega, change.v);
-                change.shear_rate = shear[0] + shear[1];
-            }
-            RateSource::Measured if self.root_moment_rate.is_on() => {
-                let (moments, shears) = loads(rates);
-                let m = &inputs.measured;
-                let slow = self.root_moment_rate.filtered_rate(m.root_moment);
-                change.moment_rate = self.root_moment_rate.output_change(moments, slow);
-                let slow = self.tip_shear_rate.filtered_rate(m.tip_shear);
-                let shear = self.tip_shear_rate.output_change(shears, slow);
-                change.shear_rate = shear[0] + shear[1];
-            }
-            RateSource::Measured => {}
-        }
-        change
-    }
-
-    /// The sliding variables for these inputs.
-    #[must_use]
-    pub fn surfaces(&self, inputs: &Inputs) -> Surfaces {
-        self.loops().at(&self.point(inputs)).into()
-    }
-
-    /// Change of the sliding variables along a direction of the inputs.
-    #[must_use]
-    pub fn surface_derivative(&self, inputs: &Inputs, direction: &Inputs) -> Surfaces {
-        self.loops().change(&self.point(inputs), &self.direction(direction)).into()
-    }
-
-    /// Time derivatives of the sliding variables, for inputs that change at `rates`.
-    pub fn surface_rates(&mut self, inputs: &Inputs, rates: &Inputs) -> Surfaces {
-        let change = self.velocity(inputs, rates);
-        self.loops().change(&self.point(inputs), &change).into()
-    }
-
     /// What the law has learnt: m̂, and Δ̂ as the weights of its constant basis functions, or those of the networks.
     #[must_use]
     pub fn estimates(&self) -> Estimates {
@@ -353,186 +222,6 @@ impl RootStrain {
         let [inertia1, inertia2, m_hat] = state.inertia;
         Estimates { m_hat, j_hat: [inertia1, inertia2], epsilon_hat, pi_hat, w_norm, u_norm }
     }
-
-    /// What is known of hub 1, hub 2 and the object.
-    fn known(&self) -> [Known; 3] {
-        let (gains, actuation, source, inertia) = (&self.gains, &self.actuation, self.source, self.inertias());
-        let known = |i: usize, bandwidth: f64, limit: f64| Known { source, bandwidth, inertia: inertia[i], limit };
-        [
-            known(0, gains.hub[0].observer, actuation.torque_limit),
-            known(1, gains.hub[1].observer, actuation.torque_limit),
-            known(2, gains.object.observer, actuation.force_limit),
-        ]
-    }
-
-    /// The known force on each coordinate: what the limited command does, less the measured load.
-    fn forces(&self, inputs: &Inputs) -> [f64; 3] {
-        self.actuation.forces(&self.act(inputs), inputs)
-    }
-
-    /// Ĵ₁, Ĵ₂ \[kg·m²\] and m̂ \[kg\].
-    fn inertias(&self) -> [f64; 3] {
-        match self.found {
-            Some([hub1, hub2, object, _]) => [hub1, hub2, object],
-            None => self.find_inertias(),
-        }
-    }
-
-    #[inline(never)]
-    fn find_inertias(&self) -> [f64; 3] {
-        std::array::from_fn(|i| self.inertia.of(i).inertia(&self.priors[i]))
-    }
-
-    /// What follows from gains and a step size of `h` \[s\].
-    #[inline(never)]
-    fn of_size(&self, h: f64) -> OfSize {
-        let ([hub1, hub2], object) = (self.gains.hub.map(|hub| hub.observer), self.gains.object.observer);
-        let Actuation { torque_limit, force_limit, .. } = self.actuation;
-        // The lane to spare stays at rest.
-        let poles = [hub1, hub2, object, object];
-        OfSize {
-            h,
-            source: self.source,
-            poles,
-            decays: poles.map(|pole| Observer::decay(pole, h)),
-            limits: [torque_limit, torque_limit, force_limit, force_limit],
-            filter: self.gains.filter,
-            shares: self.gains.filter.shares(h),
-            priors: Priors::from(&self.priors),
-        }
-    }
-
-    /// What the estimators of the inertias see, under the known forces.
-    fn moving(&self, inputs: &Inputs, forces: &[f64; 3]) -> [Moving; 3] {
-        moving(self.source, &self.observers, inputs, forces)
-    }
-
-    fn state_rates(&self, inputs: &Inputs) -> StateRates {
-        let (forces, motions, known) = (self.forces(inputs), motions(inputs), self.known());
-        let moving = self.moving(inputs, &forces);
-        StateRates {
-            observers: std::array::from_fn(|i| self.observers[i].derivative(&known[i], motions[i], forces[i])),
-            inertia: std::array::from_fn(|i| {
-                self.inertia.of(i).inertia_rate(&self.gains.filter, &self.priors[i], moving[i])
-            }),
-        }
-    }
-
-    /// A step with inputs that change. Not inlined, because few hosts ask for it.
-    #[inline(never)]
-    fn ramped_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        StepError::check(h, inputs, rates)?;
-        self.learn(h, &inputs.after(0.5 * h, rates));
-        self.follow(h, &inputs.measured, &rates.measured);
-        Ok(())
-    }
-
-    /// A step of the low-passes.
-    #[inline(always)]
-    fn follow(&mut self, h: f64, measured: &Measurements, rate: &Measurements) {
-        self.root_moment.step(h, measured.root_moment, rate.root_moment);
-        self.root_moment_rate.step(h, measured.root_moment, rate.root_moment);
-        self.tip_shear_rate.step(h, measured.tip_shear, rate.tip_shear);
-    }
-
-    /// A step of all that learns, with the inputs held at `mean`.
-    fn learn(&mut self, h: f64, mean: &Inputs) {
-        let forces = self.forces(mean);
-        let m = &mean.measured;
-        let rate = [m.theta_dot[0], m.theta_dot[1], m.y_object_dot, 0.0];
-        let [hub1, hub2, object] = &self.observers;
-        let sights = Sights {
-            position: [m.theta[0], m.theta[1], m.y_object, 0.0],
-            rate,
-            moving: match self.source {
-                RateSource::Measured => rate,
-                RateSource::Estimated => [hub1.rate, hub2.rate, object.rate, 0.0],
-            },
-            force: [forces[0], forces[1], forces[2], 0.0],
-            load: [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1], 0.0],
-        };
-        let mut inertias = None;
-        if self.networks.is_some() {
-            self.step_networks(h, mean, &forces);
-        } else {
-            let [hub1, hub2, object] = self.inertias();
-            inertias = Some([hub1, hub2, object, object]);
-        }
-        if self.of_size.as_ref().is_none_or(|of_size| of_size.h != h) {
-            self.of_size = Some(self.of_size(h));
-        }
-        let Some(of_size) = &self.of_size else { return };
-        self.found = Some(self.inertia.step(of_size, &sights, &mut self.observers, inertias));
-    }
-
-    /// A step of the networks with the inputs held at `mean`.
-    fn step_networks(&mut self, h: f64, mean: &Inputs, forces: &[f64; 3]) {
-        let known = self.known();
-        let at = self.point(mean);
-        let (_, shear_rate) = self.strain_rates(mean);
-        let seen = self.seen(&at, &self.loops().at(&at), mean.measured.tip_shear, shear_rate);
-        let Some(networks) = &mut self.networks else { return };
-        let motions = motions(mean);
-        let measured = std::array::from_fn(|i| (motions[i], forces[i]));
-        networks.step(h, &self.gains.networks, &known, &seen, &mut self.observers, &measured);
-    }
-
-    /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm.
-    fn seen<'a>(&self, at: &'a Point, outcome: &Outcome, shear: [f64; 2], shear_rate: [f64; 2]) -> Seen<'a> {
-        let scaled = &self.scaled;
-        Seen {
-            at,
-            surface: outcome.object,
-            posture: outcome.posture,
-            alpha_rate: -scaled.slope * at.v - self.loops().tip(at) * at.shear_rate,
-            posture_alpha_rate: std::array::from_fn(|i| {
-                -scaled.hub_slope[i] * at.omega[i] - scaled.hub_strain[i] * at.moment_rate[i] / at.inertia[i]
-            }),
-            shear,
-            shear_rate,
-        }
-    }
-}
-
-/// Time derivatives of the law's state.
-struct StateRates {
-    observers: [Observer; 3],
-    inertia: [f64; 3],
-}
-
-/// Hub 1, hub 2, object.
-pub(crate) fn motions(inputs: &Inputs) -> [Motion; 3] {
-    let m = &inputs.measured;
-    [
-        Motion { position: m.theta[0], rate: m.theta_dot[0] },
-        Motion { position: m.theta[1], rate: m.theta_dot[1] },
-        Motion { position: m.y_object, rate: m.y_object_dot },
-    ]
-}
-
-/// Root moments and tip shears with their rates, or the change of that.
-fn loads(inputs: &Inputs) -> (Signals, Signals) {
-    let m = &inputs.measured;
-    (Signals { value: m.root_moment, rate: m.root_moment_dot }, Signals { value: m.tip_shear, rate: m.tip_shear_dot })
-}
-
-/// What the estimators of the inertias see of hub 1, hub 2 and the object; or the change of that, for it is linear.
-fn moving(source: RateSource, observers: &[Observer; 3], inputs: &Inputs, forces: &[f64; 3]) -> [Moving; 3] {
-    let (m, measured) = (&inputs.measured, motions(inputs));
-    let loads = [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1]];
-    std::array::from_fn(|i| {
-        let rate = match source {
-            RateSource::Measured => measured[i].rate,
-            RateSource::Estimated => observers[i].rate,
-        };
-        Moving { rate, force: forces[i], load: loads[i] }
-    })
-}
-
-/// Q̇ᵢ = −(3EIᵢ/l³)(l θ̇ᵢ − ẏ) of arms that bend as at rest.
-pub(crate) fn quasi_static_shear_rates(arms: &Arms, omega: [f64; 2], v: f64) -> [f64; 2] {
-    let stiffness = Compliance::of(arms).tip_stiffness;
-    std::array::from_fn(|i| -stiffness[i] * (arms.length * omega[i] - v))
 }
 
 impl Law for RootStrain {

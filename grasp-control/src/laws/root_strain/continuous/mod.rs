@@ -135,7 +135,7 @@ impl Continuous for RootStrain {
             }
         }
         let (moving, changes) = (self.moving(inputs, &forces), estimators(along.states));
-        let moved = super::moving(self.source, &observers(along.states), along.inputs, &force_changes);
+        let moved = super::learning::moving(self.source, &observers(along.states), along.inputs, &force_changes);
         let rates = std::array::from_fn(|i| {
             self.inertia.of(i).derivative_change(&self.gains.filter, &self.priors[i], moving[i], &changes[i], moved[i])
         });

@@ -1,9 +1,10 @@
 //! The law at one instant, and how it changes along a direction of states and inputs.
 
+use super::super::RootStrain;
 use super::super::inertia::Estimator;
 use super::super::loops::{Outcome, Point};
 use super::super::networks::{NetworkDirection, Seen, Sight, SightChange};
-use super::super::{RootStrain, loads, motions};
+use super::super::signals::{loads, motions};
 use crate::blocks::observer::RateSource;
 use crate::continuous::{Direction, state};
 use crate::laws::encoders::observers;
