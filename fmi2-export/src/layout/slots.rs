@@ -1,0 +1,111 @@
+//! What setting and reading a variable takes.
+
+use crate::variable::{Causality, Variability, Variable};
+
+/// When the host may set a variable: one bit per phase.
+pub(crate) mod settable {
+    pub const INSTANTIATED: u8 = 1;
+    pub const INITIALIZATION: u8 = 2;
+    /// Between communication steps.
+    pub const STEPPING: u8 = 4;
+    /// In event mode of a model exchange.
+    pub const EVENT: u8 = 8;
+    /// In continuous-time mode of a model exchange.
+    pub const CONTINUOUS: u8 = 16;
+}
+
+/// What setting and reading a variable of another base type takes.
+#[derive(Clone, Copy)]
+pub(crate) struct Slot {
+    /// Index into [`Layout::variables`].
+    pub variable: u32,
+    pub causality: Causality,
+    /// Phases in which the host may set it.
+    pub settable: u8,
+    /// The evaluation to run before reading it, as a bit; 0 if none.
+    pub evaluation: u64,
+}
+
+/// What setting and reading a real variable takes.
+#[derive(Clone, Copy)]
+pub(crate) struct RealSlot {
+    /// The least value it may have, finite: [`f64::MIN`] where none is declared.
+    pub min: f64,
+    /// The greatest, likewise.
+    pub max: f64,
+    /// How many bytes behind the model's beginning it always is, or [`ELSEWHERE`](Self::ELSEWHERE).
+    pub offset: u32,
+    /// Index into [`Layout::variables`].
+    pub variable: u32,
+    /// Phases in which the host may set it.
+    pub settable: u8,
+    /// What it is, as far as setting and reading it go: a bit each.
+    pub kind: u8,
+}
+
+impl RealSlot {
+    /// No offset: the declared function leads to the variable.
+    pub const ELSEWHERE: u32 = u32::MAX;
+    /// Of [`kind`](Self::kind): it has no offset. The bits of the causalities are below.
+    pub const IS_ELSEWHERE: u8 = 1 << 7;
+
+    pub fn has(&self, causality: Causality) -> bool {
+        self.kind & causality.bit() != 0
+    }
+
+    /// Whether the variable may have this value. NaN and infinities never are between two finite numbers.
+    #[inline]
+    pub fn accepts(&self, value: f64) -> bool {
+        self.min <= value && value <= self.max
+    }
+}
+
+/// What reading a real variable takes, if it is where the offset says: as short as possible.
+#[derive(Clone, Copy)]
+pub(crate) struct Reading {
+    /// The evaluation to run before, as a bit, 0 if none; or [`NO_SHORT_WAY`](Self::NO_SHORT_WAY).
+    pub needs: u32,
+    /// As in [`RealSlot`].
+    pub offset: u32,
+}
+
+impl Reading {
+    /// Of [`needs`](Self::needs): the variable is elsewhere, or its evaluation has no bit here.
+    pub const NO_SHORT_WAY: u32 = 1 << 31;
+
+    pub fn new(evaluation: u64, offset: u32) -> Self {
+        let short = u32::try_from(evaluation).ok().filter(|needs| needs & Self::NO_SHORT_WAY == 0);
+        let needs = short.filter(|_| offset != RealSlot::ELSEWHERE).unwrap_or(Self::NO_SHORT_WAY);
+        Self { needs, offset }
+    }
+}
+
+/// A variable's base type and its value reference among those of that type.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Reference {
+    pub base: BaseType,
+    pub index: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum BaseType {
+    Real,
+    Integer,
+    Boolean,
+    String,
+}
+
+/// Condition columns 1, 3 and 6 of the table in FMI 2.0.4, section 4.2.4, but inputs may also be set before
+/// initialization: the standard's own example sets "all variable start values" there, and hosts do.
+///
+/// In model exchange columns 1, 3, 4 and 5 of the table in section 3.2.3: in continuous-time mode nothing may jump.
+pub(super) fn when_settable(variable: &Variable) -> u8 {
+    let before_stepping = settable::INSTANTIATED | settable::INITIALIZATION;
+    let running = before_stepping | settable::STEPPING | settable::EVENT;
+    match (variable.causality, variable.variability) {
+        (Causality::Input, Variability::Continuous) => running | settable::CONTINUOUS,
+        (Causality::Input, _) | (Causality::Parameter, Variability::Tunable) => running,
+        (Causality::Parameter, _) => before_stepping,
+        (Causality::Output | Causality::Local, _) => 0,
+    }
+}
