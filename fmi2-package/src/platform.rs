@@ -142,7 +142,7 @@ impl Platform {
         let names: std::collections::HashSet<&[u8]> = names.collect();
         if let Some(missing) = FUNCTIONS.iter().find(|function| !names.contains(function.as_bytes())) {
             return Err(format!(
-                "it does not export {missing}: is it the cdylib of a crate with fmi2_export::export!?"
+                "it does not export {missing}, so it is not the shared library (cdylib) of a crate with fmi2_export::export!"
             ));
         }
         PLATFORMS
