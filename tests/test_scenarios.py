@@ -21,7 +21,7 @@ def test_every_scenario_has_a_test_here() -> None:
 
 
 def test_root_strain_and_gains_from_a_search(run: Any) -> None:
-    """0.13 and 0.11 s, as their files say of the forces; PDS in between, PD and PID a little later."""
+    """0.12 and 0.11 s, as their files say of the forces; PDS in between, PD and PID a little later."""
     strain, fast = run("nabfc-r"), run("nabfc-r-fast")
     assert fast.settling() < 1 / 9 and fast.settling() < strain.settling() < 1 / 6
     pds, pd, pid = run("pds-tuned"), run("pd-tuned"), run("pid")

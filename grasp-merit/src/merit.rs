@@ -76,7 +76,8 @@ impl Grip {
             return Self { held_from: None, lost: 0.0, drops: 0, peak };
         };
         let open = (first + 1..times.len()).filter(|index| !presses(index));
-        let lost = open.clone().map(|index| times[index] - times[index - 1]).sum();
+        // An empty sum is −0.
+        let lost = open.clone().map(|index| times[index] - times[index - 1]).sum::<f64>() + 0.0;
         let drops = open.filter(|index| presses(&(index - 1))).count();
         Self { held_from: Some(times[first] - times[0]), lost, drops: u32::try_from(drops).unwrap_or(u32::MAX), peak }
     }

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 /// Norm at which the remainder of the degree-16 Taylor polynomial of exp is below the rounding unit: 0.75¹⁷/17! = 2·10⁻¹⁷.
 pub(crate) const TAYLOR_NORM: f64 = 0.75;
 
-/// exp(X) − I for ‖X‖ ≤ [`TAYLOR_NORM`]: the Taylor polynomial of degree 16 by Paterson and Stockmeyer, six products.
+/// exp(X) − I for powers of X that are not above those of [`TAYLOR_NORM`] from the twelfth on, as those of ‖X‖ ≤ [`TAYLOR_NORM`] are: the Taylor polynomial of degree 16 by Paterson and Stockmeyer, six products.
 pub(crate) fn exp_m1(x: &DMatrix<f64>) -> DMatrix<f64> {
     let coefficient: [f64; 17] = {
         let mut c = [1.0; 17];

@@ -13,6 +13,8 @@ use serde::{Deserialize, Serialize};
 pub struct Slope {
     filter: LowPass,
     bandwidth: f64,
+    /// The bandwidth from the next step on.
+    following: f64,
 }
 
 /// Two signals with their measured rates, or the change of that.
@@ -28,13 +30,27 @@ impl Slope {
     /// Filters of `bandwidth` ω \[rad/s\], ≥ 0, of signals that rest at zero.
     #[must_use]
     pub const fn new(bandwidth: f64) -> Self {
-        Self { filter: LowPass::new(bandwidth), bandwidth }
+        Self { filter: LowPass::new(bandwidth), bandwidth, following: bandwidth }
     }
 
-    /// Changes the bandwidth; the filters go on from where they are.
+    /// Changes the bandwidth with the next step. The rates do not jump: x̄ moves to where the new bandwidth gives the same ones, and that
+    /// takes the signals, which a step knows.
     pub fn set_bandwidth(&mut self, bandwidth: f64) {
-        self.filter.set_bandwidth(bandwidth);
-        self.bandwidth = bandwidth;
+        self.following = bandwidth;
+    }
+
+    fn adopt(&mut self) {
+        self.filter.set_bandwidth(self.following);
+        self.bandwidth = self.following;
+    }
+
+    /// Adopts the new bandwidth, for signals that are at `value`. Filters that were off begin without a rate.
+    #[cold]
+    fn change(&mut self, value: [f64; 2]) {
+        let kept = if self.is_on() && self.following > 0.0 { self.bandwidth / self.following } else { 0.0 };
+        let filtered = self.filtered();
+        self.adopt();
+        self.filter.settle(std::array::from_fn(|i| value[i] - kept * (value[i] - filtered[i])));
     }
 
     /// Whether measured rates are replaced.
@@ -45,6 +61,7 @@ impl Slope {
 
     /// Puts the filters where the rates are the measured ones.
     pub fn settle(&mut self, signals: Signals) {
+        self.adopt();
         let Signals { value, rate } = signals;
         let lag = if self.is_on() { self.bandwidth.recip() } else { 0.0 };
         self.filter.settle(std::array::from_fn(|i| value[i] - lag * rate[i]));
@@ -75,14 +92,20 @@ impl Slope {
         self.filter.output([0.0; 2])
     }
 
-    /// Puts the filtered signals at `filtered`.
+    /// Puts the filtered signals at `filtered`. They belong to somebody who integrates them, so a new bandwidth holds at once.
     pub fn take(&mut self, filtered: [f64; 2]) {
+        if self.following != self.bandwidth {
+            self.adopt();
+        }
         self.filter.settle(filtered);
     }
 
     /// Advances the filters by `h` \[s\] for signals that start at `value` and change at `ramp`.
     #[inline]
     pub fn step(&mut self, h: f64, value: [f64; 2], ramp: [f64; 2]) {
+        if self.following != self.bandwidth {
+            self.change(value);
+        }
         self.filter.step(h, value, ramp);
     }
 }
@@ -109,6 +132,25 @@ mod tests {
             }
             slope.step(1e-3, value, [3.0, -2.0]);
             ready.step(1e-3, value, [3.0, -2.0]);
+        }
+    }
+
+    /// A new bandwidth changes how the rates go on, not what they are.
+    #[test]
+    fn rates_do_not_jump_with_the_bandwidth() {
+        for bandwidth in [5.0, 500.0] {
+            let mut slope = Slope::new(50.0);
+            slope.settle(Signals { value: [0.3, 0.1], rate: [3.0, -2.0] });
+            slope.step(1e-3, [0.4, 0.2], [0.0; 2]);
+            let signals = Signals { value: [0.35, 0.25], rate: [9e9; 2] };
+            let before = slope.output(signals);
+            slope.set_bandwidth(bandwidth);
+            assert_eq!(slope.output(signals), before);
+            slope.step(1e-9, signals.value, [0.0; 2]);
+            for (now, before) in slope.output(signals).into_iter().zip(before) {
+                // It decays at the new bandwidth.
+                assert!((now - before * (1.0 - 1e-9 * bandwidth)).abs() < 1e-12 * before.abs(), "{now} {before}");
+            }
         }
     }
 

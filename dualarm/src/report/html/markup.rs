@@ -1,10 +1,13 @@
 //! Text inside HTML.
 
-/// A text so that nothing in it is markup, between tags or inside a quoted attribute.
+/// A text so that nothing in it is markup, between tags or inside a quoted attribute. Control characters, which XML cannot
+/// contain, are replaced.
 #[must_use]
 pub fn escape(text: &str) -> String {
+    let is_forbidden =
+        |c: char| c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}');
     // HTML 4 does not define &apos;.
-    quick_xml::escape::escape(text).replace("&apos;", "&#39;")
+    quick_xml::escape::escape(text).replace("&apos;", "&#39;").replace(is_forbidden, "\u{fffd}")
 }
 
 /// JSON that is safe inside a `<script>` element: without `<` it cannot close the element or open a comment.

@@ -8,6 +8,7 @@ use crate::report::html::escape;
 use charts::text::{self, FAMILIES, with_shifts};
 
 const CELL: (f64, f64) = (78.0, 34.0);
+/// Least room for the names of cases.
 const LABELS: f64 = 196.0;
 const HEADER: f64 = 104.0;
 const MARGIN: f64 = 16.0;
@@ -23,6 +24,10 @@ const SCALE: [(f64, [f64; 3]); 4] = [
     (8.0, [244.0, 178.0, 104.0]),
 ];
 const NEVER: &str = "#C2410C";
+/// Ratios whose colours the key shows; none: what never settles.
+const SHADES: [(Option<f64>, &str); 5] =
+    [(Some(1.0), "best"), (Some(1.6), "1.6 ×"), (Some(2.5), "2.5 ×"), (Some(8.0), "8 × and more"), (None, "never")];
+const NOTES: &str = "Time until forces, angles and position stay within 2 % of their travel; small: overshoot of the force above 2 %, or the rms error that is left. In mN: rms error.";
 const EMPTY: &str = "#EEF0F3";
 const INK: &str = "#22262E";
 const SOFT: &str = "#5B6370";
@@ -33,9 +38,13 @@ const EXACT: f64 = 1e-3;
 /// The figure as SVG; `titled` unless there is a heading above it.
 #[must_use]
 pub fn svg(matrix: &Matrix, titled: bool) -> String {
-    let columns = matrix.contenders.len() as f64;
-    let width = 2.0 * MARGIN + LABELS + columns * CELL.0 + LIMIT;
-    let bottom = HEADER + matrix.cases.len() as f64 * CELL.1 + 74.0;
+    let labels = matrix.cases.iter().map(|case| text::width(&case.scenario.title, 12.0, false) + 12.0);
+    let labels = labels.fold(LABELS, f64::max).ceil();
+    let left = |column: usize| MARGIN + labels + column as f64 * CELL.0;
+    let key = SHADES.map(|(_, label)| key_width(label)).iter().sum::<f64>();
+    let width = (left(matrix.contenders.len()) + LIMIT).max(MARGIN + key).ceil() + MARGIN;
+    let notes = wrapped(NOTES, width - 2.0 * MARGIN, 10.5, false);
+    let bottom = HEADER + matrix.cases.len() as f64 * CELL.1 + 60.0 + 14.0 * notes.len() as f64;
     let top = if titled { 0.0 } else { TITLE };
     let height = bottom - top;
     let mut svg = format!(
@@ -47,7 +56,7 @@ pub fn svg(matrix: &Matrix, titled: bool) -> String {
     }
     for (column, contender) in matrix.contenders.iter().enumerate() {
         let x = left(column) + 0.5 * CELL.0;
-        for (line, words) in wrapped(&contender.title, CELL.0 - 4.0).iter().rev().enumerate() {
+        for (line, words) in wrapped(&contender.title, CELL.0 - 4.0, 12.0, true).iter().rev().enumerate() {
             write_text(&mut svg, (x, HEADER - 10.0 - 15.0 * line as f64), 12.0, "middle", true, INK, words);
         }
     }
@@ -57,7 +66,7 @@ pub fn svg(matrix: &Matrix, titled: bool) -> String {
     }
     for (row, case) in matrix.cases.iter().enumerate() {
         let y = HEADER + row as f64 * CELL.1;
-        write_text(&mut svg, (MARGIN + LABELS - 10.0, y + 21.0), 12.0, "end", false, INK, &case.scenario.title);
+        write_text(&mut svg, (MARGIN + labels - 10.0, y + 21.0), 12.0, "end", false, INK, &case.scenario.title);
         for column in 0..matrix.contenders.len() {
             write_cell(&mut svg, matrix, row, column, (left(column), y));
         }
@@ -66,12 +75,14 @@ pub fn svg(matrix: &Matrix, titled: bool) -> String {
             write_text(&mut svg, (x, y + 21.0), 11.0, "middle", false, SOFT, &words);
         }
     }
-    write_key(&mut svg, bottom - 50.0);
+    let y = HEADER + matrix.cases.len() as f64 * CELL.1 + 24.0;
+    // Below the cells, if it fits there.
+    let x = if left(0) + key + MARGIN <= width { left(0) } else { MARGIN };
+    write_key(&mut svg, (x, y));
+    for (line, words) in notes.iter().enumerate() {
+        write_text(&mut svg, (MARGIN, y + 36.0 + 14.0 * line as f64), 10.5, "start", false, SOFT, words);
+    }
     with_shifts(&(svg + "</svg>\n"))
-}
-
-fn left(column: usize) -> f64 {
-    MARGIN + LABELS + column as f64 * CELL.0
 }
 
 fn write_cell(svg: &mut String, matrix: &Matrix, row: usize, column: usize, (x, y): (f64, f64)) {
@@ -100,22 +111,17 @@ fn write_cell(svg: &mut String, matrix: &Matrix, row: usize, column: usize, (x, 
     }
 }
 
-fn write_key(svg: &mut String, y: f64) {
-    let mut x = MARGIN + LABELS;
-    let shades = [
-        (shade(1.0), "best"),
-        (shade(1.6), "1.6 ×"),
-        (shade(2.5), "2.5 ×"),
-        (shade(8.0), "8 × and more"),
-        (NEVER.to_owned(), "never"),
-    ];
-    for (fill, label) in shades {
+fn key_width(label: &str) -> f64 {
+    44.0 + text::width(label, 11.0, false)
+}
+
+fn write_key(svg: &mut String, (mut x, y): (f64, f64)) {
+    for (ratio, label) in SHADES {
+        let fill = ratio.map_or_else(|| NEVER.to_owned(), shade);
         let _ = writeln!(svg, "<rect x=\"{x}\" y=\"{y}\" width=\"22\" height=\"14\" rx=\"3\" fill=\"{fill}\"/>");
         write_text(svg, (x + 28.0, y + 11.5), 11.0, "start", false, INK, label);
-        x += 44.0 + text::width(label, 11.0, false);
+        x += key_width(label);
     }
-    let notes = "Time until forces, angles and position stay within 2 % of their travel; small: overshoot of the force above 2 %, or the rms error that is left. In mN: rms error.";
-    write_text(svg, (MARGIN, y + 36.0), 10.5, "start", false, SOFT, notes);
 }
 
 fn write_text(svg: &mut String, (x, y): (f64, f64), size: f64, anchor: &str, bold: bool, ink: &str, words: &str) {
@@ -128,11 +134,11 @@ fn write_text(svg: &mut String, (x, y): (f64, f64), size: f64, anchor: &str, bol
 }
 
 /// Words in lines that are no wider than `width`, if each word is not.
-fn wrapped(words: &str, width: f64) -> Vec<String> {
+fn wrapped(words: &str, width: f64, size: f64, bold: bool) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in words.split(' ') {
         match lines.last_mut() {
-            Some(line) if text::width(&format!("{line} {word}"), 12.0, true) <= width => {
+            Some(line) if text::width(&format!("{line} {word}"), size, bold) <= width => {
                 *line = format!("{line} {word}");
             }
             _ => lines.push(word.to_owned()),

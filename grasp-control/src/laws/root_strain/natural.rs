@@ -35,6 +35,9 @@ impl Compliance {
     }
 }
 
+/// A low-pass of less is off \[rad/s\]: it would never move, and one over it be too large a number.
+const SLOWEST: f64 = 1e-9;
+
 /// The gains with their units, for a plant.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Scaled {
@@ -48,7 +51,7 @@ pub struct Scaled {
     pub slope: f64,
     /// k of the object \[1/s\].
     pub reach: f64,
-    /// Bandwidth of the low-pass on the rates of moments and shears \[rad/s\].
+    /// Bandwidth of the low-pass on the rates of moments and shears \[rad/s\]; 0 where it would need longer than thirty years.
     pub strain_rate_bandwidth: f64,
     /// κ √b \[(m/N)^½\]: the object's surface has the share κ √(b/m̂) of the tip shears.
     pub strain: f64,
@@ -61,13 +64,14 @@ impl Scaled {
         let rate = |i: usize| (3.0 * arms.ei[i] / (arms.length * actuation.hub_inertia[i])).sqrt();
         let tip = Compliance::of(arms).tip;
         let object = (tip * gains.mass.initial).sqrt().recip();
+        let bandwidth = gains.strain_rate_bandwidth * (rate(0) * rate(1)).sqrt();
         Self {
             hub_slope: [0, 1].map(|i| gains.hub[i].slope * object),
             hub_reach: [0, 1].map(|i| gains.hub[i].reach * rate(i)),
             hub_strain: [0, 1].map(|i| gains.hub[i].strain / rate(i)),
             slope: gains.object.slope * object,
             reach: gains.object.reach * object,
-            strain_rate_bandwidth: gains.strain_rate_bandwidth * (rate(0) * rate(1)).sqrt(),
+            strain_rate_bandwidth: if bandwidth < SLOWEST { 0.0 } else { bandwidth },
             strain: gains.object.strain * tip.sqrt(),
         }
     }
