@@ -42,6 +42,12 @@ impl LowPass {
         Self { bandwidth, state: [0.0; 2], responses: None }
     }
 
+    /// ω \[rad/s\].
+    #[must_use]
+    pub const fn bandwidth(&self) -> f64 {
+        self.bandwidth
+    }
+
     /// Changes the bandwidth; the filters go on from where they are.
     pub fn set_bandwidth(&mut self, bandwidth: f64) {
         self.bandwidth = bandwidth;

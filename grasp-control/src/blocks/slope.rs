@@ -12,7 +12,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Slope {
     filter: LowPass,
-    bandwidth: f64,
     /// The bandwidth from the next step on.
     following: f64,
 }
@@ -30,7 +29,7 @@ impl Slope {
     /// Filters of `bandwidth` ω \[rad/s\], ≥ 0, of signals that rest at zero.
     #[must_use]
     pub const fn new(bandwidth: f64) -> Self {
-        Self { filter: LowPass::new(bandwidth), bandwidth, following: bandwidth }
+        Self { filter: LowPass::new(bandwidth), following: bandwidth }
     }
 
     /// Changes the bandwidth with the next step. The rates do not jump: x̄ moves to where the new bandwidth gives the same ones, and that
@@ -41,13 +40,12 @@ impl Slope {
 
     fn adopt(&mut self) {
         self.filter.set_bandwidth(self.following);
-        self.bandwidth = self.following;
     }
 
     /// Adopts the new bandwidth, for signals that are at `value`. Filters that were off begin without a rate.
     #[cold]
     fn change(&mut self, value: [f64; 2]) {
-        let kept = if self.is_on() && self.following > 0.0 { self.bandwidth / self.following } else { 0.0 };
+        let kept = if self.is_on() && self.following > 0.0 { self.filter.bandwidth() / self.following } else { 0.0 };
         let filtered = self.filtered();
         self.adopt();
         self.filter.settle(std::array::from_fn(|i| value[i] - kept * (value[i] - filtered[i])));
@@ -63,7 +61,7 @@ impl Slope {
     pub fn settle(&mut self, signals: Signals) {
         self.adopt();
         let Signals { value, rate } = signals;
-        let lag = if self.is_on() { self.bandwidth.recip() } else { 0.0 };
+        let lag = if self.is_on() { self.filter.bandwidth().recip() } else { 0.0 };
         self.filter.settle(std::array::from_fn(|i| value[i] - lag * rate[i]));
     }
 
@@ -77,7 +75,11 @@ impl Slope {
     /// Change of the rates for a change of signals, and of filtered signals by `filtered`.
     #[must_use]
     pub fn output_change(&self, by: Signals, filtered: [f64; 2]) -> [f64; 2] {
-        if self.is_on() { std::array::from_fn(|i| self.bandwidth * (by.value[i] - filtered[i])) } else { by.rate }
+        if self.is_on() {
+            std::array::from_fn(|i| self.filter.bandwidth() * (by.value[i] - filtered[i]))
+        } else {
+            by.rate
+        }
     }
 
     /// Time derivative of the filtered signals; 0 where they are not in use.
@@ -94,7 +96,7 @@ impl Slope {
 
     /// Puts the filtered signals at `filtered`. They belong to somebody who integrates them, so a new bandwidth holds at once.
     pub fn take(&mut self, filtered: [f64; 2]) {
-        if self.following != self.bandwidth {
+        if self.following != self.filter.bandwidth() {
             self.adopt();
         }
         self.filter.settle(filtered);
@@ -103,7 +105,7 @@ impl Slope {
     /// Advances the filters by `h` \[s\] for signals that start at `value` and change at `ramp`.
     #[inline]
     pub fn step(&mut self, h: f64, value: [f64; 2], ramp: [f64; 2]) {
-        if self.following != self.bandwidth {
+        if self.following != self.filter.bandwidth() {
             self.change(value);
         }
         self.filter.step(h, value, ramp);
