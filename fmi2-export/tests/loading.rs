@@ -152,8 +152,11 @@ fn growth(repetitions: u32, mut action: impl FnMut()) -> usize {
     resident_bytes().saturating_sub(before)
 }
 
-/// The allocator may keep some pages; a leak of one pointer per cycle in 3000 would be missed, one of 100 bytes not.
+/// The allocator may keep some pages; a leak of one pointer per cycle in 3000 would be missed, one of 130 bytes not.
 const TOLERANCE: usize = 300_000;
+
+/// Of instances. No block is shorter than 32 bytes, so one left behind by each of five thousand is found.
+const TOLERANCE_OF_INSTANCES: usize = 120_000;
 
 #[cfg(target_os = "linux")]
 fn load_cycles(path: &Path, cycles: u32) {
@@ -182,10 +185,20 @@ fn load_use_unload_3000_times_leaves_no_memory_behind() {
     }
 }
 
+/// Whether another instance of the model lives meanwhile. What the instances of a model share is made for the first one, and
+/// freed with the last.
 #[cfg(target_os = "linux")]
-fn instance_cycles(path: &Path, cycles: u32) {
+#[derive(Clone, Copy, PartialEq)]
+enum Beside {
+    None,
+    Another,
+}
+
+#[cfg(target_os = "linux")]
+fn instance_cycles(path: &Path, cycles: u32, beside: Beside) {
     let fmu = Fmu::open(path);
     for guid in fmu.guids() {
+        let _another = (beside == Beside::Another).then(|| fmu.instantiate(&guid));
         let guid = std::ffi::CString::new(guid).unwrap();
         let log = common::Log::default();
         let callbacks = common::callbacks(&log);
@@ -197,7 +210,7 @@ fn instance_cycles(path: &Path, cycles: u32) {
             fmu.fmi2FreeInstance(c);
         });
         println!("{} {guid:?}: {growth} bytes more after {cycles} instances", path.display());
-        assert!(growth < TOLERANCE, "{}: grew by {growth} bytes", path.display());
+        assert!(growth < TOLERANCE_OF_INSTANCES, "{}: grew by {growth} bytes", path.display());
     }
 }
 
@@ -205,10 +218,10 @@ fn instance_cycles(path: &Path, cycles: u32) {
 #[cfg(target_os = "linux")]
 fn instantiate_and_free_100000_times_leaves_no_memory_behind() {
     let _alone = alone();
-    instance_cycles(&example("first_order_lag"), 100_000);
-    instance_cycles(&example("two_models"), 100_000);
+    instance_cycles(&example("first_order_lag"), 100_000, Beside::None);
+    instance_cycles(&example("two_models"), 100_000, Beside::None);
     for path in libraries() {
-        instance_cycles(&path, 10_000);
+        instance_cycles(&path, 5_000, Beside::None);
     }
 }
 
@@ -219,7 +232,8 @@ fn the_same_with_real_fmus_in_full() {
     let _alone = alone();
     for path in libraries() {
         load_cycles(&path, 3000);
-        instance_cycles(&path, 100_000);
+        // In the test above each is alone, and what is shared is made anew: that takes most of the time.
+        instance_cycles(&path, 100_000, Beside::Another);
     }
 }
 

@@ -70,6 +70,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
         environment = prepared;
         packaged
     });
+    let actionlint = everything.then(|| checks::Fetched::start(tree));
     if !what.python {
         steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
     }
@@ -78,7 +79,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
         steps.step("Helper programs", || helpers::build(tree));
         steps.step("Python tests", || run(python::pytest(tree, &what.pytest_args)));
     }
-    if everything {
+    if let Some(actionlint) = actionlint {
         steps.step("Long checks", || long::checks(tree));
         steps.step("Instruction counts", || counts::check(tree));
         steps.step(PUBLISHED, || publish::check(tree));
@@ -89,7 +90,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
             steps.step("Other platforms", || Outcome::Skipped(platforms::NOT_CHECKED.into()));
         }
         // The code checks come last: a lint of a newer clippy must not hide the results of the tests.
-        checks::add(&mut steps, tree);
+        checks::add(&mut steps, tree, actionlint);
     }
     steps.finish()
 }
@@ -98,7 +99,7 @@ fn test(tree: &Tree, what: &Test) -> ExitCode {
 fn check(tree: &Tree) -> ExitCode {
     let mut steps = Runner::new(1 + checks::COUNT);
     steps.step("Python environment", || python::prepare(tree));
-    checks::add(&mut steps, tree);
+    checks::add(&mut steps, tree, checks::Fetched::start(tree));
     steps.finish()
 }
 

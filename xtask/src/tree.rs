@@ -7,6 +7,7 @@ use std::process::Command;
 use crate::steps::{Outcome, run};
 
 /// Where things are.
+#[derive(Clone)]
 pub struct Tree {
     /// The workspace.
     pub root: PathBuf,

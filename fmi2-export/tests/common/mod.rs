@@ -5,7 +5,7 @@
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::path::{Path, PathBuf};
 use std::ptr::{null, null_mut};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 use libloading::Library;
 
@@ -56,19 +56,28 @@ unsafe extern "C" fn record(
 
 pub struct Fmu {
     pub library: Library,
+    functions: Functions,
 }
 
 macro_rules! functions {
     ($($name:ident($($arg:ident: $type:ty),*) -> $result:ty;)*) => {
+        /// Each function, once it has been called: to look for its name at each call would take longer than most calls,
+        /// under valgrind above all.
+        #[allow(non_snake_case)]
+        #[derive(Default)]
+        struct Functions { $(
+            $name: OnceLock<unsafe extern "C" fn($($type),*) -> $result>,
+        )* }
+
         #[allow(non_snake_case)]
         impl Fmu { $(
             pub fn $name(&self, $($arg: $type),*) -> $result {
-                type F = unsafe extern "C" fn($($type),*) -> $result;
-                // SAFETY: the function has this type in FMI 2.0, and the tests keep its rules or break them on purpose.
-                unsafe {
-                    let function: libloading::Symbol<'_, F> = self.library.get(stringify!($name)).unwrap();
-                    function($($arg),*)
-                }
+                // SAFETY: the function has this type in FMI 2.0, and `self` keeps the library loaded.
+                let function = self.functions.$name.get_or_init(|| unsafe {
+                    *self.library.get(stringify!($name)).unwrap()
+                });
+                // SAFETY: the tests keep the function's rules or break them on purpose.
+                unsafe { function($($arg),*) }
             }
         )* }
     };
@@ -147,7 +156,8 @@ impl Fmu {
     pub fn open(path: &Path) -> Self {
         // SAFETY: our own library.
         let library = unsafe { Library::new(path) };
-        Self { library: library.unwrap_or_else(|e| panic!("{}: {e}; see `example`", path.display())) }
+        let library = library.unwrap_or_else(|e| panic!("{}: {e}; see `example`", path.display()));
+        Self { library, functions: Functions::default() }
     }
 
     /// The GUIDs of all models in the library, which it tells when it is asked for another one.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::ffi::c_int;
+use std::fmt::Display;
 
 use crate::Phase::{Failed, Initialization, Instantiated};
 use crate::common::real::reals;
@@ -19,7 +20,14 @@ impl Host<'_> {
     }
 
     /// Compares what a call did with what it should have done, and says whether it succeeded.
-    pub fn check(&mut self, i: usize, what: &str, allowed: &Allowed, before: Option<&[u8]>, status: c_int) -> bool {
+    pub fn check(
+        &mut self,
+        i: usize,
+        what: impl Display,
+        allowed: &Allowed,
+        before: Option<&[u8]>,
+        status: c_int,
+    ) -> bool {
         self.calls += 1;
         if self.trace {
             println!("{} {i} {:?} {what} -> {status}", self.calls, self.instances[i].expected.phase);

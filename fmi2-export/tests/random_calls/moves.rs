@@ -33,7 +33,7 @@ impl Host<'_> {
                 .any(|start| message.starts_with(start))
             || (ramped && message.contains("at the end of this step"));
         let before = before.filter(|_| refused);
-        if self.check(i, &format!("step {time:?} {size:?}"), &allowed, before.as_deref(), status) {
+        if self.check(i, format_args!("step {time:?} {size:?}"), &allowed, before.as_deref(), status) {
             let expected = &mut self.instances[i].expected;
             expected.time = end;
             for (vr, slope) in expected.slopes.drain().filter(|(_, slope)| *slope != 0.0) {
@@ -100,7 +100,7 @@ impl Host<'_> {
             (4 | 5, _) => {
                 let time = self.random.number();
                 let status = fmu.fmi2SetTime(c, time);
-                if self.check(i, &format!("time {time:?}"), &when(running && time.is_finite()), before, status) {
+                if self.check(i, format_args!("time {time:?}"), &when(running && time.is_finite()), before, status) {
                     self.instances[i].expected.time = time;
                 }
             }
@@ -109,7 +109,7 @@ impl Host<'_> {
                 let x = &numbers[..n(states)];
                 let status = fmu.fmi2SetContinuousStates(c, x.as_ptr(), x.len());
                 let allowed = perhaps(phase == Continuous);
-                self.check(i, &format!("states {x:?}"), &allowed, before.filter(|_| status != OK), status);
+                self.check(i, format_args!("states {x:?}"), &allowed, before.filter(|_| status != OK), status);
             }
             (kind, _) => {
                 let x = numbers.as_mut_ptr();
@@ -158,8 +158,8 @@ impl Host<'_> {
                 let has_stop = !self.random.rarely(3);
                 let valid = start.is_finite() && (!has_stop || stop >= start);
                 let status = fmu.fmi2SetupExperiment(c, 0, f64::NAN, start, c_int::from(has_stop), stop);
-                let what = format!("setup {start:?} {stop:?} {has_stop}");
-                if self.check(i, &what, &when(phase == Instantiated && valid), before, status) {
+                let what = format_args!("setup {start:?} {stop:?} {has_stop}");
+                if self.check(i, what, &when(phase == Instantiated && valid), before, status) {
                     let expected = &mut self.instances[i].expected;
                     (expected.experiment, expected.time) = (true, start);
                     expected.stop = if has_stop { stop } else { f64::INFINITY };

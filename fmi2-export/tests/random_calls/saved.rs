@@ -40,7 +40,7 @@ impl Host<'_> {
                 let status = fmu.fmi2SetFMUstate(c, handle);
                 let is_own = of == model && expected.exchange == self.instances[i].expected.exchange;
                 let allowed = if is_own { Allowed::Yes } else { Allowed::No };
-                if self.check(i, &format!("restore {handle:?}"), &allowed, before, status) {
+                if self.check(i, format_args!("restore {handle:?}"), &allowed, before, status) {
                     self.instances[i].expected = expected;
                 }
             }
@@ -89,7 +89,7 @@ impl Host<'_> {
                     (true, false) => Allowed::Perhaps,
                     (true, true) => Allowed::Yes,
                 };
-                if self.check(i, &format!("deserialise, damaged: {damaged}"), &allowed, before, status) {
+                if self.check(i, format_args!("deserialise, damaged: {damaged}"), &allowed, before, status) {
                     self.saved.push((handle, model, expected, c));
                 }
             }
@@ -120,7 +120,7 @@ impl Host<'_> {
                 Allowed::Perhaps
             }
         };
-        if self.check(i, &format!("status {which} {kind}"), &allowed, before.as_deref(), status) && which == 0 {
+        if self.check(i, format_args!("status {which} {kind}"), &allowed, before.as_deref(), status) && which == 0 {
             assert_eq!(time.to_bits(), self.instances[i].expected.time.to_bits(), "call {}", self.calls);
         }
     }

@@ -48,8 +48,8 @@ impl Host<'_> {
         };
         let before = self.before(i);
         let status = write(&self.instances[i].slave, kind, &references, &values);
-        let what = format!("set {kind} {references:?} {values:?}");
-        if self.check(i, &what, &allowed, before.as_deref(), status) {
+        let what = format_args!("set {kind} {references:?} {values:?}");
+        if self.check(i, what, &allowed, before.as_deref(), status) {
             let known = &mut self.instances[i].expected.values;
             known.extend(references.iter().zip(values).map(|(vr, value)| ((kind, *vr), value)));
         }
@@ -103,7 +103,7 @@ impl Host<'_> {
                 _ => Value::Text(unsafe { CStr::from_ptr(texts[k]) }.to_owned()),
             })
             .collect();
-        if self.check(i, &format!("get {kind} {references:?}"), &allowed, before.as_deref(), status) {
+        if self.check(i, format_args!("get {kind} {references:?}"), &allowed, before.as_deref(), status) {
             for (vr, value) in references.iter().zip(&values) {
                 let expected = self.instances[i].expected.values.get(&(kind, *vr));
                 assert!(
@@ -135,7 +135,7 @@ impl Host<'_> {
             (status, !self.instances[i].expected.exchange && !matches!(phase, Instantiated | Initialization))
         };
         let allowed = if legal { Allowed::Perhaps } else { Allowed::No };
-        self.check(i, &format!("derivatives {a:?} {b:?} {seed:?} {orders:?}"), &allowed, before.as_deref(), status);
+        self.check(i, format_args!("derivatives {a:?} {b:?} {seed:?} {orders:?}"), &allowed, before.as_deref(), status);
     }
 
     pub fn ramp(&mut self, i: usize) {
@@ -151,8 +151,8 @@ impl Host<'_> {
         let c = self.instances[i].slave.component;
         let status = self.fmu.fmi2SetRealInputDerivatives(c, vr, n, orders.as_ptr(), values.as_ptr());
         let allowed = if legal && valid { Allowed::Yes } else { Allowed::No };
-        let what = format!("ramps {references:?} {orders:?} {values:?}");
-        if self.check(i, &what, &allowed, before.as_deref(), status) {
+        let what = format_args!("ramps {references:?} {orders:?} {values:?}");
+        if self.check(i, what, &allowed, before.as_deref(), status) {
             self.instances[i].expected.slopes.extend(references.iter().copied().zip(values));
         }
     }
