@@ -52,19 +52,10 @@ impl Indexed {
         Some(Self { palette, runs })
     }
 
-    /// The places of all pixels, in pieces of any length.
+    /// Runs of pixels: their place in the palette, and how many they are.
     #[allow(clippy::cast_possible_truncation)] // a palette has 256 places
-    pub(crate) fn write(&self, mut piece: impl FnMut(&[u8]) -> std::io::Result<()>) -> std::io::Result<()> {
-        const PIECE: usize = 1 << 14;
-        let mut bytes = Vec::with_capacity(2 * PIECE);
-        for &(place, length) in &self.runs {
-            bytes.resize(bytes.len() + length as usize, place as u8);
-            if bytes.len() >= PIECE {
-                piece(&bytes)?;
-                bytes.clear();
-            }
-        }
-        piece(&bytes)
+    pub(crate) fn runs(&self) -> impl Iterator<Item = (u8, usize)> {
+        self.runs.iter().map(|(place, length)| (*place as u8, *length as usize))
     }
 }
 
@@ -79,7 +70,7 @@ fn runs(pixels: &[Pixel]) -> Option<(Vec<(u16, u32)>, Vec<([u8; 3], u64)>)> {
     let mut rest = pixels;
     while let Some(&pixel) = rest.first() {
         let word = u32::from_ne_bytes(pixel);
-        let length = rest.iter().position(|other| u32::from_ne_bytes(*other) != word).unwrap_or(rest.len());
+        let length = run(rest, word);
         rest = &rest[length..];
         let [red, green, blue, opacity] = pixel;
         if opacity != u8::MAX {
@@ -102,6 +93,23 @@ fn runs(pixels: &[Pixel]) -> Option<(Vec<(u16, u32)>, Vec<([u8; 3], u64)>)> {
     Some((runs, colors))
 }
 
+/// How many pixels at the beginning are this one.
+fn run(pixels: &[Pixel], word: u32) -> usize {
+    const FEW: usize = 4;
+    const TOGETHER: usize = 16;
+    let is_other = |pixel: &Pixel| u32::from_ne_bytes(*pixel) != word;
+    // Most runs end at once; those that do not are long, and many pixels are looked at together.
+    if let Some(length) = pixels.iter().take(FEW).position(is_other) {
+        return length;
+    }
+    let (groups, _) = pixels.as_chunks::<TOGETHER>();
+    let differ =
+        |group: &[Pixel; TOGETHER]| group.iter().fold(0, |all, pixel| all | (u32::from_ne_bytes(*pixel) ^ word));
+    let alike = TOGETHER * groups.iter().position(|group| differ(group) != 0).unwrap_or(groups.len());
+    let rest = &pixels[alike..];
+    alike + rest.iter().position(is_other).unwrap_or(rest.len())
+}
+
 /// The square of the distance of two colours.
 fn distance(one: [u8; 3], other: [u8; 3]) -> u32 {
     (0..3).map(|part| u32::from(one[part].abs_diff(other[part])).pow(2)).sum()
@@ -112,14 +120,8 @@ mod tests {
     use super::*;
 
     fn pixels(indexed: &Indexed) -> Vec<[u8; 3]> {
-        let mut pixels = Vec::new();
-        let color = |place: &u8| std::array::from_fn(|part| indexed.palette[3 * usize::from(*place) + part]);
-        let write = |piece: &[u8]| {
-            pixels.extend(piece.iter().map(color));
-            Ok(())
-        };
-        indexed.write(write).unwrap();
-        pixels
+        let color = |place: u8| std::array::from_fn(|part| indexed.palette[3 * usize::from(place) + part]);
+        indexed.runs().flat_map(|(place, length)| vec![color(place); length]).collect()
     }
 
     /// Pixels of these colours.

@@ -4,13 +4,15 @@
 //! comparison. Most labels come again, if not in the same figure, then in the next one: here each is shaped once.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::fmt::Write;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 use harfrust::{Direction, ShapeOptions, ShaperData, UnicodeBuffer};
+use resvg::tiny_skia::{Path, PathBuilder, PathSegment, Transform};
 use roxmltree::Node;
 use skrifa::instance::{LocationRef, Size};
-use skrifa::outline::{DrawSettings, OutlinePen};
+use skrifa::outline::{DrawSettings, OutlineGlyphCollection, OutlinePen};
 use skrifa::{FontRef, GlyphId, MetadataProvider};
 
 use crate::text::{EMBEDDED_FAMILY, face};
@@ -54,8 +56,55 @@ const AROUND: [&str; 10] = [
     "transform",
 ];
 
+/// Letters of one size, and where they are: `scale` times the units of their font, upwards from this point.
+pub(crate) struct Placed {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) scale: f64,
+    pub(crate) outline: Arc<Outline>,
+}
+
 /// A text as paths, if its looks are known.
 fn paths(text: Node) -> Option<String> {
+    let plain = |name: &str| match text.attribute(name) {
+        Some(value) if value.contains(['"', '&', '<']) => None,
+        value => Some(value),
+    };
+    let mut looks = String::new();
+    for name in KEPT {
+        if let Some(value) = plain(name)? {
+            let _ = write!(looks, " {name}=\"{value}\"");
+        }
+    }
+    let around = plain("transform")?.unwrap_or_default();
+    let mut paths = String::new();
+    for Placed { x, y, scale, outline } in placed(text)? {
+        let _ = write!(
+            paths,
+            "<path{looks} transform=\"{around} translate({x:.3} {y:.3}) scale({scale:.7} -{scale:.7})\" d=\"{}\"/>",
+            outline.path.as_ref().map(commands).unwrap_or_default()
+        );
+    }
+    Some(paths)
+}
+
+/// A path as SVG has it.
+fn commands(path: &Path) -> String {
+    let mut text = String::new();
+    for segment in path.segments() {
+        let _ = match segment {
+            PathSegment::MoveTo(p) => write!(text, "M{} {} ", p.x, p.y),
+            PathSegment::LineTo(p) => write!(text, "L{} {} ", p.x, p.y),
+            PathSegment::QuadTo(c, p) => write!(text, "Q{} {} {} {} ", c.x, c.y, p.x, p.y),
+            PathSegment::CubicTo(c, d, p) => write!(text, "C{} {} {} {} {} {} ", c.x, c.y, d.x, d.y, p.x, p.y),
+            PathSegment::Close => write!(text, "Z"),
+        };
+    }
+    text
+}
+
+/// The letters of a text, if its looks are known; its `transform`, colour and opacity are not in them.
+pub(crate) fn placed(text: Node) -> Option<Vec<Placed>> {
     let is_ours = |families: &str| families.split(',').next().is_some_and(|first| first.trim() == EMBEDDED_FAMILY);
     let has_family = |node: Node| node.attribute("font-family").is_none_or(is_ours);
     let is_known = |node: Node, known: &[&str]| {
@@ -65,10 +114,6 @@ fn paths(text: Node) -> Option<String> {
     if !is_known(text, &KNOWN) || !text.ancestors().skip(1).all(|node| is_known(node, &AROUND)) {
         return None;
     }
-    let plain = |name: &str| match text.attribute(name) {
-        Some(value) if value.contains(['"', '&', '<']) => None,
-        value => Some(value),
-    };
     let bold = match text.attribute("font-weight") {
         None | Some("normal") => false,
         Some("bold") => true,
@@ -95,23 +140,8 @@ fn paths(text: Node) -> Option<String> {
         Some("end") => x - along,
         Some(_) => return None,
     };
-    let mut looks = String::new();
-    for name in KEPT {
-        if let Some(value) = plain(name)? {
-            let _ = write!(looks, " {name}=\"{value}\"");
-        }
-    }
-    let around = plain("transform")?.unwrap_or_default();
-    let mut paths = String::new();
-    for (along, down, scale, outline) in pieces {
-        let _ = write!(
-            paths,
-            "<path{looks} transform=\"{around} translate({:.3} {down:.3}) scale({scale:.7} -{scale:.7})\" d=\"{}\"/>",
-            left + along,
-            outline.path
-        );
-    }
-    Some(paths)
+    let placed = |(along, y, scale, outline)| Placed { x: left + along, y, scale, outline };
+    Some(pieces.into_iter().map(placed).collect())
 }
 
 /// Letters of one size on one line.
@@ -169,9 +199,9 @@ fn length(text: Option<&str>, size: f64) -> Option<f64> {
 }
 
 /// Shaped letters, in the units of their font.
-struct Outline {
-    /// As an SVG path, upwards.
-    path: String,
+pub(crate) struct Outline {
+    /// Upwards; nothing if all are blank.
+    pub(crate) path: Option<Path>,
     width: f64,
     /// Units per em.
     units: f64,
@@ -181,7 +211,42 @@ struct Outline {
 struct Shaped {
     font: FontRef<'static>,
     data: ShaperData,
+    outlines: OutlineGlyphCollection<'static>,
     units: f64,
+    /// Glyphs that were drawn before.
+    glyphs: Mutex<HashMap<GlyphId, Option<Path>>>,
+}
+
+impl Shaped {
+    fn new(bold: bool) -> Self {
+        let font = face(bold);
+        Self {
+            data: ShaperData::new(&font),
+            outlines: font.outline_glyphs(),
+            units: f64::from(font.metrics(Size::unscaled(), LocationRef::default()).units_per_em),
+            font,
+            glyphs: Mutex::default(),
+        }
+    }
+
+    /// Adds a glyph at a place to a path. Nothing if the font cannot draw it.
+    fn draw(&self, glyph: GlyphId, (x, y): (i32, i32), path: &mut PathBuilder) -> Option<()> {
+        let mut glyphs = self.glyphs.lock().unwrap_or_else(PoisonError::into_inner);
+        let drawn = match glyphs.entry(glyph) {
+            Entry::Occupied(known) => known.into_mut(),
+            Entry::Vacant(new) => {
+                let mut pen = Pen(PathBuilder::new());
+                let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
+                self.outlines.get(glyph)?.draw(settings, &mut pen).ok()?;
+                new.insert(pen.0.finish())
+            }
+        };
+        if let Some(drawn) = drawn {
+            #[allow(clippy::cast_precision_loss)] // some thousands
+            path.push_path(&drawn.clone().transform(Transform::from_translate(x as f32, y as f32))?);
+        }
+        Some(())
+    }
 }
 
 /// Outlines of texts, by their boldness and letters.
@@ -200,62 +265,40 @@ fn outline(letters: &str, bold: bool) -> Option<Arc<Outline>> {
 }
 
 fn shape(letters: &str, bold: bool) -> Option<Outline> {
-    static FACES: LazyLock<[Shaped; 2]> = LazyLock::new(|| {
-        [false, true].map(|bold| {
-            let font = face(bold);
-            let units = f64::from(font.metrics(Size::unscaled(), LocationRef::default()).units_per_em);
-            Shaped { data: ShaperData::new(&font), font, units }
-        })
-    });
-    let Shaped { font, data, units } = &FACES[usize::from(bold)];
+    static FACES: LazyLock<[Shaped; 2]> = LazyLock::new(|| [false, true].map(Shaped::new));
+    let face = &FACES[usize::from(bold)];
     let mut buffer = UnicodeBuffer::new();
     buffer.push_str(letters);
     buffer.set_direction(Direction::LeftToRight);
     buffer.guess_segment_properties();
-    let shaped = data.shaper(font).build().shape(buffer, ShapeOptions::new());
-    let glyphs = font.outline_glyphs();
-    let mut path = Path::default();
+    let shaped = face.data.shaper(&face.font).build().shape(buffer, ShapeOptions::new());
+    let mut path = PathBuilder::new();
     let mut width = 0;
     for (info, position) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
-        path.origin = (f64::from(width + position.x_offset), f64::from(position.y_offset));
-        let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
-        glyphs.get(GlyphId::new(info.glyph_id))?.draw(settings, &mut path).ok()?;
+        face.draw(GlyphId::new(info.glyph_id), (width + position.x_offset, position.y_offset), &mut path)?;
         width += position.x_advance;
     }
-    Some(Outline { path: path.text, width: f64::from(width), units: *units })
+    Some(Outline { path: path.finish(), width: f64::from(width), units: face.units })
 }
 
-/// Writes outlines of glyphs as an SVG path.
-#[derive(Default)]
-struct Path {
-    text: String,
-    origin: (f64, f64),
-}
+/// Takes the outline of a glyph.
+struct Pen(PathBuilder);
 
-impl Path {
-    fn add(&mut self, command: char, points: &[(f32, f32)]) {
-        self.text.push(command);
-        for (x, y) in points {
-            let _ = write!(self.text, "{} {} ", self.origin.0 + f64::from(*x), self.origin.1 + f64::from(*y));
-        }
-    }
-}
-
-impl OutlinePen for Path {
+impl OutlinePen for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
-        self.add('M', &[(x, y)]);
+        self.0.move_to(x, y);
     }
     fn line_to(&mut self, x: f32, y: f32) {
-        self.add('L', &[(x, y)]);
+        self.0.line_to(x, y);
     }
     fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
-        self.add('Q', &[(cx, cy), (x, y)]);
+        self.0.quad_to(cx, cy, x, y);
     }
     fn curve_to(&mut self, cx: f32, cy: f32, dx: f32, dy: f32, x: f32, y: f32) {
-        self.add('C', &[(cx, cy), (dx, dy), (x, y)]);
+        self.0.cubic_to(cx, cy, dx, dy, x, y);
     }
     fn close(&mut self) {
-        self.add('Z', &[]);
+        self.0.close();
     }
 }
 

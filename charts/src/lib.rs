@@ -4,7 +4,11 @@
 //! Nothing here knows what the curves are of. It is a crate of its own because it looks at every point of them: the tool
 //! around it, which does so little that it is compiled without optimisation, would take a second longer for a comparison.
 
+#![forbid(unsafe_code)]
+
 pub mod chart;
+mod direct;
+mod flat;
 mod indexed;
 mod letters;
 pub mod pack;

@@ -1,13 +1,12 @@
 //! The very same SVG as PNG, with the embedded font.
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, Tree};
 
 use crate::indexed::Indexed;
-use crate::letters;
+use crate::{direct, flat, letters};
 
 /// Pixels of the PNG per px of the SVG.
 pub const SCALE: f32 = 2.0;
@@ -17,12 +16,17 @@ pub const SCALE: f32 = 2.0;
 /// # Errors
 /// When the SVG is not valid, or too large for memory.
 pub fn to_png(svg: &str) -> Result<Vec<u8>, String> {
+    let document = roxmltree::Document::parse(svg).map_err(|error| error.to_string())?;
+    if let Some(pixmap) = direct::draw(&document, SCALE) {
+        return encode(pixmap).map_err(|error| error.to_string());
+    }
+    drop(document);
     let tree = parse(&without_layers(svg))?;
     let size = tree.size().to_int_size().scale_by(SCALE).ok_or("the figure has no size")?;
     let mut pixmap = Pixmap::new(size.width(), size.height()).ok_or("the figure is too large")?;
     resvg::render(&tree, Transform::from_scale(SCALE, SCALE), &mut pixmap.as_mut());
     drop(tree);
-    encode(&pixmap).map_err(|error| error.to_string())
+    encode(pixmap).map_err(|error| error.to_string())
 }
 
 /// The same picture without `opacity`: what is pale by that is drawn on a layer of its own, as large as the picture. The colour
@@ -44,26 +48,20 @@ fn without_layers(svg: &str) -> String {
 }
 
 /// The pixels as PNG: with a palette, if one can stand for their colours.
-fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
+fn encode(pixmap: Pixmap) -> Result<Vec<u8>, png::EncodingError> {
     let Some(indexed) = Indexed::of(pixmap.data().as_chunks().0) else { return pixmap.encode_png() };
+    let (width, height) = (pixmap.width(), pixmap.height());
+    drop(pixmap);
     let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, pixmap.width(), pixmap.height());
+    let mut encoder = png::Encoder::new(&mut file, width, height);
     encoder.set_depth(png::BitDepth::Eight);
-    // Charts are flat: filters make them no smaller.
-    encoder.set_filter(png::Filter::NoFilter);
-    encoder.set_deflate_compression(png::DeflateCompression::Level(EFFORT));
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(&indexed.palette);
-    let mut whole = encoder.write_header()?;
-    let mut writer = whole.stream_writer()?;
-    indexed.write(|piece| writer.write_all(piece))?;
+    let mut writer = encoder.write_header()?;
+    writer.write_chunk(png::chunk::IDAT, &flat::compressed(width as usize, indexed.runs()))?;
     writer.finish()?;
-    drop(whole);
     Ok(file)
 }
-
-/// Of nine: charts become hardly smaller beyond it.
-const EFFORT: u8 = 4;
 
 /// An SVG document, its texts with the embedded font.
 ///

@@ -1,6 +1,6 @@
 //! Where a curve swings faster than a picture can show.
 
-use super::points::{bins, inside, stretches};
+use super::points::{bins, inside, shown, stretches, within};
 
 /// Where a curve chatters in a picture of some width.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,14 +16,7 @@ pub struct Chatter {
 /// Where a curve chatters longest in a picture of this width in px, if it does.
 #[must_use]
 pub fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<Chatter> {
-    let extremes = |points: &[(f64, f64)]| {
-        points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (_, y)| (low.min(*y), high.max(*y)))
-    };
-    let between = |from: f64, to: f64| {
-        let from = points.partition_point(|(x, _)| *x < from);
-        &points[from..points.partition_point(|(x, _)| *x <= to).max(from)]
-    };
-    let (low, high) = extremes(between(range.0, range.1));
+    let (low, high) = shown(points, range)?;
     let inside = inside(points, range);
     let px = 200.0 / (high - low).max(f64::MIN_POSITIVE);
     let bins = bins(&inside, range, px, width);
@@ -32,8 +25,9 @@ pub fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<C
     let (from, to) = stretches.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
     let at = f64::midpoint(from, to);
     // An oscillation must cover a good part of the band's height; a ripple does not count.
-    let near = between(at, at + (to - from) / 16.0);
-    let (low, high) = extremes(near);
+    let near = (at, at + (to - from) / 16.0);
+    let (low, high) = shown(points, near)?;
+    let near = within(points, near);
     let (mut is_up, mut turns) = (None, 0_u32);
     for (_, y) in near {
         let side = match (y - low) / (high - low) {

@@ -177,24 +177,28 @@ impl Figure {
         let chrome = |row: &[Panel]| if labelled(row) { 42.0 } else { 12.0 };
         let chromes: f64 = self.rows.iter().map(|row| chrome(row)).sum();
         let plot_height = (frame.bottom - frame.top - chromes) / self.rows.len() as f64;
+        // To find the range of an axis means to look at all points.
+        let rows: Vec<Vec<_>> =
+            self.rows.iter().map(|row| row.iter().map(|panel| (panel, panel.y_range())).collect()).collect();
         // Panels below each other begin and end at the same place.
-        let widest = |column: usize, margin: &dyn Fn(&Panel) -> f64| {
-            self.rows.iter().filter_map(|row| row.get(column)).map(margin).fold(0.0, f64::max)
+        let widest = |column: usize, margin: &dyn Fn(&Panel, (f64, f64)) -> f64| {
+            let panels = rows.iter().filter_map(|row| row.get(column));
+            panels.map(|(panel, y_range)| margin(panel, *y_range)).fold(0.0, f64::max)
         };
-        for row in &self.rows {
+        for (row, panels) in self.rows.iter().zip(&rows) {
             let bottom = frame.top + plot_height;
             let weights: f64 = row.iter().map(Panel::weight).sum();
             let mut left = 0.0;
-            for (column, panel) in row.iter().enumerate() {
+            for (column, (panel, y_range)) in panels.iter().enumerate() {
                 let right = left + (width - 8.0) * panel.weight() / weights;
                 let inner = Frame {
                     outer: left,
-                    left: left + widest(column, &|panel| panel.left_margin(plot_height)),
+                    left: left + widest(column, &|panel, y_range| panel.left_margin(y_range, plot_height)),
                     top: frame.top,
-                    right: right - widest(column, &Panel::right_margin),
+                    right: right - widest(column, &|panel, _| panel.right_margin()),
                     bottom,
                 };
-                panel.draw(canvas, inner)?;
+                panel.draw(canvas, inner, *y_range)?;
                 left = right;
             }
             frame.top = bottom + chrome(row);
@@ -249,8 +253,8 @@ impl Panel {
     /// How far its curves go up and down around zero, from a time on.
     #[must_use]
     pub fn span(&self, from: f64) -> f64 {
-        let points = self.curves.iter().flat_map(|curve| curve.points.iter()).filter(|(time, _)| *time >= from);
-        let (low, high) = points.fold((0.0_f64, 0.0_f64), |(low, high), (_, y)| (low.min(*y), high.max(*y)));
+        let curves = self.curves.iter().filter_map(|curve| points::shown(&curve.points, (from, f64::INFINITY)));
+        let (low, high) = curves.fold((0.0_f64, 0.0_f64), |(low, high), (l, h)| (low.min(l), high.max(h)));
         high - low
     }
 }

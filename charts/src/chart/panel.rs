@@ -4,7 +4,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::pen::{Canvas, DrawResult, LABEL_SIZE, PlotArea, TICK_SIZE, TextLook, UNITS, draw_line, pen, units, write};
-use super::points::{Piece, cut, inside, pieces, ticks};
+use super::points::{Piece, cut, pieces, shown, ticks};
 use super::{Frame, INK, Mark, Panel};
 use crate::text;
 
@@ -22,9 +22,9 @@ impl Panel {
     }
 
     /// Round values of the vertical axis, written out, and the power of ten that is left out of them.
-    pub(super) fn y_ticks(&self, plot_height: f64) -> (Vec<(f64, String)>, i32) {
+    pub(super) fn y_ticks(&self, y_range: (f64, f64), plot_height: f64) -> (Vec<(f64, String)>, i32) {
         const MAX_DECIMALS: usize = 3;
-        let (values, decimals) = ticks(self.y_range(), (plot_height / 44.0).max(2.5));
+        let (values, decimals) = ticks(y_range, (plot_height / 44.0).max(2.5));
         let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
         #[allow(clippy::cast_possible_truncation)] // within ±308
         let power = if decimals > MAX_DECIMALS && largest > 0.0 && !self.y_label.is_empty() {
@@ -53,8 +53,8 @@ impl Panel {
     }
 
     /// Room for the vertical axis's numbers and label.
-    pub(super) fn left_margin(&self, plot_height: f64) -> f64 {
-        let (ticks, _) = self.y_ticks(plot_height);
+    pub(super) fn left_margin(&self, y_range: (f64, f64), plot_height: f64) -> f64 {
+        let (ticks, _) = self.y_ticks(y_range, plot_height);
         let numbers = ticks.into_iter().map(|(_, number)| text::width(&number, TICK_SIZE, false));
         // The label's subscripts hang below its line.
         let label = if self.y_label.is_empty() { 10.0 } else { 41.0 };
@@ -68,8 +68,8 @@ impl Panel {
         if widest > 0.0 { widest + 10.0 } else { 14.0 }
     }
 
-    pub(super) fn draw(&self, canvas: &Canvas, frame: Frame) -> DrawResult {
-        let y_range = self.y_range();
+    /// Draws it with this [range](Self::y_range) of its vertical axis.
+    pub(super) fn draw(&self, canvas: &Canvas, frame: Frame, y_range: (f64, f64)) -> DrawResult {
         let plot: PlotArea = canvas
             .clone()
             .shrink(
@@ -157,7 +157,7 @@ impl Panel {
                 write(canvas, &text::number(value, x_decimals), (x, frame.bottom + 5.0), &tick.clone().in_middle())?;
             }
         }
-        let (y_ticks, power) = self.y_ticks(frame.bottom - frame.top);
+        let (y_ticks, power) = self.y_ticks(y_range, frame.bottom - frame.top);
         for (value, label) in y_ticks {
             let (_, y) = at((self.x_range.0, value));
             draw_line(canvas, [(frame.left, y), (frame.right, y)], pen(GRID, 0.9))?;
@@ -175,14 +175,9 @@ impl Panel {
     }
 
     /// The shown vertical range: all curves, targets and wanted values, and a little air.
-    fn y_range(&self) -> (f64, f64) {
+    pub(super) fn y_range(&self) -> (f64, f64) {
         let from = self.y_from.map_or(self.x_range.0, |from| from.max(self.x_range.0));
-        let curves = self.curves.iter().filter_map(|curve| {
-            let shown = inside(&curve.points, (from, self.x_range.1));
-            shown.iter().fold(None, |range: Option<(f64, f64)>, (_, y)| {
-                range.map_or(Some((*y, *y)), |(low, high)| Some((low.min(*y), high.max(*y))))
-            })
-        });
+        let curves = self.curves.iter().filter_map(|curve| shown(&curve.points, (from, self.x_range.1)));
         let curves = curves.flat_map(|(low, high)| [low, high]);
         let targets = self.targets.iter().flat_map(|target| [target.value - target.band, target.value + target.band]);
         let values = curves.chain(targets).chain(self.y_include.iter().copied()).filter(|value| value.is_finite());
@@ -230,7 +225,7 @@ mod tests {
             ..Panel::default()
         };
         let shown = |panel: &Panel| {
-            let (ticks, power) = panel.y_ticks(120.0);
+            let (ticks, power) = panel.y_ticks(panel.y_range(), 120.0);
             (ticks.last().map(|(_, number)| number.clone()).unwrap_or_default(), panel.y_label(power))
         };
         assert_eq!(shown(&panel(0.0017, "m (kg)")), ("1.5".into(), "m (10⁻³ kg)".into()));

@@ -23,12 +23,50 @@ pub(super) fn ticks(range: (f64, f64), wanted: f64) -> (Vec<f64>, usize) {
 
 /// The points of a curve that are within a range and finite.
 pub(super) fn inside(points: &[(f64, f64)], range: (f64, f64)) -> Cow<'_, [(f64, f64)]> {
-    let from = points.partition_point(|(x, _)| *x < range.0);
-    let within = &points[from..points.partition_point(|(x, _)| *x <= range.1).max(from)];
-    if within.iter().all(|(_, y)| y.is_finite()) {
+    let within = within(points, range);
+    if extremes(within).is_none_or(|(low, high)| (high - low).is_finite()) {
         return Cow::Borrowed(within);
     }
     within.iter().copied().filter(|(_, y)| y.is_finite()).collect()
+}
+
+/// The points of a curve that are within a range.
+pub(super) fn within(points: &[(f64, f64)], range: (f64, f64)) -> &[(f64, f64)] {
+    let from = points.partition_point(|(x, _)| *x < range.0);
+    &points[from..points.partition_point(|(x, _)| *x <= range.1).max(from)]
+}
+
+/// The smallest and the largest value of points; they are no numbers if some value is none, and nothing without points.
+pub(super) fn extremes(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+    // Side by side, so that one comparison needs not wait for the one before.
+    const LANES: usize = 8;
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    // Zero, but for what is no number or infinite.
+    let mut odd = [0.0; LANES];
+    let (groups, rest) = points.as_chunks::<LANES>();
+    let mut take = |lane: usize, y: f64| {
+        low[lane] = if y < low[lane] { y } else { low[lane] };
+        high[lane] = if y > high[lane] { y } else { high[lane] };
+        odd[lane] += y * 0.0;
+    };
+    for group in groups {
+        for (lane, (_, y)) in group.iter().enumerate() {
+            take(lane, *y);
+        }
+    }
+    for (_, y) in rest {
+        take(0, *y);
+    }
+    let odd: f64 = odd.iter().sum();
+    let low = low.into_iter().fold(f64::INFINITY, f64::min);
+    let high = high.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    (!points.is_empty()).then_some((low + odd, high + odd))
+}
+
+/// The smallest and the largest of the finite values within a range.
+pub(super) fn shown(points: &[(f64, f64)], range: (f64, f64)) -> Option<(f64, f64)> {
+    let (low, high) = extremes(within(points, range))?;
+    if (high - low).is_finite() { Some((low, high)) } else { extremes(&inside(points, range)) }
 }
 
 /// Points from left to right in groups of one column each; `column` rises with the time.
@@ -42,14 +80,15 @@ fn columns(mut points: &[(f64, f64)], column: impl Fn(f64) -> i64) -> impl Itera
     })
 }
 
-/// Two points per column of pixels, the smallest and the largest, and both ends: all visible features of the curve remain.
-pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), count: f64) -> Vec<(f64, f64)> {
+/// Two points per column of pixels, the smallest and the largest, and both ends: all visible features of the curve remain. Of these
+/// points those are left out that are no farther from the line than `close`.
+pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), count: f64, close: f64) -> Vec<(f64, f64)> {
     let width = (range.1 - range.0) / count;
     #[allow(clippy::cast_possible_truncation)] // thousands at most; what is inside is not left of the range
     let column = |x: f64| ((x - range.0) / width) as i64;
-    let inside = inside(points, range);
+    let inside = within(points, range);
     let mut kept: Vec<(f64, f64)> = inside.first().copied().into_iter().collect();
-    for group in columns(&inside, column) {
+    for group in columns(inside, column) {
         let (mut low, mut high) = (&group[0], &group[0]);
         for point in group {
             if point.1.total_cmp(&low.1).is_lt() {
@@ -63,13 +102,16 @@ pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), count: f64) -> 
     }
     kept.extend(inside.last());
     kept.dedup();
-    without_collinear(kept)
+    straightened(&kept, close)
 }
 
 /// Width in px below which one oscillation is too fast to be seen.
 const BIN: f64 = 4.0;
 /// Smaller swings in px are no thicker than the line.
 const SMALLEST: f64 = 3.0;
+
+/// By how many px a line may pass a point above or below: less than the half unit by which all coordinates are rounded.
+const CLOSE: f64 = 0.03;
 
 /// A piece of a curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,12 +154,13 @@ pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size
                 let ends = [(first.left(), value(first)), (last.right(), value(last))];
                 std::iter::once(ends[0]).chain(middle).chain(std::iter::once(ends[1])).collect::<Vec<_>>()
             };
+            let edge = |value| straightened(&edge(value), CLOSE * y_span / size.1);
             Piece::Band(edge(|bin| bin.high), edge(|bin| bin.low))
         } else {
             // Lines begin and end where bands do.
             let line = first.from.saturating_sub(1)..(last.from + last.points.len() + 1).min(inside.len());
             // Five columns for four px.
-            Piece::Line(decimate(&inside[line], range, size.0 * 1.25))
+            Piece::Line(decimate(&inside[line], range, size.0 * 1.25, CLOSE * y_span / size.1))
         }
     };
     stretches(&bins, size.1 / y_span).into_iter().map(piece).collect()
@@ -204,17 +247,28 @@ pub(super) fn cut(points: &[(f64, f64)], (low, high): (f64, f64)) -> Vec<Vec<(f6
     pieces
 }
 
-/// Leaves out points on a horizontal line between their neighbours: settled curves are long and flat.
-fn without_collinear(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    let mut kept: Vec<(f64, f64)> = Vec::with_capacity(points.len());
-    for point in points {
-        if let [.., before, last] = kept.as_slice()
-            && before.1.to_bits() == last.1.to_bits()
-            && last.1.to_bits() == point.1.to_bits()
-        {
-            kept.pop();
+/// Leaves out points that are no more than `close` above or below the line between those that stay: smooth curves need few, settled
+/// ones two.
+fn straightened(points: &[(f64, f64)], close: f64) -> Vec<(f64, f64)> {
+    let Some((first, others)) = points.split_first() else { return Vec::new() };
+    let mut kept = vec![*first];
+    let (mut from, mut last) = (*first, *first);
+    // Slopes of the lines from the point that stays that pass all since then.
+    let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
+    for point in others {
+        let slope = |y: f64| (y - from.1) / (point.0 - from.0);
+        let is_straight = point.0 > last.0 && (least..=most).contains(&slope(point.1));
+        if !is_straight && last != from {
+            kept.push(last);
+            from = last;
+            (least, most) = (f64::NEG_INFINITY, f64::INFINITY);
         }
-        kept.push(point);
+        let slope = |y: f64| (y - from.1) / (point.0 - from.0);
+        (least, most) = (least.max(slope(point.1 - close)), most.min(slope(point.1 + close)));
+        last = *point;
+    }
+    if last != from {
+        kept.push(last);
     }
     kept
 }
@@ -236,12 +290,46 @@ mod tests {
     fn decimation_keeps_every_peak_and_drops_flat_stretches() {
         let spike = |index: u32| if index == 31_234 { 9.0 } else { f64::from(index % 2) };
         let points: Vec<_> = (0..50_000).map(|index| (f64::from(index) * 1e-4, spike(index))).collect();
-        let kept = decimate(&points, (0.0, 5.0), 600.0);
+        let kept = decimate(&points, (0.0, 5.0), 600.0, 1e-3);
         assert!(kept.len() <= 2 * 601 && kept.iter().any(|(_, y)| *y > 8.0));
         assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[49_999]));
         let flat: Vec<_> = (0..50_000).map(|index| (f64::from(index) * 1e-4, 0.5)).collect();
-        assert_eq!(decimate(&flat, (0.0, 5.0), 600.0).len(), 2);
+        assert_eq!(decimate(&flat, (0.0, 5.0), 600.0, 1e-3).len(), 2);
+    }
+
+    #[test]
+    fn lines_pass_close_to_all_points_that_are_left_out() {
+        let wave: Vec<_> = (0..2000).map(|index| f64::from(index) * 1e-3).map(|x| (x, (7.0 * x * x).sin())).collect();
+        let kept = straightened(&wave, 1e-3);
+        assert!(kept.len() < 400 && kept.iter().all(|point| wave.contains(point)), "{}", kept.len());
+        assert_eq!((kept[0], kept[kept.len() - 1]), (wave[0], wave[1999]));
+        for (x, y) in &wave {
+            let end = kept.partition_point(|(end, _)| end < x).max(1);
+            let ((x0, y0), (x1, y1)) = (kept[end - 1], kept[end]);
+            assert!((y0 + (x - x0) / (x1 - x0) * (y1 - y0) - y).abs() <= 1.000_001e-3);
+        }
+        // What jumps back and forth at one time keeps all its points.
+        let jumps = [(0.0, 0.0), (0.0, 5.0), (0.0, 3.0), (1.0, 3.0), (1.0, -9.0), (1.0, 2.0)];
+        assert_eq!(straightened(&jumps, 1e-3), jumps);
+        assert_eq!((straightened(&jumps[..1], 1.0).len(), straightened(&[], 1.0).len()), (1, 0));
+    }
+
+    #[test]
+    fn extremes_are_of_all_points_and_tell_what_is_no_number() {
+        let points: Vec<_> = (0..21).map(|index| (f64::from(index), f64::from(index * 13 % 21))).collect();
+        assert_eq!((extremes(&points), extremes(&[])), (Some((0.0, 20.0)), None));
+        for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for place in [0, 9, 20] {
+                let mut points = points.clone();
+                points[place].1 = odd;
+                assert!(extremes(&points).is_some_and(|(low, high)| !(high - low).is_finite()));
+                let others = points.iter().filter(|(_, y)| y.is_finite());
+                let high = others.map(|(_, y)| *y).fold(0.0, f64::max);
+                assert_eq!(shown(&points, (0.0, 20.0)).map(|(_, high)| high), Some(high));
+                assert_eq!(inside(&points, (0.0, 20.0)).len(), 20);
+            }
+        }
     }
 
     #[test]
