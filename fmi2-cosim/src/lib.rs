@@ -7,6 +7,8 @@
 //! * [`run`] does all of this for one system and calls an observer. [`names`] suggests corrections of misspelt names.
 //!   [`record`] stores the results. [`files`] writes files completely or not at all.
 
+#![forbid(unsafe_code)]
+
 pub mod files;
 pub mod grid;
 pub mod master;

@@ -4,6 +4,8 @@
 //! It is a crate of its own because it looks at every step of a run: the tool around it, which does so little that it is
 //! compiled without optimisation, would take seconds longer for a matrix of controllers and cases.
 
+#![forbid(unsafe_code)]
+
 pub mod limit;
 pub mod merit;
 pub mod metrics;
