@@ -256,8 +256,9 @@ impl<T: Signal> Bus<T> {
     fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
         let port = &mut self.ports[component];
         if !port.wanted.is_empty() {
-            for (value, source) in port.values.iter_mut().zip(&port.sources) {
-                *value = self.signals[*source];
+            // One by one: two iterators side by side would be put together by a call, at every step.
+            for (index, source) in port.sources.iter().enumerate() {
+                port.values[index] = self.signals[*source];
             }
             for (index, conversion) in &port.conversions {
                 port.values[*index] = port.values[*index].converted(conversion);

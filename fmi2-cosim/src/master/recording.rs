@@ -57,8 +57,8 @@ impl<T: Copy + Default> Outputs<T> {
     ) -> Result<(), CallError> {
         if !self.references.is_empty() {
             get(&self.references, &mut self.values)?;
-            for (column, value) in self.columns.iter().zip(&self.values) {
-                row[*column] = number(*value);
+            for (index, column) in self.columns.iter().enumerate() {
+                row[*column] = number(self.values[index]);
             }
         }
         Ok(())
@@ -154,7 +154,10 @@ fn read<'a, 'row>(
     row: &'row mut [f64],
     instances: impl Iterator<Item = &'a mut Instance>,
 ) -> Result<&'row [f64], CallError> {
-    for (port, instance) in ports.iter_mut().zip(instances) {
+    let mut ports = ports.iter_mut();
+    for instance in instances {
+        // Without ports nothing is recorded.
+        let Some(port) = ports.next() else { break };
         port.read(instance, row)?;
     }
     Ok(row)

@@ -8,8 +8,17 @@ use crate::files::{NewFile, WriteError};
 /// Rows as CSV: a header with `time` and the names, then one line per row in the shortest digits that read back exactly.
 pub struct CsvSink<W: Write> {
     writer: BufWriter<W>,
-    /// The row that is being written.
+    text: Text,
+}
+
+/// Rows as text. It does not depend on what is written to, so it is compiled here and not by the caller.
+#[derive(Default)]
+struct Text {
+    /// The last row, and the one before it.
     line: Vec<u8>,
+    before: Vec<u8>,
+    /// For each column its last value, and where in the last row its text begins and ends.
+    last: Vec<(u64, usize, usize)>,
 }
 
 impl CsvSink<NewFile> {
@@ -57,7 +66,7 @@ impl CsvSink<NewFile> {
 impl<W: Write> CsvSink<W> {
     /// CSV to anything that takes bytes; write the header next.
     pub fn to(writer: W) -> Self {
-        Self { writer: BufWriter::new(writer), line: Vec::new() }
+        Self { writer: BufWriter::new(writer), text: Text::default() }
     }
 
     /// Returns the writer.
@@ -83,15 +92,34 @@ impl<W: Write> CsvSink<W> {
 
 impl<W: Write> Sink for CsvSink<W> {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.writer.write_all(self.text.of(time, values))
+    }
+}
+
+impl Text {
+    /// The text of a row.
+    fn of(&mut self, time: f64, values: &[f64]) -> &[u8] {
+        let Self { line, before, last } = self;
+        std::mem::swap(line, before);
+        line.clear();
+        last.resize(values.len(), (0, 0, 0));
         // Numbers need no quotes.
-        self.line.clear();
-        digits::push(time, &mut self.line);
-        for value in values {
-            self.line.push(b',');
-            digits::push(*value, &mut self.line);
+        digits::push(time, line);
+        for (index, value) in values.iter().enumerate() {
+            let (bits, from, to) = &mut last[index];
+            let begin = line.len();
+            // A fifth of all values are those of the row before.
+            if value.to_bits() == *bits && from < to {
+                line.extend_from_slice(&before[*from..*to]);
+            } else {
+                *bits = value.to_bits();
+                line.push(b',');
+                digits::push(*value, line);
+            }
+            (*from, *to) = (begin, line.len());
         }
-        self.line.push(b'\n');
-        self.writer.write_all(&self.line)
+        line.push(b'\n');
+        line
     }
 }
 

@@ -19,47 +19,55 @@ fn may_be_halfway(value: f64) -> bool {
 /// numbers without a point, zero without a sign.
 pub(super) fn push(value: f64, text: &mut Vec<u8>) {
     let size = value.abs();
-    let mut buffer = zmij::Buffer::new();
     if size == 0.0 {
         text.push(b'0');
-    } else if may_be_halfway(value) {
+        return;
+    }
+    if may_be_halfway(value) {
         // Writing to memory cannot fail.
         let _ = if size < 1e-4 { write!(text, "{value:e}") } else { write!(text, "{value}") };
-    } else if (1e-4..1e16).contains(&size) || !size.is_finite() {
-        let digits = buffer.format(value);
-        text.extend_from_slice(digits.strip_suffix(".0").unwrap_or(digits).as_bytes());
+        return;
+    }
+    let mut buffer = zmij::Buffer::new();
+    let digits = buffer.format(value).as_bytes();
+    // `e-300` is the longest exponent.
+    let tail = digits.len().saturating_sub(5);
+    if let Some(at) = digits[tail..].iter().position(|byte| *byte == b'e') {
+        let (mantissa, exponent) = digits.split_at(tail + at);
+        text.extend_from_slice(without_fraction(mantissa));
+        let (sign, number): (&[u8], _) = match &exponent[1..] {
+            [b'-', number @ ..] => (b"e-", number),
+            [b'+', number @ ..] | number => (b"e", number),
+        };
+        text.extend_from_slice(sign);
+        text.extend_from_slice(&number[number.iter().take_while(|digit| **digit == b'0').count()..]);
+    } else if size < 1e-4 {
+        push_small(digits, text);
     } else {
-        if value < 0.0 {
-            text.push(b'-');
-        }
-        let exponent = scientific(buffer.format(size), text);
-        text.extend_from_slice(if exponent < 0 { b"e-" } else { b"e" });
-        push_whole(exponent.unsigned_abs(), text);
+        text.extend_from_slice(without_fraction(digits));
     }
 }
 
-/// Appends the digits of a positive number from its first one that is not zero on, with a point behind the first if there are more, and
-/// returns the power of ten of the first. The number comes with an exponent, or as `0.0…`.
-fn scientific(digits: &str, text: &mut Vec<u8>) -> i32 {
-    if let Some((mantissa, exponent)) = digits.split_once('e') {
-        text.extend_from_slice(mantissa.strip_suffix(".0").unwrap_or(mantissa).as_bytes());
-        return exponent.parse().unwrap_or_default();
+/// A whole number as text, without the fraction of zero that it may have.
+fn without_fraction(digits: &[u8]) -> &[u8] {
+    digits.strip_suffix(b".0").unwrap_or(digits)
+}
+
+/// Appends a number that comes as `0.0…`, with an exponent instead.
+fn push_small(mut digits: &[u8], text: &mut Vec<u8>) {
+    if let Some(size) = digits.strip_prefix(b"-") {
+        text.push(b'-');
+        digits = size;
     }
-    let fraction = digits.trim_start_matches(['0', '.']).as_bytes();
-    text.push(fraction[0]);
-    if fraction.len() > 1 {
+    let zeros = digits.iter().take_while(|digit| matches!(digit, b'0' | b'.')).count();
+    let (first, others) = digits[zeros..].split_at(1);
+    text.extend_from_slice(first);
+    if !others.is_empty() {
         text.push(b'.');
-        text.extend_from_slice(&fraction[1..]);
+        text.extend_from_slice(others);
     }
-    let zeros = digits.len() - fraction.len() - 1;
-    -i32::try_from(zeros).unwrap_or_default()
-}
-
-/// Appends a number of at most three digits.
-fn push_whole(number: u32, text: &mut Vec<u8>) {
-    let digits = [number / 100 % 10, number / 10 % 10, number % 10];
-    let first = digits.iter().position(|digit| *digit > 0).unwrap_or(2);
-    text.extend(digits[first..].iter().map(|digit| b'0' + digit.to_le_bytes()[0]));
+    // Of the zeros one is before the point; writing to memory cannot fail.
+    let _ = write!(text, "e-{}", zeros - 1);
 }
 
 #[cfg(test)]

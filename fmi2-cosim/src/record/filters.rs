@@ -4,50 +4,27 @@ use std::io;
 
 use super::{Column, Sink, Table};
 
-/// Passes on only some columns.
+/// Keeps only some columns.
 #[derive(Debug)]
-pub struct Pick<S> {
+pub struct Pick {
     indices: Vec<usize>,
-    picked: Vec<f64>,
-    /// Takes the picked columns.
-    pub sink: S,
+    /// The picked columns.
+    pub table: Table,
 }
 
-impl Pick<Table> {
+impl Pick {
     /// A table of those of `columns` that `wanted` accepts.
     pub fn new(columns: &[Column], wanted: impl Fn(&str) -> bool) -> Self {
         let indices: Vec<_> = (0..columns.len()).filter(|&index| wanted(&columns[index].name)).collect();
         let picked = indices.iter().map(|&index| columns[index].clone()).collect();
-        Self { picked: vec![0.0; indices.len()], indices, sink: Table::new(picked) }
+        Self { indices, table: Table::new(picked) }
     }
 }
 
-impl<S> Pick<S> {
-    fn pick(&mut self, values: &[f64]) {
-        for (picked, &index) in self.picked.iter_mut().zip(&self.indices) {
-            *picked = values[index];
-        }
-    }
-}
-
-impl<S: Sink> Sink for Pick<S> {
-    fn wants(&mut self, time: f64) -> bool {
-        self.sink.wants(time)
-    }
-
+impl Sink for Pick {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.pick(values);
-        self.sink.row(time, &self.picked)
-    }
-
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.pick(values);
-        self.sink.between(time, &self.picked)
-    }
-
-    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.pick(values);
-        self.sink.end(time, &self.picked)
+        self.table.push(time, values, &self.indices);
+        Ok(())
     }
 }
 
@@ -55,7 +32,7 @@ impl<S: Sink> Sink for Pick<S> {
 /// else to be read.
 #[derive(Debug)]
 pub struct Follow {
-    picked: Pick<Table>,
+    picked: Pick,
 }
 
 impl Follow {
@@ -67,7 +44,7 @@ impl Follow {
     /// The same, with room for so many communication points from the beginning.
     #[must_use]
     pub fn with_room(mut self, points: usize) -> Self {
-        self.picked.sink = self.picked.sink.with_room(points);
+        self.picked.table = self.picked.table.with_room(points);
         self
     }
 
@@ -80,13 +57,13 @@ impl Follow {
     /// What was kept.
     #[must_use]
     pub fn table(&self) -> &Table {
-        &self.picked.sink
+        &self.picked.table
     }
 
     /// What was kept.
     #[must_use]
     pub fn into_table(self) -> Table {
-        self.picked.sink
+        self.picked.table
     }
 }
 
@@ -96,13 +73,11 @@ impl Sink for Follow {
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.picked.sink.push(time, values, &self.picked.indices);
-        Ok(())
+        self.picked.row(time, values)
     }
 
     fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.picked.sink.push(time, values, &self.picked.indices);
-        Ok(())
+        self.picked.row(time, values)
     }
 }
 

@@ -79,8 +79,8 @@ impl Table {
     /// Adds a row whose columns are at these places of `values`.
     pub(super) fn push(&mut self, time: f64, values: &[f64], places: &[usize]) {
         self.times.push(time);
-        for (column, &place) in self.values.iter_mut().zip(places) {
-            column.push(values[place]);
+        for (column, &place) in places.iter().enumerate() {
+            self.values[column].push(values[place]);
         }
     }
 
@@ -162,6 +162,6 @@ mod tests {
         assert_eq!(table().column("x"), None);
         let mut pick = Pick::new(table().columns(), |name| name == "b,c");
         pick.row(0.0, &[1.0, 2.0]).unwrap();
-        assert_eq!(pick.sink.column("b,c"), Some(&[2.0][..]));
+        assert_eq!(pick.table.column("b,c"), Some(&[2.0][..]));
     }
 }

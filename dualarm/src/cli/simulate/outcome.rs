@@ -237,10 +237,14 @@ fn open_inputs(system: &System, master: &Master) -> Vec<String> {
     let mut open = Vec::new();
     for (component, (name, fmu)) in system.components.iter().enumerate() {
         for (variable, described) in fmu.description().variables.iter().enumerate() {
+            // Few of many variables are inputs.
+            if described.causality != Causality::Input {
+                continue;
+            }
             let full = format!("{name}.{}", described.name);
             let is_set = named.contains(described.name.as_str()) || named.contains(full.as_str());
             let is_driven = driven.contains(&Terminal { component, variable });
-            if described.causality == Causality::Input && !is_driven && !is_set {
+            if !is_driven && !is_set {
                 open.push(full);
             }
         }

@@ -69,7 +69,7 @@ pub struct Rows {
     schedule: Schedule,
     /// Which time it was asked about last, and whether the row of this time is one of them.
     asked: Option<(f64, bool)>,
-    picked: Pick<Table>,
+    picked: Pick,
 }
 
 impl Rows {
@@ -80,7 +80,7 @@ impl Rows {
         let wanted = wanted(columns);
         let names: Vec<&str> = wanted.iter().map(|&index| columns[index].name.as_str()).collect();
         let mut picked = Pick::new(columns, |name| names.contains(&name));
-        picked.sink = picked.sink.with_room(expected(grid));
+        picked.table = picked.table.with_room(expected(grid));
         let schedule = Schedule::new(start, interval(stop - start));
         Self { start, stop, early: 0, schedule, asked: None, picked }
     }
@@ -95,7 +95,7 @@ impl Rows {
     /// The kept rows.
     #[must_use]
     pub fn into_table(self) -> Table {
-        self.picked.sink
+        self.picked.table
     }
 }
 
@@ -114,7 +114,7 @@ impl Sink for Rows {
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         // A run that ends before its time.
-        if self.picked.sink.times().last() == Some(&time) { Ok(()) } else { self.picked.row(time, values) }
+        if self.picked.table.times().last() == Some(&time) { Ok(()) } else { self.picked.row(time, values) }
     }
 }
 
