@@ -20,6 +20,9 @@ pub const MAX_RATIO: u64 = 200;
 /// Bytes of an entry that is read into memory.
 pub const MAX_DOCUMENT: u64 = 256 << 20;
 
+/// Bytes that are read from an archive, or written to a file, at once.
+const BUFFER: usize = 1 << 16;
+
 /// Why an archive, or an entry of it, cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -77,7 +80,7 @@ impl Archive {
     pub fn open(path: &Path) -> Result<Self> {
         let file = plain_file(path)?;
         let length = file.metadata()?.len();
-        let mut zip = ZipArchive::new(BufReader::new(file)).map_err(|error| match error {
+        let mut zip = ZipArchive::new(BufReader::with_capacity(BUFFER, file)).map_err(|error| match error {
             ZipError::Io(source) if source.kind() != io::ErrorKind::UnexpectedEof => ArchiveError::Read(source),
             other => ArchiveError::NotAZip(other.to_string()),
         })?;
@@ -102,7 +105,7 @@ impl Archive {
             }
         }
         let most = MAX_UNPACKED.min(FREE_UNPACKED.saturating_add(length.saturating_mul(MAX_RATIO)));
-        Ok(Self { zip, indices, allowance: most, most, buffer: vec![0; 1 << 16] })
+        Ok(Self { zip, indices, allowance: most, most, buffer: vec![0; BUFFER] })
     }
 
     /// The paths of all files, sorted.
@@ -210,16 +213,22 @@ impl Archive {
 /// Copies, and distinguishes a damaged archive from a full disk.
 fn copy(from: &mut dyn Read, to: &mut dyn Write, buffer: &mut [u8]) -> Result<u64> {
     let mut copied = 0;
+    let mut filled = 0;
     loop {
-        let count = match from.read(buffer) {
-            Ok(0) => return Ok(copied),
-            Ok(count) => count,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+        match from.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(count) => filled += count,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
             Err(error) => return Err(ArchiveError::NotAZip(error.to_string())),
-        };
-        to.write_all(&buffer[..count])?;
-        copied += count as u64;
+        }
+        if filled == buffer.len() {
+            to.write_all(buffer)?;
+            copied += filled as u64;
+            filled = 0;
+        }
     }
+    to.write_all(&buffer[..filled])?;
+    Ok(copied + filled as u64)
 }
 
 /// Opens a regular file. Opening a pipe would block.

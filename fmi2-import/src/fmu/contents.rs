@@ -1,6 +1,9 @@
 //! The parts of its archive that an FMU needs: a description, and a library for this platform.
 
+use std::fs;
 use std::path::Path;
+
+use tempfile::TempDir;
 
 use crate::archive::{Archive, ArchiveError};
 use crate::description::ModelDescription;
@@ -27,11 +30,34 @@ pub(super) fn of_archive(path: &Path, error: ArchiveError) -> FmuError {
 
 /// The description in it.
 pub(super) fn description(path: &Path, archive: &mut Archive) -> Result<ModelDescription, FmuError> {
-    let bytes = archive.read("modelDescription.xml").map_err(|error| match error {
+    parsed(path, &document(path, archive)?)
+}
+
+/// The description in it as a document.
+pub(super) fn document(path: &Path, archive: &mut Archive) -> Result<Vec<u8>, FmuError> {
+    archive.read("modelDescription.xml").map_err(|error| match error {
         ArchiveError::NotFound => FmuError::NoDescription { path: path.to_owned() },
         other => of_archive(path, other),
+    })
+}
+
+/// The description that a document is.
+pub(super) fn parsed(path: &Path, document: &[u8]) -> Result<ModelDescription, FmuError> {
+    ModelDescription::from_bytes(document).map_err(|source| FmuError::Description { path: path.to_owned(), source })
+}
+
+/// Unpacks all files for this platform, and the resources, to a temporary folder.
+pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<TempDir, FmuError> {
+    let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
+    let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
+    let parts: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
+    let parts: Vec<&str> = parts.iter().map(String::as_str).chain(["resources/"]).collect();
+    archive.unpack(folder.path(), &parts).map_err(|error| match error {
+        ArchiveError::Read(source) => unpack(source),
+        other => of_archive(path, other),
     })?;
-    ModelDescription::from_bytes(&bytes).map_err(|source| FmuError::Description { path: path.to_owned(), source })
+    fs::create_dir_all(folder.path().join("resources")).map_err(unpack)?;
+    Ok(folder)
 }
 
 /// The folders of this platform that have the library, the preferred one first, and its name in the archive.

@@ -4,18 +4,19 @@ mod contents;
 mod uri;
 
 use std::fs;
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::thread;
 
 use tempfile::TempDir;
 
-use crate::archive::ArchiveError;
 use crate::binary;
 use crate::description::ModelDescription;
 use crate::error::{CallError, FmuError};
 use crate::instance::Instance;
 use crate::library::Functions;
-use contents::{archive, candidates, description, of_archive};
+use contents::{archive, candidates, description, document, of_archive, parsed, unpacked};
 use uri::file_uri;
 
 /// An unpacked FMU. Cheap to clone; the unpacked files are removed with the last clone. [`Fmu::load`] or the first instance
@@ -136,17 +137,13 @@ impl Fmu {
     pub fn unpack(path: impl AsRef<Path>) -> Result<Self, FmuError> {
         let path = path.as_ref();
         let mut archive = archive(path)?;
-        let description = description(path, &mut archive)?;
+        let document = document(path, &mut archive)?;
+        // Reading the description takes as long as unpacking the library.
+        let (description, unpacked) = side_by_side(|| parsed(path, &document), || unpacked(path, &mut archive));
+        let description = description?;
         let candidates = candidates(path, &archive, &description)?;
+        let folder = unpacked?;
         let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
-        let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
-        let parts: Vec<String> = candidates.iter().map(|(platform, _)| format!("binaries/{platform}/")).collect();
-        let parts: Vec<&str> = parts.iter().map(String::as_str).chain(["resources/"]).collect();
-        archive.unpack(folder.path(), &parts).map_err(|error| match error {
-            ArchiveError::Read(source) => unpack(source),
-            other => of_archive(path, other),
-        })?;
-        fs::create_dir_all(folder.path().join("resources")).map_err(unpack)?;
 
         // Folders with older names may have libraries for other processors.
         let mut refused = None;
@@ -233,6 +230,20 @@ impl Fmu {
         let loaded = self.loaded().map_err(|source| CallError::Load(Box::new(source)))?;
         Instance::new(Arc::clone(loaded), name)
     }
+}
+
+/// Does two pieces of work, on two threads if there is another one.
+fn side_by_side<A: Send, B>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B) -> (A, B) {
+    let one = Mutex::new(Some(one));
+    // Whoever comes first.
+    let begin = || one.lock().unwrap_or_else(PoisonError::into_inner).take().map(|one| one());
+    thread::scope(|scope| {
+        let thread = thread::Builder::new().spawn_scoped(scope, begin);
+        let other = other();
+        let elsewhere = thread.ok().and_then(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        let Some(one) = elsewhere.or_else(begin) else { unreachable!("it was begun here or there") };
+        (one, other)
+    })
 }
 
 impl std::fmt::Debug for Fmu {

@@ -175,17 +175,21 @@ fn unknowns(root: Node, list: &str, count: usize) -> Result<Vec<Unknown>> {
     let Some(list) = child(root, "ModelStructure").and_then(|structure| child(structure, list)) else {
         return Ok(Vec::new());
     };
-    elements(list, "Unknown")
-        .map(|node| {
-            let dependencies = node
-                .attribute("dependencies")
-                .map(|indices| {
-                    indices.split_ascii_whitespace().map(|index| in_range(node, "dependencies", index)).collect()
-                })
-                .transpose()?;
-            Ok(Unknown { index: in_range(node, "index", required(node, "index")?)?, dependencies })
-        })
-        .collect()
+    // Unknowns that depend on all of many variables stand side by side.
+    let mut before: (&str, Vec<usize>) = ("", Vec::new());
+    let unknown = |node| {
+        let dependencies = match Node::attribute(&node, "dependencies") {
+            Some(text) if text != before.0 => {
+                let indices = text.split_ascii_whitespace().map(|index| in_range(node, "dependencies", index));
+                before = (text, indices.collect::<std::result::Result<_, _>>()?);
+                Some(before.1.clone())
+            }
+            Some(_) => Some(before.1.clone()),
+            None => None,
+        };
+        Ok(Unknown { index: in_range(node, "index", required(node, "index")?)?, dependencies })
+    };
+    elements(list, "Unknown").map(unknown).collect()
 }
 
 /// An attribute for a capability of the FMU; a missing one means "no".
