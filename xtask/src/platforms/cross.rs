@@ -29,8 +29,21 @@ pub struct Compiler {
 }
 
 /// Arguments with which cargo compiles the standard library too, without the code that prints backtraces, which nobody sees
-/// in a host.
-const WITH_STANDARD_LIBRARY: [&str; 2] = ["-Zbuild-std=std,panic_unwind", "-Zbuild-std-features=panic-unwind"];
+/// in a host, and for size. Its parts that a step needs are compiled in the crates that use them.
+const WITH_STANDARD_LIBRARY: [&str; 2] =
+    ["-Zbuild-std=std,panic_unwind", "-Zbuild-std-features=panic-unwind,optimize_for_size"];
+
+/// Settings of the profile `fmu` for the parts of the standard library. They are not in `Cargo.toml`, where a build that takes the
+/// standard library as it comes would warn of packages that it does not know.
+const OF_STANDARD_LIBRARY: [&str; 6] = [
+    "profile.fmu.package.alloc.opt-level='s'",
+    "profile.fmu.package.core.opt-level='s'",
+    "profile.fmu.package.panic_unwind.opt-level='s'",
+    "profile.fmu.package.std.opt-level='s'",
+    "profile.fmu.package.unwind.opt-level='s'",
+    // Every function in an object of its own: of one object, Windows' libraries would contain all functions.
+    "profile.fmu.package.compiler_builtins.codegen-units=10000",
+];
 
 impl Compiler {
     /// The available compiler for this platform.
@@ -90,6 +103,7 @@ impl Compiler {
         };
         self.cargo = cargo;
         self.options.extend(WITH_STANDARD_LIBRARY);
+        self.options.extend(OF_STANDARD_LIBRARY.iter().flat_map(|setting| ["--config", setting]));
         self.set("RUSTC", "/usr/bin/rustc");
         self.set("CARGO", "/usr/bin/cargo");
         self.set("RUSTC_BOOTSTRAP", "1");
