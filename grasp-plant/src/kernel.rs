@@ -10,8 +10,8 @@
 
 use nalgebra::DMatrix;
 
-/// Rows handled together by the kernel: 12 sums fill six two-lane registers and hide the latency of an addition.
-pub(crate) const LANES: usize = 12;
+/// Rows handled together by the kernel.
+pub(crate) use grasp_kernel::LANES;
 
 /// Whether to compute in registers of four lanes: the processor has them. Built with `--cfg narrow_registers` it never is, which is for
 /// measurements.
@@ -80,53 +80,14 @@ impl Panels {
     /// `y` = first `x.len()` columns times `x`.
     #[inline]
     pub fn multiply(&self, x: &[f64], y: &mut [[f64; LANES]]) {
+        debug_assert!(x.len() <= self.columns && y.len() >= self.panel_count());
         #[cfg(target_arch = "x86_64")]
         if has_wide_registers() {
             // SAFETY: the processor has it.
-            return unsafe { self.multiply_wide(x, y) };
+            return unsafe { grasp_kernel::multiply_wide(&self.data, self.columns, x, y) };
         }
-        self.multiply_here::<1>(x, y);
+        grasp_kernel::multiply(&self.data, self.columns, x, y);
     }
-
-    /// The same arithmetic in registers of four lanes: the same bits, because nothing is fused or summed in another
-    /// order. Sixteen such registers hold the sums of three panels.
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx")]
-    fn multiply_wide(&self, x: &[f64], y: &mut [[f64; LANES]]) {
-        self.multiply_here::<3>(x, y);
-    }
-
-    /// The product, as many panels at a time as `ABREAST`.
-    #[inline(always)]
-    fn multiply_here<const ABREAST: usize>(&self, x: &[f64], y: &mut [[f64; LANES]]) {
-        debug_assert!(x.len() <= self.columns && y.len() >= self.panel_count());
-        let columns = self.columns.max(1);
-        let (mut matrix, mut y) = (self.data.as_slice(), y);
-        while matrix.len() >= ABREAST * columns {
-            let (panels, matrix_rest) = matrix.split_at(ABREAST * columns);
-            let (sums, y_rest) = y.split_at_mut(ABREAST);
-            let panels: [&[[f64; LANES]]; ABREAST] = std::array::from_fn(|panel| &panels[panel * columns..][..x.len()]);
-            sums.copy_from_slice(&sums_of(panels, x));
-            (matrix, y) = (matrix_rest, y_rest);
-        }
-        for (panel, y) in matrix.chunks_exact(columns).zip(y) {
-            [*y] = sums_of([&panel[..x.len()]], x);
-        }
-    }
-}
-
-/// Panels times `x`, each column after column.
-#[inline(always)]
-fn sums_of<const ABREAST: usize>(panels: [&[[f64; LANES]]; ABREAST], x: &[f64]) -> [[f64; LANES]; ABREAST] {
-    let mut sums = [[0.0; LANES]; ABREAST];
-    for (j, x) in x.iter().enumerate() {
-        for (sums, panel) in sums.iter_mut().zip(panels) {
-            for (sum, entry) in sums.iter_mut().zip(&panel[j]) {
-                *sum += entry * x;
-            }
-        }
-    }
-    sums
 }
 
 /// Columns of `ROWS` entries times `x`, for matrices of few rows.
@@ -162,22 +123,6 @@ pub(crate) fn dot(left: &[f64], right: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Wide registers and several panels abreast change no bit, whatever the number of panels.
-    #[test]
-    fn every_kernel_gives_the_same_bits() {
-        for (rows, columns) in [(7, 5), (12, 12), (24, 9), (36, 39), (40, 3), (60, 48), (100, 103)] {
-            let panels = Panels::new(&DMatrix::from_fn(rows, columns, |i, j| ((i * 31 + j * 17) as f64).sin()));
-            let x: Vec<f64> = (0..columns).map(|j| (j as f64).cos()).collect();
-            for length in [columns, columns - 1] {
-                let [mut chosen, mut one, mut three] = [(); 3].map(|()| vec![[f64::NAN; LANES]; panels.panel_count()]);
-                panels.multiply(&x[..length], &mut chosen);
-                panels.multiply_here::<1>(&x[..length], &mut one);
-                panels.multiply_here::<3>(&x[..length], &mut three);
-                assert_eq!((&chosen, &one), (&one, &three), "{rows} x {length}");
-            }
-        }
-    }
 
     #[test]
     fn the_kernel_multiplies_matrices_of_any_shape() {
