@@ -16,6 +16,10 @@
 //! **One vector of states for all that can replace each other.** The places of the states and of the indicators do not depend on a
 //! law's parameters, only on the number of the networks' nodes; those that a law does not use are zero and stay so.
 
+// Everything that only a host of model exchange needs, here and in the files `continuous` beside the laws, is marked `inline`: the compiler
+// then compiles it in the crate that uses it. In the FMUs' libraries that is `controller-model`, which is compiled for size, as this
+// crate is not.
+
 mod places;
 mod regimes;
 mod table;
@@ -56,6 +60,7 @@ pub trait Continuous: Law {
     ///
     /// # Errors
     /// If a state is not finite or larger than [`Inputs::LARGEST`]; the law is then as before.
+    #[inline]
     fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), StateError> {
         if let Some(index) = states.iter().position(|state| state.is_nan() || state.abs() > Inputs::LARGEST) {
             return Err(StateError { index, value: states[index] });
@@ -69,6 +74,7 @@ pub trait Continuous: Law {
 
     /// The commands for these inputs in the present states. Other than [`Law::commands`], which may hold something from the last
     /// step (networks that are evaluated once per step), they follow states and inputs at once.
+    #[inline]
     fn present_commands(&mut self, inputs: &Inputs) -> Commands {
         self.commands(inputs)
     }

@@ -59,6 +59,7 @@ pub const NABFC_INDICATORS: usize = indicator::ESTIMATORS.end;
 
 /// Number of states of NABFC with these networks, whatever the law.
 #[must_use]
+#[inline]
 pub fn nabfc_states(layout: &RbfLayout) -> usize {
     state::WEIGHTS + 2 * layout.posture().nodes(3) + layout.object().nodes(7)
 }

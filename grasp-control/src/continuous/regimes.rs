@@ -26,6 +26,7 @@ pub struct Decision {
 impl Decision {
     /// One decision after another.
     #[must_use]
+    #[inline]
     pub fn and(self, other: Self) -> Self {
         Self { regimes: self.regimes | other.regimes, states: self.states | other.states }
     }
@@ -48,11 +49,13 @@ pub(crate) struct Limit {
 
 impl Limit {
     /// Positive until the regime has to change.
+    #[inline]
     pub fn indicator(&self, held: bool) -> f64 {
         if held { self.outward } else { self.most - self.magnitude }
     }
 
     /// Whether the limit holds, and the factor that puts the magnitude where it belongs.
+    #[inline]
     pub fn decide(&self, held: &mut bool, decision: &mut Decision) -> f64 {
         let holds = self.outward > 0.0 && self.magnitude >= self.most * (1.0 - 2.0 * INSIDE);
         decision.regimes |= holds != *held;
@@ -68,11 +71,13 @@ impl Limit {
 }
 
 /// The share of its rate that an integral keeps where its `command` is near or beyond `limit` and would be pushed `outwards`.
+#[inline]
 pub(crate) fn slides(command: f64, limit: f64, outwards: bool) -> f64 {
     if outwards { (0.5 + (limit - command.abs()) / (2.0 * LAYER * limit)).clamp(0.0, 1.0) } else { 1.0 }
 }
 
 /// Change of [`slides`] for a `change` of the command.
+#[inline]
 pub(crate) fn slides_change(command: f64, limit: f64, outwards: bool, change: f64) -> f64 {
     let within = (command.abs() - limit).abs() < LAYER * limit;
     if outwards && within { -change * command.signum() / (2.0 * LAYER * limit) } else { 0.0 }

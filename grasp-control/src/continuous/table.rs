@@ -19,6 +19,7 @@ fn row(name: &[&str], unit: &'static str, nominal: f64, description: &[&str]) ->
     StateVariable { name: name.concat(), unit, nominal, description: description.concat() }
 }
 
+#[inline]
 fn observers() -> Vec<StateVariable> {
     let mut rows = Vec::new();
     for (name, force, of, units, nominals) in COORDINATES {
@@ -32,6 +33,7 @@ fn observers() -> Vec<StateVariable> {
 
 /// Continuous states of PD and PDS, also of those with estimated rates.
 #[must_use]
+#[inline]
 pub fn pds_state_variables() -> Vec<StateVariable> {
     let mut rows = observers();
     for (_, force, of, units, nominals) in COORDINATES {
@@ -46,6 +48,7 @@ const ARMS: [&str; 2] = ["1", "2"];
 
 /// Continuous states of NABFC with these networks, of both laws.
 #[must_use]
+#[inline]
 pub fn nabfc_state_variables(layout: &RbfLayout) -> Vec<StateVariable> {
     let mut rows = observers();
     for arm in ARMS {

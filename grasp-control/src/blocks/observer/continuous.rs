@@ -14,21 +14,25 @@ pub(crate) struct ObserverChange {
 
 impl Observer {
     /// Position, rate, disturbance.
+    #[inline]
     pub(crate) fn to_array(self) -> [f64; 3] {
         [self.position, self.rate, self.disturbance]
     }
 
+    #[inline]
     pub(crate) fn from_array([position, rate, disturbance]: [f64; 3]) -> Self {
         Self { position, rate, disturbance }
     }
 
     /// Time derivatives as long as the limit of the disturbance holds, or as it does not.
+    #[inline]
     pub(crate) fn present_derivative(&self, known: &Known, measured: Motion, force: f64, held: bool) -> Self {
         let free = self.free_derivative(known, measured, force);
         Self { disturbance: if held { 0.0 } else { free.disturbance }, ..free }
     }
 
     /// Exact change of [`present_derivative`](Self::present_derivative).
+    #[inline]
     pub(crate) fn derivative_change(
         &self,
         known: &Known,
@@ -50,6 +54,7 @@ impl Observer {
     }
 
     /// Prediction error as a rate.
+    #[inline]
     pub(crate) fn error(&self, known: &Known, measured: Motion) -> f64 {
         match known.source {
             RateSource::Measured => measured.rate - self.rate,
@@ -58,12 +63,14 @@ impl Observer {
     }
 
     /// The disturbance and its limit.
+    #[inline]
     pub(crate) fn limit(&self, known: &Known, measured: Motion, force: f64) -> Limit {
         let free = self.free_derivative(known, measured, force).disturbance;
         Limit { most: known.limit, magnitude: self.disturbance.abs(), outward: free * self.disturbance.signum() }
     }
 
     /// Whether the limit holds the disturbance, which is put back if it is beyond.
+    #[inline]
     pub(crate) fn decide(
         &mut self,
         known: &Known,

@@ -16,11 +16,13 @@ pub(crate) struct NetworkChange<'a, const D: usize> {
 
 impl<const D: usize> Network<D> {
     /// Number of nodes, so of weights.
+    #[inline]
     pub(crate) fn nodes(&self) -> usize {
         self.layout.nodes(D)
     }
 
     /// Calls `visit` with each node, the row of its weight and the lane in it; lane by lane where there are rows.
+    #[inline]
     fn places(&self, mut visit: impl FnMut(usize, usize, usize)) {
         let nodes = self.nodes();
         match self.layout {
@@ -42,6 +44,7 @@ impl<const D: usize> Network<D> {
     }
 
     /// Calls `visit` with each node, its weight and its activation.
+    #[inline]
     fn each(&self, mut visit: impl FnMut(usize, f64, f64)) {
         let (weights, inner, length) =
             (self.weights.as_flattened(), self.inner.as_flattened(), LANES * self.inner.len());
@@ -50,6 +53,7 @@ impl<const D: usize> Network<D> {
 
     /// Calls `visit` with each node, its weight, its activation and the change of that for a change of the normalised input:
     /// dY = −2 Y Σ (x − c) dx/b².
+    #[inline]
     fn each_change(&self, x: [f64; D], mut visit: impl FnMut(usize, f64, f64, f64)) {
         let (weights, inner, length) =
             (self.weights.as_flattened(), self.inner.as_flattened(), LANES * self.inner.len());
@@ -74,11 +78,13 @@ impl<const D: usize> Network<D> {
     }
 
     /// c dx of the axis that a row stands for.
+    #[inline]
     fn row_centre(&self, row: usize, x: &[f64; D]) -> f64 {
         if matches!(self.layout, Layout::Grid(_)) { x[0] * self.axis.centre(row) } else { 0.0 }
     }
 
     /// Σ c dx of the other axes, which a lane stands for.
+    #[inline]
     fn lane_centre(&self, lane: usize, x: &[f64; D]) -> f64 {
         match self.layout {
             Layout::Grid(n) => {
@@ -98,11 +104,13 @@ impl<const D: usize> Network<D> {
     }
 
     /// Writes the weights node by node.
+    #[inline]
     pub(crate) fn put_weights(&self, out: &mut [f64]) {
         self.each(|node, weight, _| out[node] = weight);
     }
 
     /// Takes weights node by node.
+    #[inline]
     pub(crate) fn take_weights(&mut self, new: &[f64]) {
         let length = LANES * self.inner.len();
         let mut weights = std::mem::take(&mut self.weights);
@@ -112,6 +120,7 @@ impl<const D: usize> Network<D> {
     }
 
     /// Ŵ˙ at the last activation, with the weights `held` on their ball or not.
+    #[inline]
     pub(crate) fn put_rates(&self, law: &LeakyLaw, forcing: f64, held: bool, out: &mut [f64]) {
         self.each(|node, weight, y| out[node] = law.rate(weight, forcing * y));
         if held {
@@ -122,6 +131,7 @@ impl<const D: usize> Network<D> {
     }
 
     /// Exact change of [`put_rates`](Self::put_rates).
+    #[inline]
     pub(crate) fn put_rate_changes(
         &self,
         law: &LeakyLaw,
@@ -150,6 +160,7 @@ impl<const D: usize> Network<D> {
     }
 
     /// Change of Ŵᵀ Y for a change of the weights and of the normalised input.
+    #[inline]
     pub(crate) fn output_change(&self, weights: &[f64], x: [f64; D]) -> f64 {
         let mut sum = 0.0;
         self.each_change(x, |node, weight, y, dy| sum += y * weights[node] + dy * weight);
@@ -157,6 +168,7 @@ impl<const D: usize> Network<D> {
     }
 
     /// Change of ‖Ŵ‖.
+    #[inline]
     pub(crate) fn norm_change(&self, weights: &[f64]) -> f64 {
         let (norm, mut sum) = (self.norm(), 0.0);
         self.each(|node, weight, _| sum += weight * weights[node]);
@@ -164,11 +176,13 @@ impl<const D: usize> Network<D> {
     }
 
     /// The norm of the weights and the radius of their ball.
+    #[inline]
     pub(crate) fn limit(&self, law: &LeakyLaw, forcing: f64, radius: f64) -> Limit {
         Limit { most: radius, magnitude: self.norm(), outward: self.norm_rate(law, forcing) }
     }
 
     /// Whether the ball holds the weights, which are put back if they are beyond.
+    #[inline]
     pub(crate) fn decide(
         &mut self,
         law: &LeakyLaw,

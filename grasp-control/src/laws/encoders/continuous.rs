@@ -8,6 +8,7 @@ use crate::signals::{Commands, Inputs};
 impl<L: Continuous> Encoders<L> {
     /// The change of what the law sees along a direction of states and inputs.
     #[must_use]
+    #[inline]
     pub fn seen_change(&self, along: Direction<'_>) -> Inputs {
         match self.source {
             RateSource::Measured => *along.inputs,
@@ -18,6 +19,7 @@ impl<L: Continuous> Encoders<L> {
     }
 
     /// The known forces with the commands of the moment.
+    #[inline]
     fn present_forces(&mut self, inputs: &Inputs) -> [f64; 3] {
         let commands = self.present_commands(inputs);
         self.actuation.forces(&commands, inputs)
@@ -25,11 +27,13 @@ impl<L: Continuous> Encoders<L> {
 }
 
 /// The observers of a vector of states, or of a direction.
+#[inline]
 pub(crate) fn observers(states: &[f64]) -> [Observer; 3] {
     std::array::from_fn(|i| Observer::from_array(std::array::from_fn(|j| states[state::OBSERVERS.start + 3 * i + j])))
 }
 
 /// Puts observers into a vector of states.
+#[inline]
 pub(crate) fn put_observers(observers: &[Observer; 3], out: &mut [f64]) {
     for (observer, out) in observers.iter().zip(out[state::OBSERVERS].chunks_exact_mut(3)) {
         out.copy_from_slice(&observer.to_array());
@@ -37,6 +41,7 @@ pub(crate) fn put_observers(observers: &[Observer; 3], out: &mut [f64]) {
 }
 
 impl<L: Continuous> Continuous for Encoders<L> {
+    #[inline]
     fn continuous_states(&self, out: &mut [f64]) {
         self.law.continuous_states(out);
         if self.source == RateSource::Estimated {
@@ -44,6 +49,7 @@ impl<L: Continuous> Continuous for Encoders<L> {
         }
     }
 
+    #[inline]
     fn take_states(&mut self, states: &[f64]) {
         self.law.take_states(states);
         if self.source == RateSource::Estimated {
@@ -51,16 +57,19 @@ impl<L: Continuous> Continuous for Encoders<L> {
         }
     }
 
+    #[inline]
     fn present_commands(&mut self, inputs: &Inputs) -> Commands {
         let seen = self.seen(inputs);
         self.law.present_commands(&seen)
     }
 
+    #[inline]
     fn command_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Commands {
         let (seen, change) = (self.seen(inputs), self.seen_change(along));
         self.law.command_change(&seen, Direction { inputs: &change, ..along })
     }
 
+    #[inline]
     fn derivatives(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
         let seen = self.seen(inputs);
         self.law.derivatives(&seen, regimes, out);
@@ -73,6 +82,7 @@ impl<L: Continuous> Continuous for Encoders<L> {
         }
     }
 
+    #[inline]
     fn derivative_change(&mut self, inputs: &Inputs, regimes: &Regimes, along: Direction<'_>, out: &mut [f64]) {
         let (seen, seen_change) = (self.seen(inputs), self.seen_change(along));
         self.law.derivative_change(&seen, regimes, Direction { inputs: &seen_change, ..along }, out);
@@ -97,6 +107,7 @@ impl<L: Continuous> Continuous for Encoders<L> {
         }
     }
 
+    #[inline]
     fn event_indicators(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
         let seen = self.seen(inputs);
         self.law.event_indicators(&seen, regimes, out);
@@ -112,6 +123,7 @@ impl<L: Continuous> Continuous for Encoders<L> {
         }
     }
 
+    #[inline]
     fn decide(&mut self, inputs: &Inputs, regimes: &mut Regimes) -> Decision {
         let seen = self.seen(inputs);
         let mut decision = self.law.decide(&seen, regimes);
@@ -129,6 +141,7 @@ impl<L: Continuous> Continuous for Encoders<L> {
 
 impl super::Actuation {
     /// Change of [`forces`](Self::forces) for a change of commands and inputs.
+    #[inline]
     pub(crate) fn force_changes(&self, commands: &Commands, command_change: &Commands, inputs: &Inputs) -> [f64; 3] {
         let loads = Self { torque_limit: 0.0, force_limit: 0.0, ..*self }.forces(&Commands::default(), inputs);
         let (distances, changes) = (self.distances(commands), command_change.to_array());
@@ -136,6 +149,7 @@ impl super::Actuation {
     }
 
     /// How far commands are inside their limits.
+    #[inline]
     pub(crate) fn distances(&self, commands: &Commands) -> [f64; 3] {
         let limit = self.torque_limit;
         [limit - commands.tau[0].abs(), limit - commands.tau[1].abs(), self.force_limit - commands.u.abs()]

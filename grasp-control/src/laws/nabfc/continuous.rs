@@ -11,11 +11,13 @@ const OBJECT: usize = 2;
 
 impl Nabfc {
     /// Inputs of the loops, with the low-pass as it is.
+    #[inline]
     fn present(&self, inputs: &Inputs) -> LoopInputs {
         self.loop_inputs(inputs, self.shear_rate.output(inputs.measured.tip_shear_dot))
     }
 
     /// Change of the loops' inputs along a direction: they are linear, but for the constant L/2.
+    #[inline]
     fn present_change(&self, along: Direction<'_>) -> LoopInputs {
         let (rows, values) = (self.arms.error_jacobian(), along.inputs.to_array());
         let measured = &along.inputs.measured;
@@ -34,6 +36,7 @@ impl Nabfc {
 
     /// Change of the surfaces along a direction.
     #[must_use]
+    #[inline]
     pub fn surface_change(&self, along: Direction<'_>) -> Surfaces {
         let change = self.present_change(along);
         Surfaces {
@@ -44,6 +47,7 @@ impl Nabfc {
 
     /// Change of the estimates along a direction of the states.
     #[must_use]
+    #[inline]
     pub fn estimate_change(&self, states: &[f64]) -> Estimates {
         let [arm1, arm2] = [0, 1].map(|i| scalars(states, i));
         let object = scalars(states, OBJECT);
@@ -62,12 +66,14 @@ impl Nabfc {
     }
 
     /// Û₁, Û₂, Ŵ.
+    #[inline]
     fn split<'a>(&self, weights: &'a [f64]) -> [&'a [f64]; 3] {
         let (u1, rest) = weights.split_at(self.posture[0].estimator.nodes());
         let (u2, rest) = rest.split_at(self.posture[1].estimator.nodes());
         [u1, u2, &rest[..self.object.estimator.nodes()]]
     }
 
+    #[inline]
     fn split_mut<'a>(&self, weights: &'a mut [f64]) -> [&'a mut [f64]; 3] {
         let (u1, rest) = weights.split_at_mut(self.posture[0].estimator.nodes());
         let (u2, rest) = rest.split_at_mut(self.posture[1].estimator.nodes());
@@ -76,10 +82,12 @@ impl Nabfc {
 }
 
 /// Estimates of a vector of states, or of a direction.
+#[inline]
 fn scalars(states: &[f64], index: usize) -> Scalars {
     Scalars { inertia: states[state::INERTIAS.start + index], bound: states[state::BOUNDS.start + index] }
 }
 
+#[inline]
 fn put_scalars(scalars: [Scalars; 3], states: &mut [f64]) {
     for (i, Scalars { inertia, bound }) in scalars.into_iter().enumerate() {
         states[state::INERTIAS.start + i] = inertia;
@@ -88,6 +96,7 @@ fn put_scalars(scalars: [Scalars; 3], states: &mut [f64]) {
 }
 
 impl Continuous for Nabfc {
+    #[inline]
     fn continuous_states(&self, out: &mut [f64]) {
         let (first, weights) = out.split_at_mut(state::WEIGHTS);
         first.fill(0.0);
@@ -99,6 +108,7 @@ impl Continuous for Nabfc {
         put_scalars([arm1.estimator.put(u1), arm2.estimator.put(u2), self.object.estimator.put(w)], first);
     }
 
+    #[inline]
     fn take_states(&mut self, states: &[f64]) {
         if self.shear_rate.is_on() {
             self.shear_rate.settle(std::array::from_fn(|i| states[state::SHEAR_RATES.start + i]));
@@ -109,6 +119,7 @@ impl Continuous for Nabfc {
         self.object.estimator.take(scalars(states, OBJECT), w);
     }
 
+    #[inline]
     fn command_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Commands {
         let (at, by) = (self.present(inputs), self.present_change(along));
         let [u1, u2, w] = self.split(&along.states[state::WEIGHTS..]);
@@ -120,6 +131,7 @@ impl Continuous for Nabfc {
         Commands { tau, u: self.object.command_change(&at.object, &by.object, (scalars(along.states, OBJECT), w)) }
     }
 
+    #[inline]
     fn derivatives(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
         let at = self.present(inputs);
         let (first, weights) = out.split_at_mut(state::WEIGHTS);
@@ -138,6 +150,7 @@ impl Continuous for Nabfc {
         put_scalars(rates, first);
     }
 
+    #[inline]
     fn derivative_change(&mut self, inputs: &Inputs, regimes: &Regimes, along: Direction<'_>, out: &mut [f64]) {
         let (at, by) = (self.present(inputs), self.present_change(along));
         let (first, weights) = out.split_at_mut(state::WEIGHTS);
@@ -162,6 +175,7 @@ impl Continuous for Nabfc {
         put_scalars(rates, first);
     }
 
+    #[inline]
     fn event_indicators(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
         let at = self.present(inputs);
         out.fill(1.0);
@@ -177,6 +191,7 @@ impl Continuous for Nabfc {
         }
     }
 
+    #[inline]
     fn decide(&mut self, inputs: &Inputs, regimes: &mut Regimes) -> Decision {
         let at = self.present(inputs);
         let mut decision = Decision::default();

@@ -7,11 +7,13 @@ use crate::signals::{Commands, Inputs};
 
 impl Pds {
     /// Rates of the integrals without anti-windup, for these errors: linear in them.
+    #[inline]
     fn wanted(&self, e: [f64; 2], p: f64) -> [f64; 3] {
         let PdsGains { ki, ki_arm, .. } = self.gains;
         [ki_arm[0] * e[0], ki_arm[1] * e[1], ki * p]
     }
 
+    #[inline]
     fn limits(&self) -> [f64; 3] {
         let Limits { torque, force } = self.limits;
         [torque, torque, force]
@@ -19,21 +21,25 @@ impl Pds {
 }
 
 impl Continuous for Pds {
+    #[inline]
     fn continuous_states(&self, out: &mut [f64]) {
         out.fill(0.0);
         out[state::INTEGRALS].copy_from_slice(&self.integrals);
     }
 
+    #[inline]
     fn take_states(&mut self, states: &[f64]) {
         self.integrals.copy_from_slice(&states[state::INTEGRALS]);
     }
 
+    #[inline]
     fn command_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Commands {
         let Commands { tau, u } = self.jacobian(inputs).apply(along.inputs);
         let [hub1, hub2, object] = std::array::from_fn(|i| along.states[state::INTEGRALS.start + i]);
         Commands { tau: [tau[0] - hub1, tau[1] - hub2], u: u - object }
     }
 
+    #[inline]
     fn derivatives(&mut self, inputs: &Inputs, _regimes: &Regimes, out: &mut [f64]) {
         let errors = self.arms.errors(inputs);
         let (wanted, limits) = (self.wanted(errors.e, errors.p), self.limits());
@@ -45,6 +51,7 @@ impl Continuous for Pds {
         }
     }
 
+    #[inline]
     fn derivative_change(&mut self, inputs: &Inputs, _regimes: &Regimes, along: Direction<'_>, out: &mut [f64]) {
         let errors = self.arms.errors(inputs);
         let (rows, values) = (self.arms.error_jacobian(), along.inputs.to_array());
@@ -60,6 +67,7 @@ impl Continuous for Pds {
         }
     }
 
+    #[inline]
     fn event_indicators(&mut self, inputs: &Inputs, _regimes: &Regimes, out: &mut [f64]) {
         out.fill(1.0);
         if self.integrates() {
@@ -70,6 +78,7 @@ impl Continuous for Pds {
         }
     }
 
+    #[inline]
     fn decide(&mut self, _inputs: &Inputs, _regimes: &mut Regimes) -> Decision {
         Decision::default()
     }

@@ -22,21 +22,25 @@ pub(crate) struct EstimatorChange<'a, const D: usize> {
 }
 
 impl<const D: usize> Estimator<D> {
+    #[inline]
     pub fn nodes(&self) -> usize {
         self.network.nodes()
     }
 
+    #[inline]
     pub fn put(&self, weights: &mut [f64]) -> Scalars {
         self.network.put_weights(weights);
         Scalars { inertia: self.inertia, bound: self.bound }
     }
 
+    #[inline]
     pub fn take(&mut self, scalars: Scalars, weights: &[f64]) {
         Scalars { inertia: self.inertia, bound: self.bound } = scalars;
         self.network.take_weights(weights);
     }
 
     /// Time derivatives; those of the weights into `weights`.
+    #[inline]
     pub fn derivatives(&self, drive: &Drive, held: bool, weights: &mut [f64]) -> Scalars {
         let Laws { weights: law, bound, inertia, .. } = &self.laws;
         if self.has_network {
@@ -48,6 +52,7 @@ impl<const D: usize> Estimator<D> {
     }
 
     /// Exact change of [`derivatives`](Self::derivatives).
+    #[inline]
     pub fn derivative_change(
         &self,
         drive: &Drive,
@@ -69,22 +74,26 @@ impl<const D: usize> Estimator<D> {
     }
 
     /// Change of the network's output by that of its weights and of its normalised input.
+    #[inline]
     pub fn output_change(&self, weights: &[f64], x: [f64; D]) -> f64 {
         if self.has_network { self.network.output_change(weights, x) } else { 0.0 }
     }
 
     /// The weights' ball, if there is one.
+    #[inline]
     fn ball(&self, drive: &Drive) -> Option<Limit> {
         let Laws { weights, radius, .. } = &self.laws;
         (self.has_network && *radius > 0.0).then(|| self.network.limit(weights, drive.s, *radius))
     }
 
     /// Positive until the ball takes hold of the weights or lets them go.
+    #[inline]
     pub fn indicator(&self, drive: &Drive, held: bool) -> f64 {
         self.ball(drive).map_or(1.0, |ball| ball.indicator(held))
     }
 
     /// Whether the ball holds the weights, which are put back if they are beyond.
+    #[inline]
     pub fn decide(&mut self, drive: &Drive, held: &mut bool, decision: &mut Decision) {
         let Laws { weights, radius, .. } = self.laws;
         if self.has_network && radius > 0.0 {

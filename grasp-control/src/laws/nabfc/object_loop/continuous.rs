@@ -15,12 +15,14 @@ struct SignalChange {
 
 impl ObjectLoop {
     /// Time derivatives of the estimates; those of the weights into `weights`.
+    #[inline]
     pub fn derivatives(&mut self, inputs: &ObjectInputs, held: bool, weights: &mut [f64]) -> Scalars {
         let drive = self.at(inputs).drive();
         self.estimator.derivatives(&drive, held, weights)
     }
 
     /// Change of the signals for a change of the inputs: they are linear.
+    #[inline]
     fn signal_change(&self, by: &ObjectInputs) -> SignalChange {
         let [c1, c2] = self.settings.compliance;
         let s = self.surface(by);
@@ -36,6 +38,7 @@ impl ObjectLoop {
     }
 
     /// Exact change of [`derivatives`](Self::derivatives) for a change `by` of the inputs and of the estimates.
+    #[inline]
     pub fn derivative_change(
         &mut self,
         inputs: &ObjectInputs,
@@ -56,6 +59,7 @@ impl ObjectLoop {
     }
 
     /// Exact change of the force for a change `by` of the inputs and of the estimates.
+    #[inline]
     pub fn command_change(
         &mut self,
         inputs: &ObjectInputs,
@@ -75,6 +79,7 @@ impl ObjectLoop {
     }
 
     /// Distance of s from the corners of sat, and what the ball of the weights tells.
+    #[inline]
     pub fn indicators(&mut self, inputs: &ObjectInputs, held: bool) -> [f64; 2] {
         let point = self.at(inputs);
         let (limit, switched) = (self.settings.sat_limit, self.settings.gains.eta > 0.0);
@@ -83,6 +88,7 @@ impl ObjectLoop {
     }
 
     /// Whether the ball holds the weights.
+    #[inline]
     pub fn decide(&mut self, inputs: &ObjectInputs, held: &mut bool, decision: &mut Decision) {
         let drive = self.at(inputs).drive();
         self.estimator.decide(&drive, held, decision);

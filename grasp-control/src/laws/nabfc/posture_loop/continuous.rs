@@ -7,18 +7,21 @@ use crate::laws::nabfc::estimator::{Drive, EstimatorChange, Scalars};
 
 impl PostureLoop {
     /// Time derivatives of the estimates at (e, ė); those of the weights into `weights`.
+    #[inline]
     pub fn derivatives(&mut self, (e, e_dot): (f64, f64), held: bool, weights: &mut [f64]) -> Scalars {
         let drive = self.at(e, e_dot).drive();
         self.estimator.derivatives(&drive, held, weights)
     }
 
     /// Normalised input of the network for a change of (e, ė, s).
+    #[inline]
     fn input_change(&self, (e, e_dot): (f64, f64), s: f64) -> [f64; 3] {
         let [angle, surface, alpha] = self.settings.inverse_scales;
         [e * angle, s * surface, -self.settings.gains.c3 * e_dot * alpha]
     }
 
     /// Exact change of [`derivatives`](Self::derivatives) for a change `by` of (e, ė) and of the estimates.
+    #[inline]
     pub fn derivative_change(
         &mut self,
         (e, e_dot): (f64, f64),
@@ -41,6 +44,7 @@ impl PostureLoop {
     }
 
     /// Exact change of the torque for a change `by` of (e, ė) and of the estimates, without that of the root moment.
+    #[inline]
     pub fn command_change(
         &mut self,
         (e, e_dot): (f64, f64),
@@ -62,6 +66,7 @@ impl PostureLoop {
     }
 
     /// Distance of s from the corners of sat, and what the ball of the weights tells.
+    #[inline]
     pub fn indicators(&mut self, (e, e_dot): (f64, f64), held: bool) -> [f64; 2] {
         let point = self.at(e, e_dot);
         let (limit, switched) = (self.settings.sat_limit, self.settings.gains.xi > 0.0);
@@ -70,6 +75,7 @@ impl PostureLoop {
     }
 
     /// Whether the ball holds the weights.
+    #[inline]
     pub fn decide(&mut self, (e, e_dot): (f64, f64), held: &mut bool, decision: &mut Decision) {
         let drive = self.at(e, e_dot).drive();
         self.estimator.decide(&drive, held, decision);

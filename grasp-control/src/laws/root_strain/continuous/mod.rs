@@ -11,6 +11,7 @@ use crate::signals::{Commands, Inputs};
 use present::{estimators, network_direction, put_estimators};
 
 /// The weights in a vector of states, to be written.
+#[inline]
 fn weights_of(nodes: [usize; 3], weights: &mut [f64]) -> [&mut [f64]; 3] {
     let (u1, rest) = weights.split_at_mut(nodes[0]);
     let (u2, rest) = rest.split_at_mut(nodes[1]);
@@ -18,11 +19,13 @@ fn weights_of(nodes: [usize; 3], weights: &mut [f64]) -> [&mut [f64]; 3] {
 }
 
 /// The learners' limits that hold: balls, robust terms.
+#[inline]
 fn held(regimes: &Regimes) -> [[bool; 2]; 3] {
     std::array::from_fn(|i| [regimes.weights[i], regimes.bound[i]])
 }
 
 impl Continuous for RootStrain {
+    #[inline]
     fn continuous_states(&self, out: &mut [f64]) {
         out.fill(0.0);
         // A position means something where the rate is estimated, a disturbance where no networks stand for it.
@@ -47,6 +50,7 @@ impl Continuous for RootStrain {
         }
     }
 
+    #[inline]
     fn take_states(&mut self, states: &[f64]) {
         self.observers = observers(states);
         if self.filters() {
@@ -63,15 +67,18 @@ impl Continuous for RootStrain {
         }
     }
 
+    #[inline]
     fn present_commands(&mut self, inputs: &Inputs) -> Commands {
         self.present(inputs).commands()
     }
 
+    #[inline]
     fn command_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Commands {
         let now = self.present(inputs);
         self.change(inputs, &now, along).outcome.into()
     }
 
+    #[inline]
     fn derivatives(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
         let now = self.present(inputs);
         let forces = self.actuation.forces(&now.commands(), inputs);
@@ -105,6 +112,7 @@ impl Continuous for RootStrain {
         }
     }
 
+    #[inline]
     fn derivative_change(&mut self, inputs: &Inputs, regimes: &Regimes, along: Direction<'_>, out: &mut [f64]) {
         let now = self.present(inputs);
         let change = self.change(inputs, &now, along);
@@ -159,6 +167,7 @@ impl Continuous for RootStrain {
         }
     }
 
+    #[inline]
     fn event_indicators(&mut self, inputs: &Inputs, regimes: &Regimes, out: &mut [f64]) {
         let now = self.present(inputs);
         let commands = now.commands();
@@ -185,6 +194,7 @@ impl Continuous for RootStrain {
         }
     }
 
+    #[inline]
     fn decide(&mut self, inputs: &Inputs, regimes: &mut Regimes) -> Decision {
         let now = self.present(inputs);
         let forces = self.actuation.forces(&now.commands(), inputs);

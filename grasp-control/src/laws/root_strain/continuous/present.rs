@@ -28,6 +28,7 @@ pub(super) struct Change {
 }
 
 impl Present {
+    #[inline]
     pub(super) fn commands(&self) -> Commands {
         self.outcome.into()
     }
@@ -35,10 +36,12 @@ impl Present {
 
 impl RootStrain {
     /// Whether the low-passes are in use.
+    #[inline]
     pub(super) fn filters(&self) -> bool {
         self.source == RateSource::Measured && self.root_moment_rate.is_on()
     }
 
+    #[inline]
     pub(super) fn present(&mut self, inputs: &Inputs) -> Present {
         let mut at = self.point(inputs);
         let (_, shear_rate) = self.strain_rates(inputs);
@@ -60,6 +63,7 @@ impl RootStrain {
         Present { at, outcome, shear_rate, sight }
     }
 
+    #[inline]
     pub(super) fn change(&mut self, inputs: &Inputs, now: &Present, along: Direction<'_>) -> Change {
         let states = along.states;
         let mut by = self.direction(along.inputs);
@@ -111,12 +115,14 @@ impl RootStrain {
     }
 
     /// Changes of Ĵ₁, Ĵ₂, m̂.
+    #[inline]
     fn inertia_changes(&self, states: &[f64]) -> [f64; 3] {
         let changes = estimators(states);
         std::array::from_fn(|i| self.inertia.of(i).inertia_changes(&self.priors[i], &changes[i]))
     }
 
     /// Change of what the networks see for a change `by` of the point and `outcome` of the surfaces.
+    #[inline]
     pub(super) fn seen_change<'a>(
         &self,
         at: &Point,
@@ -142,6 +148,7 @@ impl RootStrain {
     }
 
     /// Change of the surfaces along a direction.
+    #[inline]
     pub fn surface_change(&mut self, inputs: &Inputs, along: Direction<'_>) -> Surfaces {
         let now = self.present(inputs);
         self.change(inputs, &now, along).outcome.into()
@@ -149,6 +156,7 @@ impl RootStrain {
 
     /// Change of the estimates along a direction of the states.
     #[must_use]
+    #[inline]
     pub fn estimate_change(&self, states: &[f64]) -> Estimates {
         let [inertia1, inertia2, m_hat] = self.inertia_changes(states);
         let ([u1, u2, w], [pi1, pi2, epsilon]) = if let Some(networks) = &self.networks {
@@ -171,6 +179,7 @@ impl RootStrain {
 }
 
 /// Û₁, Û₂, Ŵ and the robust terms of a vector of states.
+#[inline]
 pub(super) fn network_direction(nodes: [usize; 3], states: &[f64]) -> NetworkDirection<'_> {
     let (u1, rest) = states[state::WEIGHTS..].split_at(nodes[0]);
     let (u2, rest) = rest.split_at(nodes[1]);
@@ -181,6 +190,7 @@ pub(super) fn network_direction(nodes: [usize; 3], states: &[f64]) -> NetworkDir
 }
 
 /// The estimators of a vector of states, or of a direction.
+#[inline]
 pub(super) fn estimators(states: &[f64]) -> [Estimator; 3] {
     std::array::from_fn(|i| {
         let first = state::ESTIMATORS.start + i * Estimator::<f64>::STATES;
@@ -189,6 +199,7 @@ pub(super) fn estimators(states: &[f64]) -> [Estimator; 3] {
 }
 
 /// Puts estimators, or their rates, into a vector of states.
+#[inline]
 pub(super) fn put_estimators(estimators: &[Estimator; 3], out: &mut [f64]) {
     for (estimator, out) in estimators.iter().zip(out[state::ESTIMATORS].chunks_exact_mut(Estimator::<f64>::STATES)) {
         out.copy_from_slice(&estimator.to_array());

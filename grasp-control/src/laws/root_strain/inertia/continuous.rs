@@ -32,6 +32,7 @@ impl<V: Copy> Estimator<V> {
 
 impl Estimator {
     /// Low-passes and high-passes: rates of what they hold.
+    #[inline]
     fn filter_rates(&self, filter: &FilterGains, signals: &Signals, moving: Moving) -> (Signals, Signals) {
         let (smooth, w, slow) = (&self.smooth, filter.bandwidth, filter.high_pass);
         let towards = [moving.rate - smooth.a, moving.force - smooth.f, moving.load - smooth.n];
@@ -40,6 +41,7 @@ impl Estimator {
     }
 
     /// Time derivatives.
+    #[inline]
     pub fn derivative(&self, filter: &FilterGains, prior: &Prior, moving: Moving) -> Self {
         let signals = self.signals(filter, moving);
         let (smooth, slow) = self.filter_rates(filter, &signals, moving);
@@ -50,6 +52,7 @@ impl Estimator {
     }
 
     /// Exact change of [`derivative`](Self::derivative) for a change `by` of the state, and of the motion.
+    #[inline]
     pub fn derivative_change(
         &self,
         filter: &FilterGains,
@@ -82,6 +85,7 @@ impl Estimator {
     }
 
     /// Change of Ĵ.
+    #[inline]
     pub fn inertia_changes(&self, prior: &Prior, by: &Self) -> f64 {
         // At its one value an estimate that is held may count as inside of its bounds.
         if prior.largest <= prior.smallest { 0.0 } else { self.inertia_change(prior, &by.sums) }
@@ -89,6 +93,7 @@ impl Estimator {
 
     /// How far β = 1/Ĵ is inside of its bounds, relatively: from that of the largest inertia, from that of the smallest (1 where
     /// they are the same); and γ, which losses make positive, relatively.
+    #[inline]
     pub fn distances(&self, prior: &Prior) -> [f64; 3] {
         let Sums { ff, nn, nf, af, an } = self.weighted(prior);
         let loss = (nf * af - ff * an) / (ff * af.abs().max(ff / prior.largest)) * prior.stiffness.recip();

@@ -37,11 +37,13 @@ pub(super) struct Learning {
 }
 
 impl<const D: usize> Approximator<D> {
+    #[inline]
     fn law(gains: &NetworkGains) -> LeakyLaw {
         LeakyLaw { gain: 1.0, leakage: gains.leakage }
     }
 
     /// Evaluates the network at the normalised input.
+    #[inline]
     pub(super) fn learning(&mut self, x: [f64; D], sight: &Sight) -> Learning {
         let Known { bandwidth, inertia, limit, .. } = sight.known;
         let (error, sign) = prediction_error(&sight.known, &sight.observer, sight.measured);
@@ -52,17 +54,20 @@ impl<const D: usize> Approximator<D> {
     }
 
     /// Forcing of the weights' law.
+    #[inline]
     fn forcing(&self, learning: &Learning, limit: f64) -> f64 {
         learning.learnt * slides(learning.raw, limit, learning.outwards) / self.gain
     }
 
     /// The robust term and its limit.
+    #[inline]
     fn bound_limit(&self, gains: &NetworkGains, learning: &Learning, limit: f64) -> Limit {
         let outward = Self::law(gains).rate(self.bound, gains.robust * learning.learnt * learning.sign);
         Limit { most: limit, magnitude: self.bound, outward }
     }
 
     /// ε̂˙; Ŵ˙ into `weights`. `held`: the ball, the robust term's limit.
+    #[inline]
     pub(super) fn derivatives(
         &mut self,
         gains: &NetworkGains,
@@ -78,16 +83,19 @@ impl<const D: usize> Approximator<D> {
     }
 
     /// Change of Δ̂ for a change of the normalised input, of what is seen, and of (Ŵ, ε̂).
+    #[inline]
     pub(super) fn output_change(&self, learning: &Learning, sight: &Sight, by: &Change<'_, D>) -> f64 {
         if learning.raw.abs() > sight.known.limit { 0.0 } else { self.raw_change(learning, sight, by) }
     }
 
+    #[inline]
     fn raw_change(&self, learning: &Learning, sight: &Sight, by: &Change<'_, D>) -> f64 {
         let network = self.network.output_change(by.weights, by.x);
         network + by.bound * learning.sign + self.bound * sign_change(learning, sight, &by.sight)
     }
 
     /// Exact change of [`derivatives`](Self::derivatives).
+    #[inline]
     pub(super) fn derivative_change(
         &mut self,
         gains: &NetworkGains,
@@ -113,6 +121,7 @@ impl<const D: usize> Approximator<D> {
         Self::law(gains).rate(by.bound, gains.robust * driven)
     }
 
+    #[inline]
     pub(super) fn indicators(&mut self, gains: &NetworkGains, x: [f64; D], sight: &Sight, held: [bool; 2]) -> [f64; 3] {
         let limit = sight.known.limit;
         let learning = self.learning(x, sight);
@@ -121,6 +130,7 @@ impl<const D: usize> Approximator<D> {
         [ball.indicator(held[0]), bound.indicator(held[1]), limit - learning.raw.abs()]
     }
 
+    #[inline]
     pub(super) fn decide(
         &mut self,
         gains: &NetworkGains,
@@ -148,18 +158,21 @@ pub(super) struct Change<'a, const D: usize> {
 }
 
 /// Change of ẽ.
+#[inline]
 fn error_change(sight: &Sight, by: &SightChange) -> f64 {
     // Linear in both.
     by.observer.error(&sight.known, by.measured)
 }
 
 /// Change of J ω² ẽ.
+#[inline]
 fn learnt_change(learning: &Learning, sight: &Sight, by: &SightChange) -> f64 {
     let Known { bandwidth, inertia, .. } = sight.known;
     bandwidth * bandwidth * (inertia * error_change(sight, by) + by.inertia * learning.error)
 }
 
 /// Change of tanh(ẽ/ϵ), ϵ = F_max/(J ω).
+#[inline]
 fn sign_change(learning: &Learning, sight: &Sight, by: &SightChange) -> f64 {
     let Known { bandwidth, inertia, limit, .. } = sight.known;
     let argument = (error_change(sight, by) * inertia + learning.error * by.inertia) * bandwidth / limit;

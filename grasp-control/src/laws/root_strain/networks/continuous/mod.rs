@@ -20,11 +20,13 @@ pub(in crate::laws::root_strain) struct NetworkDirection<'a> {
 
 impl Networks {
     /// Numbers of weights of hub 1, hub 2 and object.
+    #[inline]
     pub fn nodes(&self) -> [usize; 3] {
         [self.hubs[0].network.nodes(), self.hubs[1].network.nodes(), self.object.network.nodes()]
     }
 
     /// Writes the weights; gives the robust terms.
+    #[inline]
     pub fn put(&self, weights: [&mut [f64]; 3]) -> [f64; 3] {
         let [u1, u2, w] = weights;
         self.hubs[0].network.put_weights(u1);
@@ -34,6 +36,7 @@ impl Networks {
     }
 
     /// Takes weights and robust terms.
+    #[inline]
     pub fn take(&mut self, states: &NetworkDirection<'_>) {
         let [u1, u2, w] = states.weights;
         self.hubs[0].network.take_weights(u1);
@@ -43,6 +46,7 @@ impl Networks {
     }
 
     /// Δ̂.
+    #[inline]
     pub fn outputs(&mut self, seen: &Seen<'_>, sight: &[Sight; 3]) -> [f64; 3] {
         let (z, x) = ([self.z(seen, 0), self.z(seen, 1)], self.x(seen));
         let [hub1, hub2] = &mut self.hubs;
@@ -54,6 +58,7 @@ impl Networks {
     }
 
     /// Change of [`outputs`](Self::outputs).
+    #[inline]
     pub fn output_changes(
         &mut self,
         (seen, sight): (&Seen<'_>, &[Sight; 3]),
@@ -72,6 +77,7 @@ impl Networks {
     }
 
     /// Rates of the robust terms; those of the weights into `out`. `held`: balls, limits of the robust terms.
+    #[inline]
     pub fn derivatives(
         &mut self,
         gains: &NetworkGains,
@@ -91,6 +97,7 @@ impl Networks {
     }
 
     /// Change of [`derivatives`](Self::derivatives).
+    #[inline]
     pub fn derivative_changes(
         &mut self,
         gains: &NetworkGains,
@@ -113,6 +120,7 @@ impl Networks {
     }
 
     /// Of each learner: ball, robust term, clip.
+    #[inline]
     pub fn indicators(
         &mut self,
         gains: &NetworkGains,
@@ -130,6 +138,7 @@ impl Networks {
     }
 
     /// Which balls and limits of robust terms hold.
+    #[inline]
     pub fn decide(
         &mut self,
         gains: &NetworkGains,
@@ -148,6 +157,7 @@ impl Networks {
     }
 
     /// Change of the norms of the weights.
+    #[inline]
     pub fn norm_changes(&self, weights: [&[f64]; 3]) -> [f64; 3] {
         [
             self.hubs[0].network.norm_change(weights[0]),
@@ -157,6 +167,7 @@ impl Networks {
     }
 }
 
+#[inline]
 fn change<'a, const D: usize>(
     by: &NetworkDirection<'a>,
     i: usize,
