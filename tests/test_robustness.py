@@ -8,7 +8,6 @@ tau_max), 0.05 s at most. So 0.5 s is physically possible in every case below; t
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import re
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 
 from .support.contract import CONTROLLERS, PAPER
@@ -113,7 +113,7 @@ def simulate(case: Case, controller: str, folder: Path) -> tuple[Result, float]:
     if case.known_stiffness != 1.0:
         settings |= {f"{controller}.EI{arm}": 0.115 * case.known_stiffness for arm in (1, 2)}
     stop = 12.0 if settings.get(f"{controller}.EI1") else STOPS[controller]  # where a force ends takes longer
-    output = folder / "run.csv"
+    output = folder / "run.parquet"
     flags = [flag for name, value in settings.items() for flag in ("--set", f"{name}={value!r}")]
     done = dualarm(
         *("simulate", "--controller", controller.removesuffix("Controller").lower(), "--stop", repr(stop)),
@@ -129,9 +129,8 @@ def simulate(case: Case, controller: str, folder: Path) -> tuple[Result, float]:
         *(*flags, "--quiet", "--json", "-o", str(output)),
     )
     assert done.returncode == 0, done.stderr
-    with output.open(newline="", encoding="utf-8") as file:
-        rows = [[float(row[name]) for name in ("time", *RECORD)] for row in csv.DictReader(file)]
-    columns = dict(zip(("time", *RECORD), np.array(rows).T))
+    table = pq.read_table(output, columns=["time", *RECORD])
+    columns = {name: table[name].to_numpy() for name in table.column_names}
     metrics = json.loads(done.stdout)["metrics"]
     times = [metrics[f"contact_force{arm}"]["settling_2"] for arm in (1, 2)]
     return Result(columns.pop("time"), columns), math.inf if None in times else max(times)

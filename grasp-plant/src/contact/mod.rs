@@ -31,7 +31,7 @@
 //!
 //! # Exact
 //! Which sides touch is a mode, and each mode is linear: [`assembly`] has its matrix, [`mode`] its exact motion and the signals that
-//! may end it, [`series`] their first root, [`complementarity`] who pushes when that is not decided by continuity, [`switch`] what
+//! may end it, [`stiff`] what decays too fast for these, [`series`] their first root, [`complementarity`] who pushes when that is not decided by continuity, [`switch`] what
 //! becomes of a contact then; [`step`] puts them together. So a step has no cuts of its own: it goes from switch to switch. For a
 //! solver of one's own, [`continuous`] has the same grasp as differential equations.
 
@@ -47,10 +47,12 @@ mod impact;
 mod layout;
 mod mode;
 mod outputs;
+mod piece;
 mod rates;
 mod series;
 mod start;
 mod step;
+mod stiff;
 mod switch;
 
 use crate::dynamics::Signals;
@@ -60,8 +62,9 @@ use crate::state::{State, StateError};
 use assembly::{Assembly, Touching};
 use complementarity::Delassus;
 use layout::Layout;
-use mode::{Cache, Mode, Motion};
+use mode::Mode;
 use nalgebra::DMatrix;
+use piece::{Cache, Motion};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -120,7 +123,8 @@ impl Modes {
         let rigid = p.contact_model != ContactModel::Compliant;
         let modes = [[false, false], [true, false], [false, true], [true, true]].map(|touching: Touching| {
             let damped = !rigid && (0..2).any(|i| touching[i] && p.faces[i].damping > 0.0);
-            Mode::new(touching, assembly.layout, assembly.mode(touching), without_losses && !damped)
+            let relaxes = !rigid && touching != [true; 2];
+            Mode::new(touching, assembly.layout, assembly.mode(touching), without_losses && !damped, relaxes)
         });
         Self {
             layout: assembly.layout,

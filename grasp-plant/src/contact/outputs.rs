@@ -20,7 +20,7 @@ pub struct Contact {
 /// The rates of everything that moves, at one moment.
 pub(crate) struct Moment {
     /// Of the coordinates, then padding.
-    pub coordinates: super::mode::Scratch,
+    pub coordinates: super::piece::Scratch,
     /// Of the contact forces.
     pub force: [f64; 2],
     /// Of the contacts.

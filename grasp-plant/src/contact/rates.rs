@@ -2,7 +2,7 @@
 
 use super::Modes;
 use super::layout::Layout;
-use super::mode::Scratch;
+use super::piece::Scratch;
 use crate::kernel::LANES;
 
 impl Modes {

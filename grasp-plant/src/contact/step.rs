@@ -2,7 +2,8 @@
 
 use super::impact::{ROUNDING, SIMULTANEOUS, forces_of};
 use super::layout::SIGN;
-use super::mode::{Mode, Motion, Piece, RUNGS};
+use super::mode::{Mode, RUNGS};
+use super::piece::{Motion, Piece};
 use super::series::{Series, Undecided};
 use super::{ContactState, Contacts, Modes, mode_index};
 use crate::dynamics::{FORCES, Signals};

@@ -1,7 +1,7 @@
 //! A signal over one piece of a step.
 //!
 //! Over a piece of duration τ a gap or a contact force is, to rounding, a polynomial in ξ = t/τ ∈ [0, 1] (in the shifted
-//! Legendre basis or in powers) plus what a free face adds while it relaxes:
+//! Legendre basis or in powers) plus what decays: a free face that relaxes, or the mode's stiff part:
 //!
 //! ```text
 //! p(ξ) = Σ c_m φ_m(ξ) + E e^{−Kξ},    |φ_m| ≤ 1.
@@ -30,7 +30,7 @@ pub(super) struct Series {
     basis: Basis,
     terms: [f64; MOST_TERMS],
     length: usize,
-    /// E, not negative.
+    /// E.
     pub amplitude: f64,
     /// K, not negative.
     pub rate: f64,
@@ -62,7 +62,7 @@ impl Series {
         &self.terms[..self.length]
     }
 
-    /// `value` + `factor` ∫₀^ξ p of a polynomial p.
+    /// `value` + `factor` ∫₀^ξ p.
     pub fn integrated(&self, value: f64, factor: f64) -> Self {
         let mut integral = Self { terms: [0.0; MOST_TERMS], length: (self.length + 1).min(MOST_TERMS), ..*self };
         for (m, c) in self.terms().iter().enumerate() {
@@ -82,6 +82,11 @@ impl Series {
             }
         }
         integral.add(0, value);
+        if self.amplitude != 0.0 && self.rate > 0.0 {
+            let decaying = factor * self.amplitude / self.rate;
+            integral.add(0, decaying);
+            integral.amplitude = -decaying;
+        }
         integral
     }
 
@@ -92,24 +97,25 @@ impl Series {
         }
     }
 
-    /// `own` p + `others` q of two polynomials in the same basis.
+    /// `own` p + `others` q of two series in the same basis that decay alike.
     pub fn combined(&self, own: f64, q: &Self, others: f64) -> Self {
         let terms = std::array::from_fn(|m| own * self.terms[m] + others * q.terms[m]);
-        Self { terms, length: self.length.max(q.length), ..*self }
+        let amplitude = own * self.amplitude + others * q.amplitude;
+        Self { terms, length: self.length.max(q.length), amplitude, ..*self }
     }
 
     /// p and p'.
     pub fn value_and_slope(&self, xi: f64) -> (f64, f64) {
         let (mut value, mut slope) = self.polynomial(xi);
         if self.amplitude != 0.0 {
-            let relaxing = self.amplitude * decay(self.rate * xi);
-            value += relaxing;
-            slope -= self.rate * relaxing;
+            let decaying = self.amplitude * decay(self.rate * xi);
+            value += decaying;
+            slope -= self.rate * decaying;
         }
         (value, slope)
     }
 
-    /// p and p' without what relaxes.
+    /// p and p' without what decays.
     fn polynomial(&self, xi: f64) -> (f64, f64) {
         match self.basis {
             Basis::Powers => self.terms().iter().rev().fold((0.0, 0.0), |(p, d), c| (p * xi + c, d * xi + p)),
@@ -130,13 +136,29 @@ impl Series {
         }
     }
 
-    /// ∫₀^end p² dξ by a Gauss rule on [0, 1]: exact if it has as many nodes as the polynomial has terms.
+    /// ∫₀^end p² dξ by a Gauss rule on [0, 1]: exact if it has as many nodes as the polynomial has terms. What decays is integrated
+    /// over parts in which it falls by e⁻¹⁶ at most, until nothing is left of it.
     pub fn square(&self, end: f64, rule: &[(f64, f64)]) -> f64 {
-        if end >= 1.0 && self.basis == Basis::Legendre {
+        if end >= 1.0 && self.basis == Basis::Legendre && self.amplitude == 0.0 {
             // Parseval.
             return self.terms().iter().enumerate().map(|(m, c)| c * c / (2 * m + 1) as f64).sum();
         }
-        rule.iter().map(|(node, weight)| weight * end * self.value_and_slope(node * end).0.powi(2)).sum()
+        let over = |from: f64, to: f64| -> f64 {
+            let square = |(node, weight): &(f64, f64)| {
+                let xi = from + node * (to - from);
+                weight * (to - from) * self.value_and_slope(xi).0.powi(2)
+            };
+            rule.iter().map(square).sum()
+        };
+        let (mut from, mut sum) = (0.0, 0.0);
+        if self.amplitude != 0.0 {
+            while self.rate * from < 48.0 && self.rate * (end - from) > 16.0 {
+                let to = from + 16.0 / self.rate;
+                sum += over(from, to);
+                from = to;
+            }
+        }
+        sum + over(from, end)
     }
 }
 

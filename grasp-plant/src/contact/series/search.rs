@@ -41,14 +41,14 @@ impl Series {
     /// The smallest p can be, from the coefficients alone.
     fn least(&self) -> f64 {
         let [first, rest @ ..] = self.terms() else { return 0.0 };
-        let relaxing = if self.amplitude == 0.0 { 0.0 } else { self.amplitude * decay(self.rate) };
+        let decaying = if self.amplitude > 0.0 { self.amplitude * decay(self.rate) } else { self.amplitude };
         let variation: f64 = rest.iter().map(|c| c.abs()).sum();
         // In powers, what is positive only adds.
         let variation = match self.basis {
             Basis::Legendre => variation,
             Basis::Powers => rest.iter().map(|c| c.min(0.0).abs()).sum(),
         };
-        first - variation + relaxing
+        first - variation + decaying
     }
 
     /// A bound of |p''| by the coefficients: |P_m''| ≤ (m−1)m(m+1)(m+2)/8 on [−1, 1].
@@ -84,8 +84,8 @@ impl Series {
         };
         if self.amplitude != 0.0 {
             let (first, last) = (self.amplitude * decay(self.rate * a), self.amplitude * decay(self.rate * b));
-            least += last;
-            slope = (slope.0 - self.rate * first, slope.1 - self.rate * last);
+            least += first.min(last);
+            slope = (slope.0 - self.rate * first.max(last), slope.1 - self.rate * first.min(last));
         }
         Bounds { least, slope }
     }

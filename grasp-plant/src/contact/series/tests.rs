@@ -62,6 +62,43 @@ fn a_relaxing_face_is_part_of_the_signal() {
     }
 }
 
+/// 1 − 3 e^{−Kξ} begins below zero, and ¼ − ξ + ¾ e^{−Kξ} ends there; 2 − e^{−Kξ} never is.
+#[test]
+fn what_decays_has_either_sign() {
+    for rate in [0.5, 30.0, 1e4, 1e9] {
+        let series = |terms: &[f64], amplitude| Series { amplitude, rate, ..Series::new(Basis::Powers, terms) };
+        assert_eq!(found(&series(&[1.0], -3.0)), Some(0.0), "{rate}");
+        assert_eq!(found(&series(&[2.0], -1.0)), None, "{rate}");
+        let crossing = found(&series(&[0.25, -1.0], 0.75)).unwrap();
+        let value = 0.25 - crossing + 0.75 * decay(rate * crossing);
+        assert!(value.abs() < 1e-14, "{rate}: {crossing} {value:e}");
+    }
+}
+
+/// Integral and square of 1 + ξ − 2 e^{−Kξ}.
+#[test]
+fn what_decays_is_integrated_and_squared() {
+    let rule = gauss(MOST_TERMS);
+    for basis in [Basis::Powers, Basis::Legendre] {
+        for rate in [0.5, 20.0, 700.0, 1e5] {
+            let terms: &[f64] = if basis == Basis::Powers { &[1.0, 1.0] } else { &[1.5, 0.5] };
+            let series = Series { amplitude: -2.0, rate, ..Series::new(basis, terms) };
+            for xi in [0.1, 1.0] {
+                let gone = 1.0 - decay(rate * xi);
+                let integral = xi + 0.5 * xi * xi - 2.0 * gone / rate;
+                let found = series.integrated(0.25, 3.0).value_and_slope(xi).0;
+                assert!((found - (0.25 + 3.0 * integral)).abs() < 1e-14 * (1.0 + 6.0 / rate), "{basis:?} {rate} {xi}");
+                // ∫(1+s)² − 4 ∫(1+s) e^{−Ks} + 4 ∫e^{−2Ks}
+                let mixed = gone / rate + (gone / rate - xi * decay(rate * xi)) / rate;
+                let square =
+                    ((1.0 + xi).powi(3) - 1.0) / 3.0 - 4.0 * mixed + 2.0 * (1.0 - decay(2.0 * rate * xi)) / rate;
+                let found = series.square(xi, &rule);
+                assert!((found - square).abs() < 1e-13, "{basis:?} {rate} {xi}: {found} {square}");
+            }
+        }
+    }
+}
+
 #[test]
 fn both_bases_integrate_and_square_alike() {
     // p = 1 + 2ξ + 3ξ² = 3 + 2.5 P_1 + 0.5 P_2.

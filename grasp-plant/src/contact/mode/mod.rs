@@ -6,56 +6,30 @@
 //! what remains below the shortest is the Taylor series itself, whose terms are the signals' coefficients in powers.
 //!
 //! The ladder begins at ατ ≤ 0.75 and ends at ατ ≤ 24, with the [growth] α of 𝒜: what is left out of the series of degree 17 is
-//! below rounding, and so is what lies beyond the coefficients that are kept.
+//! below rounding, and so is what lies beyond the coefficients that are kept. A [stiff] decay is apart from all that: α is the growth
+//! of the rest, and the signals have an exponential of their own.
 //!
 //! [growth]: super::growth
+//! [stiff]: super::stiff
 
 use super::assembly::{ModeMatrices, Touching};
+use super::decay::decay;
 use super::growth::growth;
 use super::layout::Layout;
-use super::series::{Basis, MOST_TERMS, Series};
+use super::piece::{Fading, Motion, Piece, Scratch};
+use super::series::{Basis, MOST_TERMS};
+use super::stiff::Stiff;
 use crate::basis::{gauss, legendre};
 use crate::exponential::{TAYLOR_NORM, doubled, exp_m1, orthogonalise};
-use crate::kernel::{LANES, Panels};
+use crate::kernel::{LANES, Panels, dot};
 use nalgebra::{DMatrix, DVector, RowDVector};
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 /// Pieces in the ladder.
 pub(super) const RUNGS: u32 = 6;
 
 /// Degree of the Taylor series.
 const DEGREE: usize = 17;
-
-/// The exact motion over one duration.
-#[derive(Debug)]
-pub(super) struct Piece {
-    pub duration: f64,
-    /// Increments of (x, Θ, Γ, Ψ) from (x, g, r).
-    increment: Panels,
-    /// Coefficients of both watched signals, one after the other, from (x, g, r).
-    watched: Panels,
-    /// Coefficients of each.
-    terms: usize,
-}
-
-/// Buffers.
-pub(super) type Scratch = [[f64; LANES]; Layout::MOST_PANELS];
-
-/// What a piece did.
-#[derive(Clone, Debug)]
-pub(super) struct Motion {
-    /// Increments of (x, Θ, Γ, Ψ), then padding.
-    pub increment: Scratch,
-    /// What is watched on each side, over the piece.
-    pub watched: [Series; 2],
-}
-
-impl Motion {
-    pub fn none() -> Self {
-        let zero = Series::new(Basis::Powers, &[]);
-        Self { increment: [[0.0; LANES]; Layout::MOST_PANELS], watched: [zero; 2] }
-    }
-}
 
 /// One mode: which sides touch is fixed.
 #[derive(Debug)]
@@ -66,6 +40,9 @@ pub(super) struct Mode {
     /// 𝒜, for the Taylor series and for rates.
     pub panels: Panels,
     watched: [RowDVector<f64>; 2],
+    /// The longest duration for the Taylor series of 𝒜 \[s\].
+    taylor: f64,
+    stiff: Option<Stiff>,
     /// Contact forces by side.
     force: [RowDVector<f64>; 2],
     /// The length of each watched row: times |(x, g)|, what rounding of the signal is measured by.
@@ -77,17 +54,15 @@ pub(super) struct Mode {
 }
 
 impl Mode {
-    pub fn new(touching: Touching, layout: Layout, matrices: ModeMatrices, conservative: bool) -> Self {
+    /// `relaxes`: faces that touch nothing are deformed, and what is watched has an exponential for them.
+    pub fn new(touching: Touching, layout: Layout, matrices: ModeMatrices, conservative: bool, relaxes: bool) -> Self {
         let ModeMatrices { matrix, watched, force } = matrices;
         let alpha = growth(&matrix);
-        let mut base = 1.0;
-        while base * alpha > TAYLOR_NORM {
-            base *= 0.5;
-        }
-        while 2.0 * base * alpha <= TAYLOR_NORM && base < 1.0 {
-            base *= 2.0;
-        }
+        let stiff = if relaxes { None } else { Stiff::of(&matrix, &watched, alpha) };
         Self {
+            taylor: within(alpha),
+            base: within(stiff.as_ref().map_or(alpha, |stiff| stiff.growth)),
+            stiff,
             touching,
             layout,
             panels: Panels::new(&matrix),
@@ -95,7 +70,6 @@ impl Mode {
             watched,
             force,
             conservative,
-            base,
             ladder: OnceLock::new(),
             matrix,
         }
@@ -117,7 +91,7 @@ impl Mode {
     /// exp(𝒜τ) − I.
     fn increment(&self, duration: f64) -> DMatrix<f64> {
         let (mut part, mut doublings) = (duration, 0);
-        while part > self.base {
+        while part > self.taylor {
             part *= 0.5;
             doublings += 1;
         }
@@ -151,10 +125,11 @@ impl Mode {
                 *factor = (2 * m + 1) as f64 * weight * legendre(m, 2.0 * node - 1.0);
             }
         }
-        let transposed = Panels::new(&self.matrix.transpose());
+        let (rest, rows) = self.stiff.as_ref().map_or((&self.matrix, &self.watched), |s| (&s.rest, &s.watched));
+        let transposed = Panels::new(&rest.transpose());
         let mut watched = DMatrix::zeros(2 * terms, layout.drive());
         for side in 0..2 {
-            let mut row: DVector<f64> = self.watched[side].transpose();
+            let mut row: DVector<f64> = rows[side].transpose();
             let mut time = 0.0;
             for ((node, _), factors) in rule.iter().zip(factors.chunks_exact(terms)) {
                 self.carry(&transposed, node * duration - time, row.as_mut_slice());
@@ -167,7 +142,12 @@ impl Mode {
                 }
             }
         }
-        Piece { duration, increment: Panels::new(&increment), watched: Panels::new(&watched), terms }
+        let fading = self.stiff.as_ref().map(|stiff| Fading {
+            content: (0..layout.drive()).map(|column| stiff.left[source(column)]).collect(),
+            watched: stiff.of_right,
+            rate: stiff.rate * duration,
+        });
+        Piece { duration, increment: Panels::new(&increment), watched: Panels::new(&watched), terms, fading }
     }
 
     /// z ← exp(matrix·duration) z by its Taylor series, in as many parts as it takes.
@@ -207,18 +187,21 @@ impl Mode {
     /// The motion over a duration no longer than the shortest piece, from (x, g, r).
     pub fn short(&self, duration: f64, drive: &[f64], motion: &mut Motion) {
         let (n, size) = (self.layout.size(), self.layout.extended());
+        // In a short time nothing is stiff.
+        let stiff = self.stiff.as_ref().filter(|_| duration > self.taylor);
+        let (panels, watched) = stiff.map_or((&self.panels, &self.watched), |s| (&s.panels, &s.watched));
         let mut term: Scratch = [[0.0; LANES]; Layout::MOST_PANELS];
         let mut next: Scratch = term;
         term.as_flattened_mut()[..n].copy_from_slice(&drive[..n]);
         term.as_flattened_mut()[self.layout.force()..size].copy_from_slice(&drive[n..]);
+        let content = stiff.map(|stiff| (stiff, dot(stiff.left.as_slice(), term.as_flattened())));
         let mut coefficients = [[0.0; DEGREE + 1]; 2];
-        let read = |row: &RowDVector<f64>, z: &[f64]| row.iter().zip(z).map(|(row, z)| row * z).sum::<f64>();
         for side in 0..2 {
-            coefficients[side][0] = read(&self.watched[side], term.as_flattened());
+            coefficients[side][0] = dot(watched[side].as_slice(), term.as_flattened());
         }
         motion.increment = [[0.0; LANES]; Layout::MOST_PANELS];
         for m in 1..=DEGREE {
-            self.panels.multiply(&term.as_flattened()[..size], &mut next);
+            panels.multiply(&term.as_flattened()[..size], &mut next);
             let factor = duration / m as f64;
             for ((term, product), increment) in term
                 .as_flattened_mut()
@@ -231,108 +214,33 @@ impl Mode {
                 *increment += *term;
             }
             for side in 0..2 {
-                coefficients[side][m] = read(&self.watched[side], term.as_flattened());
+                coefficients[side][m] = dot(watched[side].as_slice(), term.as_flattened());
             }
         }
         for (series, terms) in motion.watched.iter_mut().zip(&coefficients) {
             series.assign(Basis::Powers, terms);
         }
-    }
-}
-
-impl Piece {
-    /// The motion over the piece, from (x, g, r), or from (x, g) if the forces are held.
-    pub fn motion(&self, drive: &[f64], motion: &mut Motion) {
-        let mut watched = [[0.0; LANES]; (2 * MOST_TERMS).div_ceil(LANES)];
-        self.increment.multiply(drive, &mut motion.increment);
-        self.watched.multiply(drive, &mut watched);
-        let coefficients = watched.as_flattened();
-        for (side, series) in motion.watched.iter_mut().enumerate() {
-            series.assign(Basis::Legendre, &coefficients[side * self.terms..(side + 1) * self.terms]);
-        }
-    }
-
-    /// The increments alone.
-    pub fn increment(&self, drive: &[f64], increment: &mut Scratch) {
-        self.increment.multiply(drive, increment);
-    }
-}
-
-/// The pieces of the step sizes in use, for all modes, most recent first. Clones share them.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Cache {
-    entries: Vec<(f64, Arc<[Piece; 4]>)>,
-}
-
-impl Cache {
-    /// The pieces of a duration, made now if it is not among those of the last `capacity` sizes.
-    pub fn get(&mut self, modes: &[Mode; 4], duration: f64, capacity: usize) -> Arc<[Piece; 4]> {
-        match self.entries.iter().position(|(size, _)| size.to_bits() == duration.to_bits()) {
-            Some(0) => (),
-            Some(index) => self.entries[..=index].rotate_right(1),
-            None => {
-                self.entries.truncate(capacity - 1);
-                self.entries.insert(0, (duration, Arc::new(modes.each_ref().map(|mode| mode.piece(duration)))));
+        if let Some((stiff, content)) = content {
+            let rate = stiff.rate * duration;
+            let gone = content * (1.0 - decay(rate));
+            for (increment, right) in motion.increment.as_flattened_mut().iter_mut().zip(stiff.right.iter()) {
+                *increment -= gone * right;
+            }
+            for (series, watched) in motion.watched.iter_mut().zip(stiff.of_right) {
+                (series.amplitude, series.rate) = (watched * content, rate);
             }
         }
-        self.entries[0].1.clone()
     }
+}
+
+/// The longest power of two, of s and up to one, within which a matrix of this growth is one for a Taylor series.
+fn within(growth: f64) -> f64 {
+    let mut longest = 1.0;
+    while longest * growth > TAYLOR_NORM {
+        longest *= 0.5;
+    }
+    longest
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::assembly::Assembly;
-    use super::*;
-    use crate::parameters::{ContactModel, Parameters};
-
-    fn modes(parameters: &Parameters) -> Vec<Mode> {
-        let assembly = Assembly::new(parameters);
-        [[false, false], [true, false], [false, true], [true, true]]
-            .map(|touching| Mode::new(touching, assembly.layout, assembly.mode(touching), false))
-            .into()
-    }
-
-    /// The Legendre series of each watched signal is that of the exact motion: at the nodes of another rule, by way of the
-    /// shortest Taylor steps. Long pieces are put together from short ones.
-    #[test]
-    fn series_and_increments_are_those_of_the_motion() {
-        for (model, order) in
-            [(ContactModel::Unilateral, 8), (ContactModel::Compliant, 8), (ContactModel::Unilateral, 15)]
-        {
-            let parameters = Parameters { contact_model: model, order, ..Parameters::default() };
-            for mode in modes(&parameters) {
-                let layout = mode.layout;
-                let drive: Vec<f64> = (0..layout.drive()).map(|i| (1.0 + i as f64).sin()).collect();
-                let mut motion = Motion::none();
-                for piece in mode.ladder() {
-                    piece.motion(&drive, &mut motion);
-                    let watched = motion.watched;
-                    let mut z = vec![0.0; layout.extended()];
-                    z[..layout.size()].copy_from_slice(&drive[..layout.size()]);
-                    z[layout.force()..].copy_from_slice(&drive[layout.size()..]);
-                    let start = z.clone();
-                    let mut done = 0.0;
-                    for node in [0.0, 0.013, 0.37, 0.77, 1.0] {
-                        mode.carry(&mode.panels, (node - done) * piece.duration, &mut z);
-                        done = node;
-                        for side in 0..2 {
-                            let exact: f64 = mode.watched[side].iter().zip(&z).map(|(row, z)| row * z).sum();
-                            let found = watched[side].value_and_slope(node).0;
-                            let scale = mode.sizes[side] * (layout.drive() as f64).sqrt();
-                            let error = (found - exact).abs() / scale;
-                            assert!(
-                                error < 1e-13,
-                                "{model:?} {:?} {:e} {node}: {error:e}",
-                                mode.touching,
-                                piece.duration
-                            );
-                        }
-                    }
-                    for (row, increment) in motion.increment.as_flattened()[..layout.increments()].iter().enumerate() {
-                        assert!((z[row] - start[row] - increment).abs() < 1e-11, "{row} {increment}");
-                    }
-                }
-            }
-        }
-    }
-}
+mod tests;
