@@ -115,6 +115,31 @@ impl<'a> View<'a> {
         }
     }
 
+    /// Sets numbers that stand side by side.
+    ///
+    /// # Safety
+    /// So many variables must follow each other in memory from this offset on.
+    #[inline]
+    pub unsafe fn set_run(&mut self, offset: u32, values: &[f64]) {
+        let places = self.model.wrapping_byte_add(offset as usize).cast::<f64>();
+        for (i, value) in values.iter().enumerate() {
+            // SAFETY: the caller's promise; volatile for the reason in `run`.
+            unsafe { places.add(i).write_volatile(ptr::from_ref(value).read_volatile()) };
+        }
+    }
+
+    /// Numbers that stand side by side. One by one: the compiler would read several at once, and where these have just been written one by
+    /// one, a processor waits until they are in its cache.
+    ///
+    /// # Safety
+    /// So many variables must follow each other in memory from this offset on.
+    #[inline]
+    pub unsafe fn run(&self, offset: u32, count: usize) -> impl Iterator<Item = f64> {
+        let places = self.model.wrapping_byte_add(offset as usize).cast::<f64>();
+        // SAFETY: the caller's promise.
+        (0..count).map(move |i| unsafe { places.add(i).read_volatile() })
+    }
+
     /// The value of a real variable that has this offset.
     ///
     /// # Safety

@@ -46,6 +46,7 @@ pub(crate) mod column {
 ///
 /// The same type carries their time derivatives where a function asks for rates.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[repr(C)] // In the order in which hosts set them.
 pub struct Measurements {
     /// Hub angles θᵢ \[rad\].
     pub theta: [f64; 2],
@@ -201,6 +202,7 @@ pub(crate) fn all_equal<const N: usize>(some: &[f64; N], others: &[f64; N]) -> b
 
 /// What a controller commands.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[repr(C)] // In the order in which hosts read them.
 pub struct Commands {
     /// Hub torques τ̄ᵢ before the actuators' limits \[N·m\] (`tau1_cmd`, `tau2_cmd`).
     pub tau: [f64; 2],

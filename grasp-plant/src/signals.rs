@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Inputs of the plant, or their time derivatives, or a direction of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(C)] // In the order in which hosts set them.
 pub struct Inputs {
     /// Commanded hub torques τ̄_i \[N·m\].
     pub torque_command: [f64; 2],
@@ -48,6 +49,7 @@ impl Inputs {
 
 /// The twelve measured outputs (or their time derivatives). They depend on the state alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)] // In the order in which hosts read them.
 pub struct Measured {
     /// Hub angles θ_i \[rad\].
     pub theta: [f64; 2],

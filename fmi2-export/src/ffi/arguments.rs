@@ -36,59 +36,46 @@ pub unsafe fn out<'a, T: Copy>(pointer: *mut T, length: usize, what: &str) -> Re
     Ok(Out::new(unsafe { std::slice::from_raw_parts_mut(pointer.cast::<MaybeUninit<T>>(), length) }))
 }
 
-/// Value references, and values to read: as [`slice`] for both, but what is right is found out at once.
+/// Value references, and values to read: as [`slice`] for both.
+///
+/// # Safety
+/// As [`slice`].
+pub unsafe fn values<'a>(vr: *const u32, value: *const f64, length: usize) -> Result<(&'a [u32], &'a [f64]), Refusal> {
+    // SAFETY: the caller's promise.
+    unsafe { Ok((slice(vr, length, "vr")?, slice(value, length, "value")?)) }
+}
+
+/// The same, if they are right, which is found out at once; empty ones may not seem so.
 ///
 /// # Safety
 /// As [`slice`].
 #[inline(always)]
-pub unsafe fn values<'a>(vr: *const u32, value: *const f64, length: usize) -> Result<(&'a [u32], &'a [f64]), Refusal> {
-    // SAFETY: the caller's promise; if they are right, as in `slice`.
-    unsafe {
-        if are_right(vr, value, length) {
-            Ok((std::slice::from_raw_parts(vr, length), std::slice::from_raw_parts(value, length)))
-        } else {
-            values_one_by_one(vr, value, length)
-        }
-    }
-}
-
-#[cold]
-#[inline(never)]
-unsafe fn values_one_by_one<'a>(
-    vr: *const u32,
-    value: *const f64,
-    length: usize,
-) -> Result<(&'a [u32], &'a [f64]), Refusal> {
-    // SAFETY: the caller's promise.
-    unsafe { Ok((slice(vr, length, "vr")?, slice(value, length, "value")?)) }
+pub unsafe fn right_values<'a>(vr: *const u32, value: *const f64, length: usize) -> Option<(&'a [u32], &'a [f64])> {
+    // SAFETY: the caller's promise; they are right, as in `slice`.
+    are_right(vr, value, length)
+        .then(|| unsafe { (std::slice::from_raw_parts(vr, length), std::slice::from_raw_parts(value, length)) })
 }
 
 /// Value references, and places for values: as [`values`].
 ///
 /// # Safety
 /// As [`slice`] and [`out`].
-#[inline(always)]
 pub unsafe fn places<'a>(vr: *const u32, value: *mut f64, length: usize) -> Result<(&'a [u32], Out<'a, f64>), Refusal> {
-    // SAFETY: the caller's promise; if they are right, as in `slice` and `out`.
-    unsafe {
-        if are_right(vr, value, length) {
-            let places = std::slice::from_raw_parts_mut(value.cast::<MaybeUninit<f64>>(), length);
-            Ok((std::slice::from_raw_parts(vr, length), Out::new(places)))
-        } else {
-            places_one_by_one(vr, value, length)
-        }
-    }
-}
-
-#[cold]
-#[inline(never)]
-unsafe fn places_one_by_one<'a>(
-    vr: *const u32,
-    value: *mut f64,
-    length: usize,
-) -> Result<(&'a [u32], Out<'a, f64>), Refusal> {
     // SAFETY: the caller's promise.
     unsafe { Ok((slice(vr, length, "vr")?, out(value, length, "value")?)) }
+}
+
+/// The same, if they are right: as [`right_values`].
+///
+/// # Safety
+/// As [`slice`] and [`out`].
+#[inline(always)]
+pub unsafe fn right_places<'a>(vr: *const u32, value: *mut f64, length: usize) -> Option<(&'a [u32], Out<'a, f64>)> {
+    // SAFETY: the caller's promise; they are right, as in `slice` and `out`.
+    are_right(vr, value, length).then(|| unsafe {
+        let places = std::slice::from_raw_parts_mut(value.cast::<MaybeUninit<f64>>(), length);
+        (std::slice::from_raw_parts(vr, length), Out::new(places))
+    })
 }
 
 /// Whether both arrays pass [`check`]; an empty one that is null does not, and is looked at again.

@@ -3,8 +3,8 @@
 use std::any::Any;
 use std::cell::UnsafeCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
 
+use super::guard::{Entered, Guard};
 use super::logger::Logger;
 use super::types::Component;
 use crate::categories::Category;
@@ -18,8 +18,8 @@ use crate::status::{Outcome, Refusal, Status};
 /// first: see [`Slave`].
 #[repr(C, align(64))]
 pub struct Shared {
-    /// A call is running on the instance.
-    pub busy: AtomicBool,
+    /// Whether a call is running on the instance.
+    pub guard: Guard,
     pub instance: UnsafeCell<Instance>,
 }
 
@@ -44,15 +44,37 @@ impl Instance {
 ///
 /// # Safety
 /// If not null and aligned, `component` must come from `instantiate` and not have been freed.
-pub unsafe fn occupy<'c>(component: Component) -> Option<&'c Shared> {
+#[inline]
+pub unsafe fn occupy<'c>(component: Component) -> Option<(&'c Shared, Entered<'c>)> {
     let pointer = component.cast::<Shared>();
     if !pointer.is_aligned() {
         return None;
     }
     // SAFETY: aligned; the rest is the caller's promise.
     let shared = unsafe { pointer.as_ref() }?;
-    // A swap and not a load and a store, so that of two threads one is refused: it costs 1.2 ns.
-    (!shared.busy.swap(true, Ordering::Acquire)).then_some(shared)
+    Some((shared, shared.guard.enter()?))
+}
+
+/// The short way of a call that is made at every step, if the host's thread owns the instance: runs it and tells how it went. `None` if
+/// this is no usual call: then nothing has happened, and [`call`] is to make it.
+///
+/// # Safety
+/// As [`occupy`].
+#[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+#[inline(always)]
+pub unsafe fn call_shortly(component: Component, run: impl FnOnce(&mut Instance) -> Option<Status>) -> Option<Status> {
+    let pointer = component.cast::<Shared>();
+    if pointer.is_null() || !pointer.is_aligned() {
+        return None;
+    }
+    // SAFETY: not null, aligned; the rest is the caller's promise.
+    let shared = unsafe { &*pointer };
+    let entered = shared.guard.enter_as_owner()?;
+    // SAFETY: the only reference until the call has ended.
+    let instance = unsafe { &mut *shared.instance.get() };
+    let status = if instance.library.is_lost() { None } else { run(instance) };
+    entered.leave();
+    status
 }
 
 /// Runs a call on an instance; refusals are logged, panics caught. Nothing is logged about a call from within another
@@ -62,8 +84,8 @@ pub unsafe fn occupy<'c>(component: Component) -> Option<&'c Shared> {
 /// As [`occupy`].
 pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outcome) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
-    let Some(shared) = (unsafe { occupy(component) }) else { return Status::Error };
-    // SAFETY: `busy` was false, so this is the only reference until it is false again.
+    let Some((shared, entered)) = (unsafe { occupy(component) }) else { return Status::Error };
+    // SAFETY: the only reference until the call has ended.
     let instance = unsafe { &mut *shared.instance.get() };
     let status = if instance.library.is_lost() {
         refused(instance, lost())
@@ -74,7 +96,7 @@ pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outc
             Err(panic) => panicked(instance, panic),
         }
     };
-    shared.busy.store(false, Ordering::Release);
+    entered.leave();
     status
 }
 
@@ -102,7 +124,7 @@ fn refused(instance: &mut Instance, refusal: Refusal) -> Status {
 
 #[cold]
 #[inline(never)]
-fn panicked(instance: &mut Instance, panic: Box<dyn Any + Send>) -> Status {
+pub fn panicked(instance: &mut Instance, panic: Box<dyn Any + Send>) -> Status {
     let message = message(panic);
     instance.slave.poison();
     instance.logger.log(Status::Error, Category::Error, format_args!("internal error in the model: {message}"));

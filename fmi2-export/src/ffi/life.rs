@@ -4,9 +4,9 @@
 use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_char, c_int};
 use std::ptr;
-use std::sync::atomic::AtomicBool;
 
 use super::arguments::{strings, text};
+use super::guard::Guard;
 use super::instance::{Instance, Shared, call, guarded, lost, occupy};
 use super::logger::Logger;
 use super::panics;
@@ -78,9 +78,9 @@ pub unsafe fn instantiate(
         Ok(Ok((model, slave))) => {
             logger.log(Status::Ok, Category::Events, format_args!("instantiated"));
             let instance = UnsafeCell::new(Instance { library, slave, model, logger });
-            let shared = Box::into_raw(Box::new(Shared { busy: AtomicBool::new(false), instance }));
-            // SAFETY: just made; `free_instance` forgets the flag first.
-            unsafe { panics::watch(&raw const (*shared).busy) };
+            let shared = Box::into_raw(Box::new(Shared { guard: Guard::new(), instance }));
+            // SAFETY: just made; `free_instance` forgets the guard first.
+            unsafe { panics::watch(&raw const (*shared).guard) };
             return shared.cast();
         }
         Ok(Err(refusal)) => (refusal.status(), refusal.into_message()),
@@ -119,8 +119,8 @@ fn find_model(
 #[inline(never)]
 pub unsafe fn free_instance(component: Component) {
     // SAFETY: the host's promise.
-    let Some(shared) = (unsafe { occupy(component) }) else { return };
-    panics::forget(&raw const shared.busy);
+    let Some((shared, _)) = (unsafe { occupy(component) }) else { return };
+    panics::forget(&raw const shared.guard);
     // SAFETY: the host's promise: it came from `instantiate` and is not used again.
     let instance = unsafe { Box::from_raw(component.cast::<Shared>()) }.instance.into_inner();
     let (library, model) = (instance.library, instance.model);

@@ -18,7 +18,9 @@
 //! one that throws a C++ exception ends the process. Null pointers are refused. Handles of saved states are never dereferenced.
 
 mod arguments;
+mod barrier;
 mod exchange;
+mod guard;
 mod instance;
 mod life;
 mod logger;

@@ -8,16 +8,18 @@
 //! busy on some thread, a panic elsewhere is mistaken for its own.
 
 use std::panic::PanicHookInfo;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+
+use super::guard::Guard;
 
 type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Send + Sync>;
 
 /// The hook there was before ours.
 static PREVIOUS: OnceLock<Hook> = OnceLock::new();
 
-/// Addresses of the flags of all instances that tell whether a call is running on them, sorted.
-static FLAGS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
+/// Addresses of the guards of all instances, which tell whether a call is running on them, sorted.
+static GUARDS: Mutex<Vec<usize>> = Mutex::new(Vec::new());
 
 /// Calls under way that have no instance: those that make or free one.
 static WITHOUT_INSTANCE: AtomicUsize = AtomicUsize::new(0);
@@ -43,9 +45,9 @@ fn hook(info: &PanicHookInfo<'_>) {
 }
 
 fn is_inside_a_call() -> bool {
-    // SAFETY: a flag lives at least as long as it is in the set.
-    let is_busy = |flag: &usize| unsafe { &*(*flag as *const AtomicBool) }.load(Ordering::Relaxed);
-    WITHOUT_INSTANCE.load(Ordering::Relaxed) > 0 || flags().iter().any(is_busy)
+    // SAFETY: a guard lives at least as long as it is in the set.
+    let is_busy = |guard: &usize| unsafe { &*(*guard as *const Guard) }.is_busy();
+    WITHOUT_INSTANCE.load(Ordering::Relaxed) > 0 || guards().iter().any(is_busy)
 }
 
 /// Runs a call that makes or frees an instance.
@@ -56,29 +58,29 @@ pub fn without_instance<T>(run: impl FnOnce() -> T) -> T {
     result
 }
 
-/// From now on, panics are inside a call while this flag is set.
+/// From now on, panics are inside a call while a call runs on this instance.
 ///
 /// # Safety
-/// The flag must live until it is [`forget`]ten.
-pub unsafe fn watch(flag: *const AtomicBool) {
-    let (mut flags, flag) = (flags(), flag as usize);
-    if let Err(place) = flags.binary_search(&flag) {
-        flags.insert(place, flag);
+/// The guard must live until it is [`forget`]ten.
+pub unsafe fn watch(guard: *const Guard) {
+    let (mut guards, guard) = (guards(), guard as usize);
+    if let Err(place) = guards.binary_search(&guard) {
+        guards.insert(place, guard);
     }
 }
 
 /// Ends what [`watch`] has begun.
-pub fn forget(flag: *const AtomicBool) {
-    let mut flags = flags();
-    if let Ok(place) = flags.binary_search(&(flag as usize)) {
-        flags.remove(place);
+pub fn forget(guard: *const Guard) {
+    let mut guards = guards();
+    if let Ok(place) = guards.binary_search(&(guard as usize)) {
+        guards.remove(place);
     }
-    if flags.is_empty() {
+    if guards.is_empty() {
         // Statics of an unloaded library are not dropped: leave no memory in them.
-        *flags = Vec::new();
+        *guards = Vec::new();
     }
 }
 
-fn flags() -> MutexGuard<'static, Vec<usize>> {
-    FLAGS.lock().unwrap_or_else(PoisonError::into_inner)
+fn guards() -> MutexGuard<'static, Vec<usize>> {
+    GUARDS.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -2,14 +2,30 @@
 #![allow(clippy::missing_safety_doc)] // One rule for all of them: see the module `ffi`.
 
 use std::ffi::{c_char, c_int};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::arguments::{out, places, slice, strings, values};
-use super::instance::call;
+use super::arguments::{out, places, right_places, right_values, slice, strings, values};
+use super::instance::{call, call_shortly, panicked};
 use super::types::{Boolean, Component, ValueReference};
 use crate::status::{Refusal, Status};
 
 /// `fmi2GetReal`.
 pub unsafe fn get_real(component: Component, vr: *const ValueReference, count: usize, value: *mut f64) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        let shortly = call_shortly(component, |instance| {
+            let (references, places) = right_places(vr, value, count)?;
+            match catch_unwind(AssertUnwindSafe(|| instance.slave.get_run(references, places))) {
+                Ok(done) => done.then_some(Status::Ok),
+                Err(panic) => Some(panicked(instance, panic)),
+            }
+        });
+        shortly.unwrap_or_else(|| get_any_real(component, vr, count, value))
+    }
+}
+
+#[inline(never)]
+unsafe fn get_any_real(component: Component, vr: *const ValueReference, count: usize, value: *mut f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
         call(component, |instance| {
@@ -62,6 +78,18 @@ pub unsafe fn get_string(
 
 /// `fmi2SetReal`.
 pub unsafe fn set_real(component: Component, vr: *const ValueReference, count: usize, value: *const f64) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        let shortly = call_shortly(component, |instance| {
+            let (references, values) = right_values(vr, value, count)?;
+            instance.slave.set_run(references, values).then_some(Status::Ok)
+        });
+        shortly.unwrap_or_else(|| set_any_real(component, vr, count, value))
+    }
+}
+
+#[inline(never)]
+unsafe fn set_any_real(component: Component, vr: *const ValueReference, count: usize, value: *const f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
         call(component, |instance| {

@@ -96,6 +96,7 @@ impl Layout {
             layout.add(index, variable);
         }
         layout.variables = list;
+        layout.find_runs();
         // Grown by doubling, and kept as long as there are instances.
         layout.variables.shrink_to_fit();
         layout.reals.shrink_to_fit();
@@ -104,6 +105,40 @@ impl Layout {
             layout.add_continuous(exchange, indicators);
         }
         layout
+    }
+
+    /// Finds the real variables that stand side by side, from the last on.
+    fn find_runs(&mut self) {
+        let mut next: Option<RealSlot> = None;
+        for real in self.reals.iter_mut().rev() {
+            if real.needs & Reading::NO_SHORT_WAY == 0 {
+                real.run = next.filter(|next| real.is_like(next)).map_or(1, |next| next.run.saturating_add(1));
+            }
+            next = (real.run > 0).then_some(*real);
+        }
+    }
+
+    /// The first of the real variables to which these references lead, if they stand side by side, one reference after the other: what is
+    /// known of it holds for all.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
+    pub fn run(&self, references: &[u32]) -> Option<&RealSlot> {
+        let first = *references.first()?;
+        let real = self.reals.get(first as usize)?;
+        if references.len() > usize::from(real.run) {
+            return None;
+        }
+        // Two at a time: they are one number, whose halves grow by two.
+        let both = |first: u32, second: u32| u64::from(first) | u64::from(second) << 32;
+        let mut expected = both(first, first.wrapping_add(1));
+        let (pairs, rest) = references.as_chunks::<2>();
+        for [first, second] in pairs {
+            if both(*first, *second) != expected {
+                return None;
+            }
+            expected = expected.wrapping_add(both(2, 2));
+        }
+        rest.iter().all(|last| u64::from(*last) == expected & u64::from(u32::MAX)).then_some(real)
     }
 
     /// The evaluation to run before reading a real variable, as a bit; 0 if none.
@@ -128,7 +163,8 @@ impl Layout {
                 }
                 let offset = place.offset().and_then(|offset| offset.try_into().ok()).unwrap_or(RealSlot::ELSEWHERE);
                 let elsewhere = if offset == RealSlot::ELSEWHERE { RealSlot::IS_ELSEWHERE } else { 0 };
-                self.readings.push(Reading::new(evaluation, offset));
+                let reading = Reading::new(evaluation, offset);
+                self.readings.push(reading);
                 self.reals.push(RealSlot {
                     min: variable.min.unwrap_or(f64::MIN).max(f64::MIN),
                     max: variable.max.unwrap_or(f64::MAX).min(f64::MAX),
@@ -136,6 +172,8 @@ impl Layout {
                     variable: index,
                     settable,
                     kind: causality.bit() | elsewhere,
+                    run: 0,
+                    needs: reading.needs,
                 });
                 (BaseType::Real, reference)
             }

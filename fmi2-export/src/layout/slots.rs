@@ -41,6 +41,11 @@ pub(crate) struct RealSlot {
     pub settable: u8,
     /// What it is, as far as setting and reading it go: a bit each.
     pub kind: u8,
+    /// How many variables of successive references, from this one on, follow each other in memory and are alike in all else: most hosts
+    /// set and read such a group, and one check does for all. Zero if it has no short way.
+    pub run: u16,
+    /// As in [`Reading`].
+    pub needs: u32,
 }
 
 impl RealSlot {
@@ -51,6 +56,12 @@ impl RealSlot {
 
     pub fn has(&self, causality: Causality) -> bool {
         self.kind & causality.bit() != 0
+    }
+
+    /// Whether it can be set and read together with the variable of the next reference.
+    pub fn is_like(&self, next: &Self) -> bool {
+        let of = |slot: &Self| (slot.min.to_bits(), slot.max.to_bits(), slot.settable, slot.kind, slot.needs);
+        of(self) == of(next) && self.offset.checked_add(size_of::<f64>() as u32) == Some(next.offset)
     }
 
     /// Whether the variable may have this value. NaN and infinities never are between two finite numbers.

@@ -3,13 +3,32 @@
 use std::ffi::CString;
 
 use super::{Slave, find, no_such};
-use crate::layout::{Layout, Reading, Slot};
+use crate::layout::{Layout, Reading, RealSlot, Slot};
 use crate::out::Out;
-use crate::phase::Call;
+use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::view::{Value, View};
 
 impl Slave {
+    /// Reads variables between steps, if they stand side by side; whether they do.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
+    pub fn get_run(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
+        if self.frame.phase != Phase::StepComplete {
+            return false;
+        }
+        let (layout, mut view) = self.subject.view();
+        let Some(RealSlot { offset, needs, .. }) = layout.run(references) else { return false };
+        let todo = u64::from(*needs) & self.frame.stale;
+        if todo != 0 {
+            self.frame.stale &= !todo;
+            view.evaluate(todo);
+        }
+        // SAFETY: so many stand side by side.
+        values.write(unsafe { view.run(*offset, references.len()) });
+        true
+    }
+
     pub fn get_real(&mut self, references: &[u32], values: Out<'_, f64>) -> Outcome {
         self.check(Call::Get, "fmi2GetReal")?;
         let (mut needs, readings) = (0, self.layout().readings.as_slice());

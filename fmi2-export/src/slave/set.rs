@@ -3,13 +3,32 @@
 use super::{Slave, all, find, out_of_range};
 use crate::access::Access;
 use crate::any_model::AnyModel;
-use crate::layout::{Layout, Slot};
+use crate::layout::{Layout, Slot, settable};
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::variable::{Causality, Variable};
 use crate::view::View;
 
 impl Slave {
+    /// Sets inputs between steps, if they stand side by side and take these values; whether it has.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
+    pub fn set_run(&mut self, references: &[u32], values: &[f64]) -> bool {
+        if self.frame.phase != Phase::StepComplete {
+            return false;
+        }
+        let (layout, mut view) = self.subject.view();
+        let Some(first) = layout.run(references) else { return false };
+        let is_input = first.kind == Causality::Input.bit() && first.settable & settable::STEPPING != 0;
+        if !is_input || !values.iter().all(|value| first.accepts(*value)) {
+            return false;
+        }
+        // SAFETY: so many stand side by side as there are references, and so values.
+        unsafe { view.set_run(first.offset, values) };
+        self.frame.stale |= layout.input_dependent;
+        true
+    }
+
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check(Call::Set, "fmi2SetReal")?;
         let mut changed = Changed::default();

@@ -28,8 +28,9 @@ use reflection::Reflection;
 /// Number of effective force inputs: the torques on hubs 1 and 2, the force on the object.
 pub(crate) const FORCES: usize = 3;
 
-/// Signals read from x; the constants below index them. The first eight depend on the velocities only (one of them is
-/// constantly zero), the last four on the moments only.
+/// Signals read from x; the constants below index them. The first eight depend on the velocities only (one of them, the fourth, is
+/// constantly zero), the last four on the moments only. They are written four at a time, and no two that are read together stand in
+/// different fours: to read such a pair, a processor waits until both fours are in its cache.
 pub(crate) type Signals = [f64; SIGNALS];
 
 /// θ̇_1, θ̇_2, ẏ_M. These rows are also Bᵀ.
@@ -39,9 +40,9 @@ pub(crate) const ROOT_MOMENT: [usize; 2] = [8, 9];
 /// EI w'''(l) of both arms.
 pub(crate) const TIP_SHEAR: [usize; 2] = [10, 11];
 /// d/dt EI w'''(l) of both arms.
-pub(crate) const TIP_SHEAR_RATE: [usize; 2] = [3, 4];
+pub(crate) const TIP_SHEAR_RATE: [usize; 2] = [4, 5];
 /// d/dt EI w''(0) of both arms.
-pub(crate) const ROOT_MOMENT_RATE: [usize; 2] = [5, 6];
+pub(crate) const ROOT_MOMENT_RATE: [usize; 2] = [6, 7];
 const OF_VELOCITIES: usize = 8;
 const OF_MOMENTS: usize = 4;
 pub(crate) const SIGNALS: usize = OF_VELOCITIES + OF_MOMENTS;

@@ -87,8 +87,8 @@ impl Held<'_> {
         // SAFETY: all that the loop went through are of this length, so it has written so many places.
         let next = unsafe { slice::from_raw_parts(buffer.as_ptr().cast::<[f64; GROUP]>(), count) };
         let mut travel = Travel { total: total.map(sum), ..Travel::default() };
-        let mut after = 0.0;
-        rigid.step(table.h, *zeta, forces, None, &mut after, &mut travel);
+        let (after, rise) = rigid.held(table.h, *zeta, &forces_4);
+        travel.total[2] += rise;
         // A loop of its own: the sums of both do not fit into the registers.
         let mut sums = Sums::<V>::zero();
         for (columns, next) in columns.iter().zip(next) {

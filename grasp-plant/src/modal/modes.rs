@@ -177,5 +177,7 @@ pub(super) fn rigid(vibration: &Vibration, readings: &Readings, gains: &[Gains])
             }
         }
     }
-    Rigid { gain: vibration.rigid_inputs, velocity: vibration.rigid_inputs[2], drift: drift.map(|drift| drift.hi) }
+    let (gain, drift) = (vibration.rigid_inputs, drift.map(|drift| drift.hi));
+    let columns = [0, 1, 2].map(|force| [gain[force], drift[force], 0.0, 0.0]);
+    Rigid { gain, velocity: gain[2], drift, columns }
 }

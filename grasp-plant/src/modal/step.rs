@@ -23,6 +23,8 @@ pub(super) struct Rigid {
     pub gain: [f64; FORCES],
     pub velocity: f64,
     pub drift: [f64; FORCES],
+    /// Gain and drift, in lanes, by force.
+    pub columns: [Lanes; FORCES],
 }
 
 /// The changes by a step besides the coordinates.
@@ -155,6 +157,16 @@ fn driven<V: Four>(gain: &[Lanes; FORCES], forces: &[V; FORCES]) -> V {
 }
 
 impl Rigid {
+    /// ζ after a step with held forces, and by how much the object has risen with it: the bits of [`Self::step`].
+    #[inline(always)]
+    pub fn held<V: Four>(&self, h: f64, before: f64, forces: &[V; FORCES]) -> (f64, f64) {
+        let [push, drift, ..] = driven(&self.columns, forces).lanes();
+        let change = h * push;
+        let rise = h * (self.velocity * (before + 0.5 * change) + drift);
+        let after = before + change;
+        (if after.abs() < NEGLIGIBLE { 0.0 } else { after }, rise)
+    }
+
     /// The rigid part of a step.
     #[inline(always)]
     pub fn step(

@@ -1,0 +1,235 @@
+//! One call at a time: who may use an instance.
+//!
+//! Of two threads that use an instance at once, which the standard forbids, one is refused. An atomic swap does that for any threads, but
+//! takes 18 cycles and lets nothing overtake it: for the three calls of a step half as long as the step of a small model. So a thread that
+//! calls again becomes the *owner*. It enters by an ordinary store, of a mark that only owners write, and looks once more whether it is the
+//! owner. Another thread that wants to enter takes ownership away and then has the system make every processor pass a memory barrier
+//! ([`barrier`]). Either the owner's store came before its processor's barrier, and the other thread sees the mark and is refused; or its
+//! second look comes after the barrier, and it sees that it is the owner no more and enters as any other thread, by a swap.
+//!
+//! Taking ownership away takes microseconds. Where threads take turns, it happens a few times, and then they all swap.
+
+// On the way of every step, in a crate that is compiled for size.
+#![allow(clippy::inline_always)]
+
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering, compiler_fence};
+
+use super::barrier::{barrier, can_bar, this_thread};
+
+/// An owner that is none. No thread has such a number, nor the next.
+const NOBODY: usize = usize::MAX;
+
+/// Somebody has taken ownership away, and no barrier has been passed since.
+const UNCERTAIN: usize = usize::MAX - 1;
+
+/// How often ownership is taken away before an instance has no owners any more: a host that makes and frees instances on one thread and
+/// uses them on another needs two for a run.
+const MOST_LOSSES: u8 = 4;
+
+/// Whether a call is running on an instance.
+#[repr(C)]
+pub struct Guard {
+    owner: AtomicUsize,
+    /// The owner is inside, or is looking whether it still is the owner.
+    is_owner_inside: AtomicBool,
+    /// A thread that is not the owner is inside, or is looking whether the owner is. What follows is written by that thread alone.
+    is_other_inside: AtomicBool,
+    /// How often ownership has been taken away.
+    losses: AtomicU8,
+    /// The thread that was inside last without being the owner.
+    last: AtomicUsize,
+}
+
+/// A call under way: its mark, to be taken away when it ends.
+pub struct Entered<'g>(&'g AtomicBool);
+
+impl Entered<'_> {
+    /// The call has ended.
+    #[inline(always)]
+    pub fn leave(self) {
+        self.0.store(false, Ordering::Release);
+    }
+}
+
+impl Guard {
+    /// Of an instance that nobody uses yet.
+    pub const fn new() -> Self {
+        Self {
+            owner: AtomicUsize::new(NOBODY),
+            is_owner_inside: AtomicBool::new(false),
+            is_other_inside: AtomicBool::new(false),
+            losses: AtomicU8::new(0),
+            last: AtomicUsize::new(NOBODY),
+        }
+    }
+
+    /// Begins a call; `None` if one is running already: from within it, or on another thread.
+    #[inline(always)]
+    pub fn enter(&self) -> Option<Entered<'_>> {
+        self.enter_as_owner().or_else(|| self.enter_as_any())
+    }
+
+    /// Begins a call if this thread is the owner and no call is running.
+    #[inline(always)]
+    pub fn enter_as_owner(&self) -> Option<Entered<'_>> {
+        let thread = this_thread();
+        // Nobody else writes the mark while this thread is the owner.
+        if self.owner.load(Ordering::Relaxed) != thread || self.is_owner_inside.load(Ordering::Relaxed) {
+            return None;
+        }
+        let entered = Entered(&self.is_owner_inside);
+        self.is_owner_inside.store(true, Ordering::Relaxed);
+        // The compiler keeps the order. That the processor may not is what the other thread's barrier is for.
+        compiler_fence(Ordering::SeqCst);
+        if self.owner.load(Ordering::Relaxed) == thread {
+            // What threads before this one did, it has seen when it became the owner.
+            Some(entered)
+        } else {
+            entered.leave();
+            None
+        }
+    }
+
+    /// Begins a call of any thread.
+    #[cold]
+    #[inline(never)]
+    fn enter_as_any(&self) -> Option<Entered<'_>> {
+        let thread = this_thread();
+        if self.owner.load(Ordering::Relaxed) == thread && self.is_owner_inside.load(Ordering::Relaxed) {
+            return None;
+        }
+        if self.is_other_inside.swap(true, Ordering::Acquire) {
+            return None;
+        }
+        let entered = Entered(&self.is_other_inside);
+        if self.owner.load(Ordering::Relaxed) != NOBODY {
+            self.owner.store(UNCERTAIN, Ordering::Relaxed);
+            if !barrier() {
+                entered.leave();
+                return None;
+            }
+            self.losses.store(self.losses.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
+            self.owner.store(NOBODY, Ordering::Relaxed);
+        }
+        if self.is_owner_inside.load(Ordering::Acquire) {
+            entered.leave();
+            return None;
+        }
+        if self.last.load(Ordering::Relaxed) == thread && self.losses.load(Ordering::Relaxed) < MOST_LOSSES && can_bar()
+        {
+            self.is_owner_inside.store(true, Ordering::Relaxed);
+            self.owner.store(thread, Ordering::Relaxed);
+            // Whoever enters now sees both.
+            entered.leave();
+            return Some(Entered(&self.is_owner_inside));
+        }
+        self.last.store(thread, Ordering::Relaxed);
+        Some(entered)
+    }
+
+    /// Whether a call is running. Of calls on other threads what is seen may be out of date.
+    pub fn is_busy(&self) -> bool {
+        self.is_owner_inside.load(Ordering::Relaxed) || self.is_other_inside.load(Ordering::Relaxed)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::UnsafeCell;
+    use std::thread;
+
+    /// Counted without atomic operations by whoever is inside.
+    struct Counter {
+        guard: Guard,
+        value: UnsafeCell<u64>,
+    }
+
+    // SAFETY: the value is only used by who has entered: that is what is tested.
+    unsafe impl Sync for Counter {}
+
+    impl Counter {
+        /// Counts `calls` times if it may; how often it did.
+        fn count(&self, calls: u32) -> u64 {
+            let mut counted = 0;
+            for _ in 0..calls {
+                if let Some(entered) = self.guard.enter() {
+                    // SAFETY: nobody else is inside.
+                    unsafe { *self.value.get() += 1 };
+                    counted += 1;
+                    entered.leave();
+                }
+            }
+            counted
+        }
+    }
+
+    fn counter() -> Counter {
+        Counter { guard: Guard::new(), value: UnsafeCell::new(0) }
+    }
+
+    /// Two threads inside at once would lose counts. Many short races, because an instance has owners for a few changes only.
+    #[test]
+    fn threads_that_race_are_never_inside_together() {
+        for round in 0..2000_u32 {
+            let counter = counter();
+            let counted: u64 = thread::scope(|scope| {
+                let threads = [0, 1, 2].map(|i| {
+                    let counter = &counter;
+                    scope.spawn(move || counter.count(100 + 50 * ((round + i) % 3)))
+                });
+                threads.map(|thread| thread.join().unwrap()).into_iter().sum()
+            });
+            // SAFETY: all threads have ended.
+            assert_eq!(unsafe { *counter.value.get() }, counted, "round {round}");
+            assert!(!counter.guard.is_busy());
+        }
+    }
+
+    /// One thread after the other is never refused, however often they change.
+    #[test]
+    fn threads_that_take_turns_always_enter() {
+        let counter = counter();
+        for turn in 1..=20 {
+            assert_eq!(counter.count(3), 3, "turn {turn}");
+            assert_eq!(thread::scope(|scope| scope.spawn(|| counter.count(3)).join().unwrap()), 3, "turn {turn}");
+        }
+    }
+
+    /// While a call runs, neither its own thread gets in nor another one: whether it is the first call, or that of an owner, and also after
+    /// another thread has tried.
+    #[test]
+    fn a_running_call_keeps_all_others_out() {
+        for calls_before in 0..5 {
+            let counter = counter();
+            assert_eq!(counter.count(calls_before), u64::from(calls_before));
+            let entered = counter.guard.enter().unwrap();
+            for _ in 0..3 {
+                assert!(counter.guard.is_busy());
+                assert!(counter.guard.enter().is_none(), "its own thread, {calls_before}");
+                assert_eq!(
+                    thread::scope(|scope| scope.spawn(|| counter.count(3)).join().unwrap()),
+                    0,
+                    "{calls_before}"
+                );
+            }
+            entered.leave();
+            assert!(!counter.guard.is_busy());
+            assert_eq!(counter.count(3), 3);
+        }
+    }
+
+    /// A thread that calls again is the owner, where the system has barriers.
+    #[test]
+    fn a_thread_that_calls_again_is_the_owner_until_threads_have_changed_often() {
+        let counter = counter();
+        for turn in 0..=2 * MOST_LOSSES {
+            counter.count(2);
+            let owner = counter.guard.owner.load(Ordering::Relaxed);
+            // Each turn but the first takes ownership away twice.
+            let is_owner = can_bar() && 2 * turn < MOST_LOSSES;
+            assert_eq!(owner == this_thread(), is_owner, "turn {turn}");
+            thread::scope(|scope| scope.spawn(|| counter.count(2)).join().unwrap());
+        }
+    }
+}
