@@ -10,6 +10,11 @@ impl<'a, T: Copy> Out<'a, T> {
         Self(places)
     }
 
+    /// The same places, for somebody who may leave them as they are.
+    pub fn again(&mut self) -> Out<'_, T> {
+        Out(self.0)
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.0.len()

@@ -140,14 +140,17 @@ impl<'a> View<'a> {
         (0..count).map(move |i| unsafe { places.add(i).read_volatile() })
     }
 
-    /// The value of a real variable that has this offset.
+    /// The value of a real variable that has an offset.
     ///
     /// # Safety
-    /// There must be one.
+    /// There must be one of this value reference.
     #[inline]
-    pub unsafe fn near(&self, offset: u32) -> f64 {
+    pub unsafe fn near(&self, reference: u32) -> f64 {
         // SAFETY: the caller's promise; the rest as in `real`.
-        unsafe { *self.model.byte_add(offset as usize).cast() }
+        unsafe {
+            let slot = self.declared.reals.get_unchecked(reference as usize);
+            *self.model.byte_add(slot.offset as usize).cast()
+        }
     }
 
     /// A real variable that only a function leads to.

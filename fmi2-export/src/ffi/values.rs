@@ -15,7 +15,7 @@ pub unsafe fn get_real(component: Component, vr: *const ValueReference, count: u
     unsafe {
         let shortly = call_shortly(component, |instance| {
             let (references, places) = right_places(vr, value, count)?;
-            match catch_unwind(AssertUnwindSafe(|| instance.slave.get_run(references, places))) {
+            match catch_unwind(AssertUnwindSafe(|| instance.slave.get_shortly(references, places))) {
                 Ok(done) => done.then_some(Status::Ok),
                 Err(panic) => Some(panicked(instance, panic)),
             }
@@ -82,7 +82,7 @@ pub unsafe fn set_real(component: Component, vr: *const ValueReference, count: u
     unsafe {
         let shortly = call_shortly(component, |instance| {
             let (references, values) = right_values(vr, value, count)?;
-            instance.slave.set_run(references, values).then_some(Status::Ok)
+            instance.slave.set_shortly(references, values).then_some(Status::Ok)
         });
         shortly.unwrap_or_else(|| set_any_real(component, vr, count, value))
     }

@@ -4,7 +4,7 @@ mod continuous;
 mod slots;
 
 pub(crate) use continuous::Continuous;
-pub(crate) use slots::{BaseType, Reading, RealSlot, Reference, Slot, settable};
+pub(crate) use slots::{BaseType, RealSlot, Reference, Slot, settable};
 
 use std::any::TypeId;
 
@@ -28,8 +28,6 @@ pub(crate) struct Layout {
     /// Base type and value reference of each variable.
     pub references: Vec<Reference>,
     pub reals: Vec<RealSlot>,
-    /// Of the same variables.
-    pub readings: Vec<Reading>,
     /// The other base types.
     pub integers: Vec<Slot>,
     pub booleans: Vec<Slot>,
@@ -81,7 +79,6 @@ impl Layout {
             references: Vec::with_capacity(list.len()),
             variables: Vec::new(),
             reals: Vec::new(),
-            readings: Vec::new(),
             integers: Vec::new(),
             booleans: Vec::new(),
             strings: Vec::new(),
@@ -100,7 +97,6 @@ impl Layout {
         // Grown by doubling, and kept as long as there are instances.
         layout.variables.shrink_to_fit();
         layout.reals.shrink_to_fit();
-        layout.readings.shrink_to_fit();
         if let Some(exchange) = exchange {
             layout.add_continuous(exchange, indicators);
         }
@@ -111,7 +107,7 @@ impl Layout {
     fn find_runs(&mut self) {
         let mut next: Option<RealSlot> = None;
         for real in self.reals.iter_mut().rev() {
-            if real.needs & Reading::NO_SHORT_WAY == 0 {
+            if real.needs & RealSlot::NO_SHORT_WAY == 0 {
                 real.run = next.filter(|next| real.is_like(next)).map_or(1, |next| next.run.saturating_add(1));
             }
             next = (real.run > 0).then_some(*real);
@@ -162,18 +158,15 @@ impl Layout {
                     self.ramps.push(reference);
                 }
                 let offset = place.offset().and_then(|offset| offset.try_into().ok()).unwrap_or(RealSlot::ELSEWHERE);
-                let elsewhere = if offset == RealSlot::ELSEWHERE { RealSlot::IS_ELSEWHERE } else { 0 };
-                let reading = Reading::new(evaluation, offset);
-                self.readings.push(reading);
                 self.reals.push(RealSlot {
                     min: variable.min.unwrap_or(f64::MIN).max(f64::MIN),
                     max: variable.max.unwrap_or(f64::MAX).min(f64::MAX),
                     offset,
                     variable: index,
                     settable,
-                    kind: causality.bit() | elsewhere,
+                    kind: causality.bit(),
                     run: 0,
-                    needs: reading.needs,
+                    needs: RealSlot::needs(evaluation, offset),
                 });
                 (BaseType::Real, reference)
             }

@@ -39,20 +39,28 @@ pub(crate) struct RealSlot {
     pub variable: u32,
     /// Phases in which the host may set it.
     pub settable: u8,
-    /// What it is, as far as setting and reading it go: a bit each.
+    /// The bit of what it is.
     pub kind: u8,
     /// How many variables of successive references, from this one on, follow each other in memory and are alike in all else: most hosts
     /// set and read such a group, and one check does for all. Zero if it has no short way.
     pub run: u16,
-    /// As in [`Reading`].
+    /// The evaluation to run before reading it, as a bit, 0 if none; or [`NO_SHORT_WAY`](Self::NO_SHORT_WAY).
     pub needs: u32,
 }
 
 impl RealSlot {
+    /// Bytes of a number.
+    const SIZE: u32 = 8;
     /// No offset: the declared function leads to the variable.
     pub const ELSEWHERE: u32 = u32::MAX;
-    /// Of [`kind`](Self::kind): it has no offset. The bits of the causalities are below.
-    pub const IS_ELSEWHERE: u8 = 1 << 7;
+    /// Of [`needs`](Self::needs): the variable is elsewhere, or its evaluation has no bit here.
+    pub const NO_SHORT_WAY: u32 = 1 << 31;
+
+    /// What [`needs`](Self::needs) of a variable with this evaluation, as a bit, and this offset.
+    pub fn needs(evaluation: u64, offset: u32) -> u32 {
+        let short = u32::try_from(evaluation).ok().filter(|needs| needs & Self::NO_SHORT_WAY == 0);
+        short.filter(|_| offset != Self::ELSEWHERE).unwrap_or(Self::NO_SHORT_WAY)
+    }
 
     pub fn has(&self, causality: Causality) -> bool {
         self.kind & causality.bit() != 0
@@ -61,33 +69,13 @@ impl RealSlot {
     /// Whether it can be set and read together with the variable of the next reference.
     pub fn is_like(&self, next: &Self) -> bool {
         let of = |slot: &Self| (slot.min.to_bits(), slot.max.to_bits(), slot.settable, slot.kind, slot.needs);
-        of(self) == of(next) && self.offset.checked_add(size_of::<f64>() as u32) == Some(next.offset)
+        of(self) == of(next) && self.offset.checked_add(Self::SIZE) == Some(next.offset)
     }
 
     /// Whether the variable may have this value. NaN and infinities never are between two finite numbers.
     #[inline]
     pub fn accepts(&self, value: f64) -> bool {
         self.min <= value && value <= self.max
-    }
-}
-
-/// What reading a real variable takes, if it is where the offset says: as short as possible.
-#[derive(Clone, Copy)]
-pub(crate) struct Reading {
-    /// The evaluation to run before, as a bit, 0 if none; or [`NO_SHORT_WAY`](Self::NO_SHORT_WAY).
-    pub needs: u32,
-    /// As in [`RealSlot`].
-    pub offset: u32,
-}
-
-impl Reading {
-    /// Of [`needs`](Self::needs): the variable is elsewhere, or its evaluation has no bit here.
-    pub const NO_SHORT_WAY: u32 = 1 << 31;
-
-    pub fn new(evaluation: u64, offset: u32) -> Self {
-        let short = u32::try_from(evaluation).ok().filter(|needs| needs & Self::NO_SHORT_WAY == 0);
-        let needs = short.filter(|_| offset != RealSlot::ELSEWHERE).unwrap_or(Self::NO_SHORT_WAY);
-        Self { needs, offset }
     }
 }
 

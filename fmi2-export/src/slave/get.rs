@@ -2,70 +2,62 @@
 
 use std::ffi::CString;
 
-use super::{Slave, find, no_such};
-use crate::layout::{Layout, Reading, RealSlot, Slot};
+use super::{Slave, find};
+use crate::layout::{Layout, RealSlot, Slot};
 use crate::out::Out;
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::view::{Value, View};
 
 impl Slave {
-    /// Reads variables between steps, if they stand side by side; whether they do.
+    /// Reads variables between steps, if all have a short way; whether they have.
     #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
     #[inline(always)]
-    pub fn get_run(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
+    pub fn get_shortly(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
         if self.frame.phase != Phase::StepComplete {
             return false;
         }
         let (layout, mut view) = self.subject.view();
-        let Some(RealSlot { offset, needs, .. }) = layout.run(references) else { return false };
-        let todo = u64::from(*needs) & self.frame.stale;
+        let Some(first) = layout.run(references) else { return self.get_near(references, values) };
+        let todo = u64::from(first.needs) & self.frame.stale;
         if todo != 0 {
             self.frame.stale &= !todo;
             view.evaluate(todo);
         }
         // SAFETY: so many stand side by side.
-        values.write(unsafe { view.run(*offset, references.len()) });
+        values.write(unsafe { view.run(first.offset, references.len()) });
         true
     }
 
-    pub fn get_real(&mut self, references: &[u32], values: Out<'_, f64>) -> Outcome {
-        self.check(Call::Get, "fmi2GetReal")?;
-        let (mut needs, readings) = (0, self.layout().readings.as_slice());
-        let mut look = |reference: &u32| match readings.get(*reference as usize) {
-            Some(reading) => {
-                needs |= reading.needs;
-                Ok(())
-            }
-            None => Err(no_such(*reference)),
-        };
-        // Four at a time, which takes half as long.
-        let (fours, rest) = references.as_chunks::<4>();
-        for [a, b, c, d] in fours {
-            look(a)?;
-            look(b)?;
-            look(c)?;
-            look(d)?;
+    /// As [`get_shortly`](Self::get_shortly), wherever they stand.
+    #[inline(never)]
+    fn get_near(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
+        let (layout, mut view) = self.subject.view();
+        let mut needs = 0;
+        for reference in references {
+            let Some(real) = layout.reals.get(*reference as usize) else { return false };
+            needs |= real.needs;
         }
-        rest.iter().try_for_each(look)?;
-        if needs & Reading::NO_SHORT_WAY != 0 {
-            return self.get_distant(references, values);
+        if needs & RealSlot::NO_SHORT_WAY != 0 {
+            return false;
         }
-        self.evaluate(needs.into())?;
-        let (layout, view) = self.subject.view();
-        values.write(references.iter().map(|reference| {
-            // SAFETY: all are there, and none is elsewhere.
-            unsafe { view.near(layout.readings.get_unchecked(*reference as usize).offset) }
-        }));
-        Ok(())
+        let todo = u64::from(needs) & self.frame.stale;
+        self.frame.stale &= !todo;
+        view.evaluate(todo);
+        // SAFETY: all are there, and none is elsewhere.
+        values.write(references.iter().map(|reference| unsafe { view.near(*reference) }));
+        true
     }
 
-    /// Reads variables that are there, wherever they are.
-    #[inline(never)]
-    fn get_distant(&mut self, references: &[u32], values: Out<'_, f64>) -> Outcome {
-        let layout = self.layout();
-        let evaluations = references.iter().map(|reference| layout.evaluation(&layout.reals[*reference as usize]));
-        let wanted = evaluations.fold(0, |wanted, evaluation| wanted | evaluation);
+    pub fn get_real(&mut self, references: &[u32], mut values: Out<'_, f64>) -> Outcome {
+        self.check(Call::Get, "fmi2GetReal")?;
+        if self.get_shortly(references, values.again()) {
+            return Ok(());
+        }
+        let mut wanted = 0;
+        for reference in references {
+            wanted |= self.layout().evaluation(self.real(*reference)?);
+        }
         self.evaluate(wanted)?;
         let (_, mut view) = self.subject.view();
         values.write(references.iter().map(|reference| view.real(*reference)));

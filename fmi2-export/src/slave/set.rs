@@ -3,24 +3,23 @@
 use super::{Slave, all, find, out_of_range};
 use crate::access::Access;
 use crate::any_model::AnyModel;
-use crate::layout::{Layout, Slot, settable};
+use crate::layout::{Layout, RealSlot, Slot, settable};
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::variable::{Causality, Variable};
 use crate::view::View;
 
 impl Slave {
-    /// Sets inputs between steps, if they stand side by side and take these values; whether it has.
+    /// Sets inputs between steps, if all have a short way and take these values; whether it has.
     #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
     #[inline(always)]
-    pub fn set_run(&mut self, references: &[u32], values: &[f64]) -> bool {
+    pub fn set_shortly(&mut self, references: &[u32], values: &[f64]) -> bool {
         if self.frame.phase != Phase::StepComplete {
             return false;
         }
         let (layout, mut view) = self.subject.view();
-        let Some(first) = layout.run(references) else { return false };
-        let is_input = first.kind == Causality::Input.bit() && first.settable & settable::STEPPING != 0;
-        if !is_input || !values.iter().all(|value| first.accepts(*value)) {
+        let Some(first) = layout.run(references) else { return self.set_near(references, values) };
+        if !is_input(first) || !values.iter().all(|value| first.accepts(*value)) {
             return false;
         }
         // SAFETY: so many stand side by side as there are references, and so values.
@@ -29,8 +28,27 @@ impl Slave {
         true
     }
 
+    /// As [`set_shortly`](Self::set_shortly), wherever they stand.
+    #[inline(never)]
+    fn set_near(&mut self, references: &[u32], values: &[f64]) -> bool {
+        let (layout, mut view) = self.subject.view();
+        for (reference, value) in references.iter().zip(values) {
+            match layout.reals.get(*reference as usize) {
+                Some(real) if real.run > 0 && is_input(real) && real.accepts(*value) => {}
+                _ => return false,
+            }
+        }
+        // SAFETY: all are there, and none is elsewhere.
+        unsafe { view.set_near(references, values) };
+        self.frame.stale |= layout.input_dependent;
+        true
+    }
+
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check(Call::Set, "fmi2SetReal")?;
+        if self.set_shortly(references, values) {
+            return Ok(());
+        }
         let mut changed = Changed::default();
         let now = self.frame.phase.settable_bit();
         let reals = self.layout().reals.as_slice();
@@ -40,19 +58,6 @@ impl Slave {
                 _ => return Err(self.no_real_to_set(*reference, *value)),
             }
         }
-        if changed.0 != Causality::Input.bit() {
-            return self.set_checked_reals(references, values, changed);
-        }
-        let (_, mut view) = self.subject.view();
-        // SAFETY: all are there, and none is elsewhere.
-        unsafe { view.set_near(references, values) };
-        self.after_inputs();
-        Ok(())
-    }
-
-    /// Sets variables that have been checked, and are not all inputs with an offset.
-    #[inline(never)]
-    fn set_checked_reals(&mut self, references: &[u32], values: &[f64], changed: Changed) -> Outcome {
         let old = self.before_tuning(changed);
         let (_, mut view) = self.subject.view();
         references.iter().zip(values).for_each(|(reference, value)| view.set_real(*reference, *value));
@@ -184,6 +189,13 @@ impl Slave {
             Err(refusal) => refusal,
         }
     }
+}
+
+/// Whether it is an input that can be set between steps.
+#[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+#[inline(always)]
+fn is_input(real: &RealSlot) -> bool {
+    real.kind == Causality::Input.bit() && real.settable & settable::STEPPING != 0
 }
 
 /// What kinds of variables a call sets.

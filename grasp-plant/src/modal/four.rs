@@ -76,8 +76,8 @@ pub(super) use wide::Wide;
 mod wide {
     use super::{Four, Lanes, NEGLIGIBLE};
     use std::arch::x86_64::{
-        __m256d, _CMP_LT_OQ, _CMP_NLT_UQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_cmp_pd,
-        _mm256_loadu_pd, _mm256_movemask_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd,
+        __m256d, _CMP_NLT_UQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_cmp_pd, _mm256_loadu_pd,
+        _mm256_movemask_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd,
     };
 
     /// A register of four lanes. Only functions that are called where the processor has AVX may make one.
@@ -136,7 +136,7 @@ mod wide {
         #[inline(always)]
         fn is_below(self, limit: f64) -> bool {
             // SAFETY: the processor has AVX, see `Wide`.
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(self.0, _mm256_set1_pd(limit))) == 0b1111 }
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_NLT_UQ>(self.0, _mm256_set1_pd(limit))) == 0 }
         }
     }
 }

@@ -27,7 +27,7 @@ mod twofold;
 mod undamped;
 mod vibration;
 
-pub(crate) use held::{Found, USABLE};
+pub(crate) use held::USABLE;
 pub(crate) use step::{NEGLIGIBLE, Travel};
 pub(crate) use table::Table;
 
@@ -125,18 +125,19 @@ impl Modal {
         Motion { table, readings: &self.readings, rigid: &self.rigid, from, forces, rates }.make(next)
     }
 
-    /// A step of the table's size with held forces, of a state whose modal coordinates are replaced if all is usable and `accepts`, which may
-    /// change the rest of the state, says so; whether they were.
+    /// A step of the table's size with held forces, of a state whose modal coordinates are replaced if all is usable; whether they were.
+    /// `moves` tells from the travel how the rest of the state moves, none if that is not usable; `accept` moves it, and gets the signals.
     #[inline]
-    pub fn hold(
+    pub fn hold<T>(
         &self,
         table: &Table,
         forces: &[f64; FORCES],
         state: &mut State,
-        accepts: impl FnOnce(&mut State, &Found) -> bool,
+        moves: impl FnOnce(&State, &Travel) -> Option<T>,
+        accept: impl FnOnce(&mut State, T, Signals),
     ) -> bool {
         let Self { readings, rigid, .. } = self;
-        held::Held { table, readings, rigid, forces }.make(state, accepts)
+        held::Held { table, readings, rigid, forces }.make(state, moves, accept)
     }
 
     /// All signals of modal coordinates.

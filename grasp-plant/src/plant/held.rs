@@ -4,7 +4,7 @@ use super::Plant;
 use crate::cache::Cache;
 use crate::dynamics::FORCES;
 use crate::kernel::dot;
-use crate::modal::{Table, USABLE};
+use crate::modal::{Table, Travel, USABLE};
 use crate::signals::Inputs;
 use crate::state::{Basis, State, travelled};
 use crate::step_sizes::StepSizes;
@@ -29,22 +29,21 @@ impl Plant {
         // A size that has a table is positive and not too long.
         let (Some(table), Some(modal)) = (cache.tables.last(h), model.modal()) else { return false };
         let (forces, length) = (model.forces(inputs), model.parameters.length);
-        modal.hold(table, &forces, state, |state, found| {
-            let State { position, carry, supplied_energy, .. } = state;
-            let (moved, _) = found.travel.of_forces(length);
-            let energy = *supplied_energy + dot(&forces, &moved);
-            let (there, rest) = travelled(position, carry, &moved);
+        let moves = |state: &State, travel: &Travel| {
+            let (moved, _) = travel.of_forces(length);
+            let energy = state.supplied_energy + dot(&forces, &moved);
+            let (there, rest) = travelled(&state.position, &state.carry, &moved);
             // Infinity and NaN persist in sums of sizes. Of commands, an actuator may hide them.
             let size = |values: [f64; FORCES]| values[0].abs() + values[1].abs() + values[2].abs();
             let usable = (size(there) + size(inputs.disturbances()) < USABLE)
                 & (size(inputs.commands()) + energy.abs() < f64::INFINITY);
-            if usable {
-                (*position, *carry, *supplied_energy, *signals) = (there, rest, energy, found.signals);
-                if let Some(noted) = noted {
-                    state.sizes = noted;
-                }
+            usable.then_some((there, rest, energy))
+        };
+        modal.hold(table, &forces, state, moves, |state, (there, rest, energy), found| {
+            (state.position, state.carry, state.supplied_energy, *signals) = (there, rest, energy, found);
+            if let Some(noted) = noted {
+                state.sizes = noted;
             }
-            usable
         })
     }
 }
