@@ -2,10 +2,12 @@
 //!
 //! Of two threads that use an instance at once, which the standard forbids, one is refused. An atomic swap does that for any threads, but
 //! takes 18 cycles and lets nothing overtake it: for the three calls of a step half as long as the step of a small model. So a thread that
-//! calls again becomes the *owner*. It enters by an ordinary store, of a mark that only owners write, and looks once more whether it is the
+//! calls again becomes the *owner*. It enters by an ordinary store, of a mark that it alone writes, and looks once more whether it is the
 //! owner. Another thread that wants to enter takes ownership away and then has the system make every processor pass a memory barrier
 //! ([`barrier`]). Either the owner's store came before its processor's barrier, and the other thread sees the mark and is refused; or its
 //! second look comes after the barrier, and it sees that it is the owner no more and enters as any other thread, by a swap.
+//!
+//! Each owner has a mark of its own: one that was stopped between its first look and its store may write it after others have become owners.
 //!
 //! Taking ownership away takes microseconds. Where threads take turns, it happens a few times, and then they all swap.
 
@@ -22,19 +24,20 @@ const NOBODY: usize = usize::MAX;
 /// Somebody has taken ownership away, and no barrier has been passed since.
 const UNCERTAIN: usize = usize::MAX - 1;
 
-/// How often ownership is taken away before an instance has no owners any more: a host that makes and frees instances on one thread and
-/// uses them on another needs two for a run.
-const MOST_LOSSES: u8 = 4;
+/// How many owners an instance has at most, one after the other: a host that makes and frees instances on one thread and
+/// uses them on another needs two for a run. Their numbers fit into the bits that are 0 in the number of a thread.
+const OWNERS: usize = 4;
 
 /// Whether a call is running on an instance.
 #[repr(C)]
 pub struct Guard {
+    /// The owner's thread, and in its last bits how many owners there were before: no two owners have the same.
     owner: AtomicUsize,
-    /// The owner is inside, or is looking whether it still is the owner.
-    is_owner_inside: AtomicBool,
+    /// For each owner: it is inside, or is looking whether it still is the owner.
+    owners_inside: [AtomicBool; OWNERS],
     /// A thread that is not the owner is inside, or is looking whether the owner is. What follows is written by that thread alone.
     is_other_inside: AtomicBool,
-    /// How often ownership has been taken away.
+    /// How often ownership has been taken away: the number of the next owner.
     losses: AtomicU8,
     /// The thread that was inside last without being the owner.
     last: AtomicUsize,
@@ -56,7 +59,7 @@ impl Guard {
     pub const fn new() -> Self {
         Self {
             owner: AtomicUsize::new(NOBODY),
-            is_owner_inside: AtomicBool::new(false),
+            owners_inside: [const { AtomicBool::new(false) }; OWNERS],
             is_other_inside: AtomicBool::new(false),
             losses: AtomicU8::new(0),
             last: AtomicUsize::new(NOBODY),
@@ -72,16 +75,22 @@ impl Guard {
     /// Begins a call if this thread is the owner and no call is running.
     #[inline(always)]
     pub fn enter_as_owner(&self) -> Option<Entered<'_>> {
-        let thread = this_thread();
-        // Nobody else writes the mark while this thread is the owner.
-        if self.owner.load(Ordering::Relaxed) != thread || self.is_owner_inside.load(Ordering::Relaxed) {
+        let owner = self.owner.load(Ordering::Relaxed);
+        let inside = self.owners_inside.get(owner ^ this_thread())?;
+        if inside.load(Ordering::Relaxed) {
             return None;
         }
-        let entered = Entered(&self.is_owner_inside);
-        self.is_owner_inside.store(true, Ordering::Relaxed);
+        self.enter_if_still(owner, inside)
+    }
+
+    /// Begins a call of the thread that was the `owner` a moment ago, if it still is. `inside` is its mark, which nobody else writes.
+    #[inline(always)]
+    fn enter_if_still<'g>(&'g self, owner: usize, inside: &'g AtomicBool) -> Option<Entered<'g>> {
+        let entered = Entered(inside);
+        inside.store(true, Ordering::Relaxed);
         // The compiler keeps the order. That the processor may not is what the other thread's barrier is for.
         compiler_fence(Ordering::SeqCst);
-        if self.owner.load(Ordering::Relaxed) == thread {
+        if self.owner.load(Ordering::Relaxed) == owner {
             // What threads before this one did, it has seen when it became the owner.
             Some(entered)
         } else {
@@ -95,33 +104,43 @@ impl Guard {
     #[inline(never)]
     fn enter_as_any(&self) -> Option<Entered<'_>> {
         let thread = this_thread();
-        if self.owner.load(Ordering::Relaxed) == thread && self.is_owner_inside.load(Ordering::Relaxed) {
+        let owner = self.owner.load(Ordering::Relaxed);
+        // The owner from within its own call loses nothing by it.
+        if self.owners_inside.get(owner ^ thread).is_some_and(|inside| inside.load(Ordering::Relaxed)) {
             return None;
         }
         if self.is_other_inside.swap(true, Ordering::Acquire) {
             return None;
         }
         let entered = Entered(&self.is_other_inside);
-        if self.owner.load(Ordering::Relaxed) != NOBODY {
+        let owner = self.owner.load(Ordering::Relaxed);
+        if owner != NOBODY {
             self.owner.store(UNCERTAIN, Ordering::Relaxed);
             if !barrier() {
+                // Forbidden since the owner became it. So it stays the owner, and others are refused.
+                self.owner.store(owner, Ordering::Relaxed);
                 entered.leave();
                 return None;
             }
             self.losses.store(self.losses.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
             self.owner.store(NOBODY, Ordering::Relaxed);
         }
-        if self.is_owner_inside.load(Ordering::Acquire) {
+        if self.owners_inside.iter().any(|inside| inside.load(Ordering::Acquire)) {
             entered.leave();
             return None;
         }
-        if self.last.load(Ordering::Relaxed) == thread && self.losses.load(Ordering::Relaxed) < MOST_LOSSES && can_bar()
+        let number = usize::from(self.losses.load(Ordering::Relaxed));
+        let owner = thread | number;
+        if let Some(inside) = self.owners_inside.get(owner ^ thread)
+            && owner ^ thread == number
+            && self.last.load(Ordering::Relaxed) == thread
+            && can_bar()
         {
-            self.is_owner_inside.store(true, Ordering::Relaxed);
-            self.owner.store(thread, Ordering::Relaxed);
+            inside.store(true, Ordering::Relaxed);
+            self.owner.store(owner, Ordering::Relaxed);
             // Whoever enters now sees both.
             entered.leave();
-            return Some(Entered(&self.is_owner_inside));
+            return Some(Entered(inside));
         }
         self.last.store(thread, Ordering::Relaxed);
         Some(entered)
@@ -129,7 +148,7 @@ impl Guard {
 
     /// Whether a call is running. Of calls on other threads what is seen may be out of date.
     pub fn is_busy(&self) -> bool {
-        self.is_owner_inside.load(Ordering::Relaxed) || self.is_other_inside.load(Ordering::Relaxed)
+        self.owners_inside.iter().chain([&self.is_other_inside]).any(|inside| inside.load(Ordering::Relaxed))
     }
 }
 
@@ -223,13 +242,39 @@ mod tests {
     #[test]
     fn a_thread_that_calls_again_is_the_owner_until_threads_have_changed_often() {
         let counter = counter();
-        for turn in 0..=2 * MOST_LOSSES {
+        for turn in 0..=2 * OWNERS {
             counter.count(2);
             let owner = counter.guard.owner.load(Ordering::Relaxed);
             // Each turn but the first takes ownership away twice.
-            let is_owner = can_bar() && 2 * turn < MOST_LOSSES;
-            assert_eq!(owner == this_thread(), is_owner, "turn {turn}");
+            let is_owner = can_bar() && 2 * turn < OWNERS;
+            assert_eq!(owner == this_thread() | 2 * turn, is_owner, "turn {turn}");
             thread::scope(|scope| scope.spawn(|| counter.count(2)).join().unwrap());
         }
+    }
+
+    /// An owner that is stopped between its looks goes on when others have become owners: it neither gets in nor lets anybody in.
+    #[test]
+    fn an_owner_of_before_changes_nothing() {
+        let counter = counter();
+        counter.count(2);
+        let guard = &counter.guard;
+        let owner = guard.owner.load(Ordering::Relaxed);
+        let Some(inside) = guard.owners_inside.get(owner ^ this_thread()) else {
+            assert!(!can_bar(), "no owner where there can be one");
+            return;
+        };
+        thread::scope(|scope| {
+            let next = scope.spawn(|| {
+                counter.count(2);
+                // Still inside when its thread ends.
+                std::mem::forget(guard.enter().unwrap());
+            });
+            next.join().unwrap();
+            assert_ne!(guard.owner.load(Ordering::Relaxed), owner);
+            assert!(guard.enter_if_still(owner, inside).is_none());
+            assert!(guard.is_busy());
+            assert_eq!(counter.count(3), 0);
+            assert_eq!(scope.spawn(|| counter.count(3)).join().unwrap(), 0);
+        });
     }
 }
