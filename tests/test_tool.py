@@ -57,6 +57,23 @@ def test_no_time_has_digits_that_only_rounding_puts_there(tmp_path: Path) -> Non
     assert not any(value == "-0" for row in rows for value in row)
 
 
+def test_an_input_among_parameters_is_refused_wherever_a_scenario_is_read(tmp_path: Path) -> None:
+    file = tmp_path / "wrong.toml"
+    head = 'title = "wrong"\nfmus = ["DualArmPlant.fmu", "PdController.fmu"]\n[experiment]\nstop = 0.01\n'
+    file.write_text(head + "[parameters]\ndelta_f1 = 0.1\n", encoding="utf-8")
+    study = tmp_path / "study.toml"
+    head = 'title = "s"\nsystem = "wrong.toml"\ncontrollers = ["pd"]\nmethod = "grid"\n'
+    study.write_text(head + "[vary]\nEI1 = [0.1, 0.2]\n", encoding="utf-8")
+    for command in (
+        ["simulate", str(file)],
+        ["compare", "--no-package", "--cases", str(file), "--out", str(tmp_path / "results")],
+        ["sweep", str(study)],
+    ):
+        done = dualarm(*command)
+        assert done.returncode == 2, (command, done.stderr)
+        assert f"{file}:6: delta_f1 is an input: it belongs under [inputs]" in done.stderr
+
+
 # --- Any FMU ---------------------------------------------------------------------------------------------------------
 
 

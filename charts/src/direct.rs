@@ -5,7 +5,8 @@
 //! of the time for a chart's pixels. Here an axis-parallel line is a rectangle, whose edges are as dark as the part of each pixel that
 //! they cover.
 
-use resvg::tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
+use resvg::tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, PremultipliedColorU8};
+use resvg::tiny_skia::{Rect, Stroke, Transform};
 use roxmltree::{Document, Node};
 
 use crate::letters::{self, Placed};
@@ -65,7 +66,13 @@ impl Picture {
             "rect" => {
                 let (x, y) = (value("x")?, value("y")?);
                 let rect = Rect::from_xywh(x, y, value("width")?, value("height")?)?;
-                self.rectangle(rect, filled(shape)?);
+                let color = filled(shape)?;
+                let whole = Rect::from_xywh(0.0, 0.0, self.pixels.width() as f32, self.pixels.height() as f32);
+                if color.is_opaque() && rect.transform(Transform::from_scale(self.zoom, self.zoom)) == whole {
+                    self.pixels.fill(color);
+                } else {
+                    self.rectangle(rect, color);
+                }
             }
             "circle" => {
                 let circle = PathBuilder::from_circle(value("cx")?, value("cy")?, value("r")?)?;
@@ -82,9 +89,23 @@ impl Picture {
         Some(())
     }
 
+    /// Fills a rectangle, each pixel as far as it is covered.
     fn rectangle(&mut self, rect: Rect, color: Color) {
-        let Some(rect) = rect.transform(Transform::from_scale(self.zoom, self.zoom)) else { return };
-        self.pixels.fill_rect(rect, &paint(color), Transform::identity(), None);
+        let (width, height) = (self.pixels.width(), self.pixels.height());
+        let across = covered(rect.left() * self.zoom, rect.right() * self.zoom, width);
+        let down = covered(rect.top() * self.zoom, rect.bottom() * self.zoom, height);
+        let rows = self.pixels.pixels_mut().chunks_exact_mut(width as usize);
+        for (row, (_, vertical)) in rows.skip(down.first().map_or(0, |(row, _)| *row)).zip(&down) {
+            // Most pixels are like the one before, and covered as far.
+            let mut last = (PremultipliedColorU8::TRANSPARENT, 0.0, PremultipliedColorU8::TRANSPARENT);
+            for (column, horizontal) in &across {
+                let (pixel, part) = (&mut row[*column], vertical * horizontal);
+                if (*pixel, part) != (last.0, last.1) {
+                    last = (*pixel, part, covered_by(*pixel, color, part));
+                }
+                *pixel = last.2;
+            }
+        }
     }
 
     fn fill(&mut self, path: &Path, color: Color, transform: Transform) {
@@ -128,6 +149,26 @@ impl Picture {
         }
         Some(())
     }
+}
+
+/// Which of so many pixels in a line lie between two places, and how much of each.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between zero and a count of pixels
+fn covered(from: f32, to: f32, count: u32) -> Vec<(usize, f32)> {
+    let (from, to) = (from.clamp(0.0, count as f32), to.clamp(0.0, count as f32));
+    let pixels = from.floor() as usize..to.ceil() as usize;
+    pixels.map(|pixel| (pixel, to.min(pixel as f32 + 1.0) - from.max(pixel as f32))).collect()
+}
+
+/// A pixel after a colour was laid over this part of it.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 255
+fn covered_by(pixel: PremultipliedColorU8, color: Color, part: f32) -> PremultipliedColorU8 {
+    let part = part * color.alpha();
+    let mixed = |before: u8, with: f32| (f32::from(before) * (1.0 - part) + 255.0 * with * part + 0.5) as u8;
+    let alpha = mixed(pixel.alpha(), 1.0);
+    // Where the picture is transparent, colours are multiplied by their opacity: none is more than it.
+    let [red, green, blue] = [(pixel.red(), color.red()), (pixel.green(), color.green()), (pixel.blue(), color.blue())]
+        .map(|(before, with)| mixed(before, with).min(alpha));
+    PremultipliedColorU8::from_rgba(red, green, blue, alpha).unwrap_or(pixel)
 }
 
 fn paint(color: Color) -> Paint<'static> {

@@ -53,14 +53,22 @@ struct Rows {
 
 impl Rows {
     fn add(&mut self, byte: u8, mut length: usize, width: usize) {
+        // What follows is written over the rest of a short run, which most are.
+        const SHORT: usize = 8;
         while length > 0 {
             if self.filled == width || self.bytes.is_empty() {
                 self.bytes.push(0);
                 self.sum.add(0, 1);
                 self.filled = 0;
             }
-            let here = length.min(width - self.filled);
-            self.bytes.resize(self.bytes.len() + here, byte);
+            let here = length.min(width - self.filled).min(Adler::MOST);
+            let end = self.bytes.len() + here;
+            if here <= SHORT {
+                self.bytes.extend_from_slice(&[byte; SHORT]);
+                self.bytes.truncate(end);
+            } else {
+                self.bytes.resize(end, byte);
+            }
             self.sum.add(byte, here);
             self.filled += here;
             length -= here;
@@ -82,17 +90,23 @@ impl Default for Adler {
 
 impl Adler {
     const PRIME: u64 = 65521;
+    /// Sums up to here are kept as they are; with this many equal bytes more they still fit.
+    const LARGE: u64 = 1 << 40;
+    const MOST: usize = 1 << 16;
 
-    /// Adds a byte so many times, at most 2³¹.
+    /// Adds a byte so many times, at most [`Adler::MOST`].
     fn add(&mut self, byte: u8, count: usize) {
         let (byte, count) = (u64::from(byte), count as u64);
-        let triangle = (count * (count + 1) / 2) % Self::PRIME;
-        self.sums = (self.sums + count % Self::PRIME * self.bytes + triangle * byte) % Self::PRIME;
-        self.bytes = (self.bytes + count * byte) % Self::PRIME;
+        self.sums += count * self.bytes + count * (count + 1) / 2 * byte;
+        self.bytes += count * byte;
+        if self.sums > Self::LARGE {
+            self.sums %= Self::PRIME;
+            self.bytes %= Self::PRIME;
+        }
     }
 
     fn value(&self) -> u32 {
-        u32::try_from(self.sums << 16 | self.bytes).unwrap_or_default()
+        u32::try_from(((self.sums % Self::PRIME) << 16) | (self.bytes % Self::PRIME)).unwrap_or_default()
     }
 }
 

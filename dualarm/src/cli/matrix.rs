@@ -8,7 +8,7 @@ use super::progress::Progress;
 use super::{Failure, print_error};
 use crate::grasp::matrix::case::CaseError;
 use crate::grasp::matrix::contender::ContenderError;
-use crate::grasp::matrix::{Case, Contender, Lab, Matrices, Matrix};
+use crate::grasp::matrix::{Case, CellError, Contender, Lab, Matrices, Matrix};
 
 /// Which controllers run in which cases.
 #[derive(Debug, Clone, Default, Args)]
@@ -98,6 +98,15 @@ impl From<CaseError> for Failure {
         match error {
             CaseError::Scenario(error) => error.into(),
             CaseError::Unknown { .. } => Self::usage(error),
+        }
+    }
+}
+
+impl From<CellError> for Failure {
+    fn from(error: CellError) -> Self {
+        match error {
+            CellError::Scenario(error) => error.into(),
+            _ => Self::failed(error),
         }
     }
 }

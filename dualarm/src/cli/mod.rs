@@ -34,7 +34,6 @@ use clap::{CommandFactory, Parser, Subcommand};
 use crate::build::PackageError;
 use crate::build::crosscheck::ReleaseError;
 use crate::grasp::NoFunctions;
-use crate::grasp::matrix::CellError;
 use crate::grasp::systems::ComposeError;
 use crate::tune::TuneError;
 use crate::verify::VerifyError;
@@ -136,7 +135,6 @@ macro_rules! failures {
 failures![
     io::Error,
     CallError,
-    CellError,
     ComposeError,
     FmuError,
     MasterError,

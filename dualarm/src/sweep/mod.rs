@@ -191,7 +191,9 @@ impl SweepError {
             | Self::System(_)
             | Self::Usage(_)
             | Self::Setting { .. } => true,
-            Self::Scenario(error) => matches!(error, ScenarioError::Content { .. } | ScenarioError::Table { .. }),
+            Self::Scenario(error) | Self::Cell(CellError::Scenario(error)) => {
+                matches!(error, ScenarioError::Content { .. } | ScenarioError::Table { .. })
+            }
             Self::Contender(error) => matches!(error, ContenderError::Unknown { .. }),
             _ => false,
         }

@@ -30,6 +30,10 @@ pub(super) fn push(value: f64, text: &mut Vec<u8>) {
     }
     let mut buffer = zmij::Buffer::new();
     let digits = buffer.format(value).as_bytes();
+    if (1e-4..1e16).contains(&size) || !size.is_finite() {
+        text.extend_from_slice(without_fraction(digits));
+        return;
+    }
     // `e-300` is the longest exponent.
     let tail = digits.len().saturating_sub(5);
     if let Some(at) = digits[tail..].iter().position(|byte| *byte == b'e') {
@@ -41,10 +45,8 @@ pub(super) fn push(value: f64, text: &mut Vec<u8>) {
         };
         text.extend_from_slice(sign);
         text.extend_from_slice(&number[number.iter().take_while(|digit| **digit == b'0').count()..]);
-    } else if size < 1e-4 {
-        push_small(digits, text);
     } else {
-        text.extend_from_slice(without_fraction(digits));
+        push_small(digits, text);
     }
 }
 

@@ -13,6 +13,7 @@ use crate::grasp::scenarios::{is_controller, says_which_law};
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Sink, Table};
+use fmi2_cosim::scenario::ScenarioError;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{Located, System};
 use fmi2_import::{Fmu, FmuError, Value};
@@ -64,6 +65,9 @@ pub enum CellError {
     /// The case has no controller that another one could replace.
     #[error("the case {0} uses none of the project's controllers, so there is none to replace")]
     NoController(String),
+    /// The case's file has something that belongs elsewhere.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
     /// The run failed.
     #[error("{0}")]
     Run(String),
@@ -142,13 +146,12 @@ impl Lab {
         let open = |file: &PathBuf| self.fmu(if file == replaced { &contender.fmu } else { file });
         let fmus = scenario.fmus.iter().map(open).collect::<Result<Vec<_>, _>>()?;
         let place = scenario.fmus.iter().position(|file| file == replaced).unwrap_or_default();
-        let mut system = System::of_fmus(&fmus);
+        let mut scenario = scenario.clone();
+        scenario.settings.retain(|setting| !says_which_law(setting));
+        let mut system = scenario.system_of(&fmus)?;
         let controller = system.components[place].0.clone();
         let own = contender.settings.iter().map(|setting| Located::nowhere(within(&controller, setting)));
-        let given = scenario.settings.iter().filter(|setting| !says_which_law(setting)).chain(&scenario.held).cloned();
-        system.settings = own.chain(given).collect();
-        system.inputs.clone_from(&scenario.inputs);
-        system.experiment = scenario.experiment;
+        system.settings.splice(0..0, own);
         instruments::connect(&mut system).map_err(|error| CellError::Run(error.to_string()))?;
         Ok((system, controller))
     }
