@@ -254,11 +254,14 @@ impl<T: Signal> Bus<T> {
 
     #[inline]
     fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        let port = &mut self.ports[component];
+        let Self { signals, ports, .. } = self;
+        let port = &mut ports[component];
         if !port.wanted.is_empty() {
-            // One by one: two iterators side by side would be put together by a call, at every step.
-            for (index, source) in port.sources.iter().enumerate() {
-                port.values[index] = self.signals[*source];
+            // Two iterators in one would be put together by a call, at every step.
+            let mut sources = port.sources.iter();
+            for value in &mut port.values {
+                let Some(source) = sources.next() else { break };
+                *value = signals[*source];
             }
             for (index, conversion) in &port.conversions {
                 port.values[*index] = port.values[*index].converted(conversion);

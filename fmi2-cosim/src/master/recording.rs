@@ -57,8 +57,10 @@ impl<T: Copy + Default> Outputs<T> {
     ) -> Result<(), CallError> {
         if !self.references.is_empty() {
             get(&self.references, &mut self.values)?;
-            for (index, column) in self.columns.iter().enumerate() {
-                row[*column] = number(self.values[index]);
+            let mut values = self.values.iter();
+            for column in &self.columns {
+                let Some(value) = values.next() else { break };
+                row[*column] = number(*value);
             }
         }
         Ok(())

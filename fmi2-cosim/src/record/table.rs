@@ -79,8 +79,10 @@ impl Table {
     /// Adds a row whose columns are at these places of `values`.
     pub(super) fn push(&mut self, time: f64, values: &[f64], places: &[usize]) {
         self.times.push(time);
-        for (column, &place) in places.iter().enumerate() {
-            self.values[column].push(values[place]);
+        let mut places = places.iter();
+        for column in &mut self.values {
+            let Some(place) = places.next() else { break };
+            column.push(values[*place]);
         }
     }
 
