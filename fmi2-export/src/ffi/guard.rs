@@ -247,7 +247,7 @@ mod tests {
             let owner = counter.guard.owner.load(Ordering::Relaxed);
             // Each turn but the first takes ownership away twice.
             let is_owner = can_bar() && 2 * turn < OWNERS;
-            assert_eq!(owner == this_thread() | 2 * turn, is_owner, "turn {turn}");
+            assert_eq!(owner == this_thread() + 2 * turn, is_owner, "turn {turn}");
             thread::scope(|scope| scope.spawn(|| counter.count(2)).join().unwrap());
         }
     }
@@ -267,7 +267,7 @@ mod tests {
             let next = scope.spawn(|| {
                 counter.count(2);
                 // Still inside when its thread ends.
-                std::mem::forget(guard.enter().unwrap());
+                assert!(guard.enter().is_some());
             });
             next.join().unwrap();
             assert_ne!(guard.owner.load(Ordering::Relaxed), owner);
