@@ -17,8 +17,8 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 /// Powers of 𝒜 after which an eigenvalue is not far enough beyond the others.
 const MOST_POWERS: u32 = 200;
 
-/// The longest u, v being 1 long. It has 34 at order 8, 75 at order 24.
-const MOST_OBLIQUE: f64 = 1e3;
+/// The longest u, v being 1 long: rounding of the content uᵀz is that of z, times this. It has 34 at order 8, 75 at order 24.
+const MOST_OBLIQUE: f64 = 200.0;
 
 /// The fastest decay.
 #[derive(Debug)]
@@ -44,8 +44,10 @@ impl Stiff {
         let (eigenvalue, right) = dominant(matrix).filter(|(eigenvalue, _)| *eigenvalue < 0.0)?;
         let (_, left) = dominant(&matrix.transpose())?;
         let left = &left / dot(left.as_slice(), right.as_slice());
-        // Rounding of the content uᵀz is that of z, times this.
-        if left.norm() > MOST_OBLIQUE {
+        let of_right = watched.each_ref().map(|row| dot(row.as_slice(), right.as_slice()));
+        // Rounding of what is watched, in units that the search has 64 of.
+        let coarse = |side: usize| of_right[side].abs() * left.norm() > 8.0 * watched[side].norm();
+        if left.norm() > MOST_OBLIQUE || coarse(0) || coarse(1) {
             return None;
         }
         let rest = matrix - (&right * eigenvalue) * left.transpose();
@@ -53,7 +55,6 @@ impl Stiff {
         if 2.0 * growth > alpha {
             return None;
         }
-        let of_right = watched.each_ref().map(|row| dot(row.as_slice(), right.as_slice()));
         let watched = [0, 1].map(|side| &watched[side] - left.transpose() * of_right[side]);
         Some(Self { rate: -eigenvalue, panels: Panels::new(&rest), right, left, rest, growth, watched, of_right })
     }

@@ -80,6 +80,11 @@ impl Mode {
         self.base * f64::from(1u32 << (RUNGS - 1))
     }
 
+    /// What is stiff over a duration: in a short time, nothing is.
+    fn stiff_over(&self, duration: f64) -> Option<&Stiff> {
+        self.stiff.as_ref().filter(|_| duration > self.taylor)
+    }
+
     /// The contact force at a side, from the extended vector's x and g.
     pub fn force(&self, side: usize, x: &[f64], forces: &[f64]) -> f64 {
         let row = self.force[side].as_slice();
@@ -114,9 +119,11 @@ impl Mode {
         let whole = self.increment(duration);
         let increment =
             DMatrix::from_fn(layout.increments(), layout.drive(), |row, column| whole[(row, source(column))]);
+        let stiff = self.stiff_over(duration);
+        let unit = if stiff.is_some() { self.base } else { self.taylor };
         // Bessel functions of half the argument: these many coefficients are above rounding.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 14 and MOST_TERMS")]
-        let terms = (14.0 + 1.25 * duration / self.base * TAYLOR_NORM).ceil().min((MOST_TERMS - 2) as f64) as usize;
+        let terms = (14.0 + 1.25 * duration / unit * TAYLOR_NORM).ceil().min((MOST_TERMS - 2) as f64) as usize;
         let rule = gauss(terms);
         // Coefficient m is (2m + 1) ∫ P_m of the signal, by that rule.
         let mut factors = vec![0.0; terms * terms];
@@ -125,7 +132,7 @@ impl Mode {
                 *factor = (2 * m + 1) as f64 * weight * legendre(m, 2.0 * node - 1.0);
             }
         }
-        let (rest, rows) = self.stiff.as_ref().map_or((&self.matrix, &self.watched), |s| (&s.rest, &s.watched));
+        let (rest, rows) = stiff.map_or((&self.matrix, &self.watched), |s| (&s.rest, &s.watched));
         let transposed = Panels::new(&rest.transpose());
         let mut watched = DMatrix::zeros(2 * terms, layout.drive());
         for side in 0..2 {
@@ -142,7 +149,7 @@ impl Mode {
                 }
             }
         }
-        let fading = self.stiff.as_ref().map(|stiff| Fading {
+        let fading = stiff.map(|stiff| Fading {
             content: (0..layout.drive()).map(|column| stiff.left[source(column)]).collect(),
             watched: stiff.of_right,
             rate: stiff.rate * duration,
@@ -187,8 +194,7 @@ impl Mode {
     /// The motion over a duration no longer than the shortest piece, from (x, g, r).
     pub fn short(&self, duration: f64, drive: &[f64], motion: &mut Motion) {
         let (n, size) = (self.layout.size(), self.layout.extended());
-        // In a short time nothing is stiff.
-        let stiff = self.stiff.as_ref().filter(|_| duration > self.taylor);
+        let stiff = self.stiff_over(duration);
         let (panels, watched) = stiff.map_or((&self.panels, &self.watched), |s| (&s.panels, &s.watched));
         let mut term: Scratch = [[0.0; LANES]; Layout::MOST_PANELS];
         let mut next: Scratch = term;

@@ -45,13 +45,18 @@ fn series_and_increments_are_those_of_the_motion() {
             let mut start = vec![0.0; layout.extended()];
             start[..layout.size()].copy_from_slice(&drive[..layout.size()]);
             start[layout.force()..].copy_from_slice(&drive[layout.size()..]);
-            let mut motion = Motion::none();
-            let durations = mode.ladder().iter().map(|piece| piece.duration);
-            for duration in durations.chain([0.77, 0.01, 1e-6].map(|share| share * mode.base)) {
-                match mode.ladder().iter().find(|piece| piece.duration == duration) {
-                    Some(piece) => piece.motion(&drive, &mut motion),
-                    None => mode.short(duration, &drive, &mut motion),
-                }
+            let mut motions = Vec::new();
+            for piece in mode.ladder() {
+                motions.push((piece.duration, Motion::none()));
+                piece.motion(&drive, &mut motions.last_mut().unwrap().1);
+            }
+            for duration in [0.77, 0.01, 1e-6].map(|share| share * mode.base) {
+                let (mut of_piece, mut short) = (Motion::none(), Motion::none());
+                mode.piece(duration).motion(&drive, &mut of_piece);
+                mode.short(duration, &drive, &mut short);
+                motions.extend([(duration, of_piece), (duration, short)]);
+            }
+            for (duration, motion) in motions {
                 for node in [0.0, 0.013, 0.37, 0.77, 1.0] {
                     let moved = exponential(&mode, node * duration) * DVector::from_column_slice(&start);
                     for side in 0..2 {

@@ -139,9 +139,13 @@ impl Series {
     /// ∫₀^end p² dξ by a Gauss rule on [0, 1]: exact if it has as many nodes as the polynomial has terms. What decays is integrated
     /// over parts in which it falls by e⁻¹⁶ at most, until nothing is left of it.
     pub fn square(&self, end: f64, rule: &[(f64, f64)]) -> f64 {
-        if end >= 1.0 && self.basis == Basis::Legendre && self.amplitude == 0.0 {
+        if end >= 1.0 && self.basis == Basis::Legendre {
             // Parseval.
-            return self.terms().iter().enumerate().map(|(m, c)| c * c / (2 * m + 1) as f64).sum();
+            let square = self.terms().iter().enumerate().map(|(m, c)| c * c / (2 * m + 1) as f64).sum();
+            let largest: f64 = self.terms().iter().map(|c| c.abs()).sum::<f64>() + self.amplitude.abs();
+            if 2.0 * self.amplitude.abs() * largest <= f64::EPSILON / 16.0 * square * self.rate.max(1.0) {
+                return square;
+            }
         }
         let over = |from: f64, to: f64| -> f64 {
             let square = |(node, weight): &(f64, f64)| {
