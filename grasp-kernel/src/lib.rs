@@ -1,11 +1,17 @@
-//! Matrix times vector, in a fixed order of plain multiplications and additions, never fused ones: the bits do not depend on the
-//! registers that the compiler or the caller chooses.
+//! What plant and laws compute fast with: matrix times vector, in a fixed order of plain multiplications and additions, never fused ones, so
+//! that the bits do not depend on the registers that the compiler or the caller chooses; and [wide registers](Wide).
 //!
 //! This is a crate of its own because the FMUs' libraries compile `grasp-plant`, most of which runs once for a set of parameters, for
 //! size. That makes this loop five times as slow, and steps of a grasp that can open spend most of their time in it.
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
+
+mod registers;
+
+pub use registers::{Lanes, narrowly};
+#[cfg(target_arch = "x86_64")]
+pub use registers::{Wide, has_wide_registers};
 
 /// Rows handled together: 12 sums fill six two-lane registers and hide the latency of an addition.
 pub const LANES: usize = 12;

@@ -12,41 +12,8 @@ use nalgebra::DMatrix;
 
 /// Rows handled together by the kernel.
 pub(crate) use grasp_kernel::LANES;
-
-/// Whether to compute in registers of four lanes: the processor has them. Built with `--cfg narrow_registers` it never is, which is for
-/// measurements.
 #[cfg(target_arch = "x86_64")]
-#[inline(always)]
-pub(crate) fn has_wide_registers() -> bool {
-    #[cfg(test)]
-    if narrow::is_on() {
-        return false;
-    }
-    !cfg!(narrow_registers) && std::arch::is_x86_feature_detected!("avx")
-}
-
-/// For tests that compare: a thread that computes as on a processor without wide registers.
-#[cfg(test)]
-pub(crate) mod narrow {
-    use std::cell::Cell;
-
-    thread_local! {
-        static ON: Cell<bool> = const { Cell::new(false) };
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    pub(super) fn is_on() -> bool {
-        ON.get()
-    }
-
-    /// The result of `work` without wide registers.
-    pub fn narrowly<T>(work: impl FnOnce() -> T) -> T {
-        ON.set(true);
-        let result = work();
-        ON.set(false);
-        result
-    }
-}
+pub(crate) use grasp_kernel::has_wide_registers;
 
 /// A matrix cut into panels of [`LANES`] rows (the last one padded with zeros), each stored by columns.
 #[derive(Clone, Debug)]

@@ -70,73 +70,57 @@ impl Four for Lanes {
 }
 
 #[cfg(target_arch = "x86_64")]
-pub(super) use wide::Wide;
+pub(super) use grasp_kernel::Wide;
 
 #[cfg(target_arch = "x86_64")]
 mod wide {
-    use super::{Four, Lanes, NEGLIGIBLE};
-    use std::arch::x86_64::{
-        __m256d, _CMP_NLT_UQ, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_cmp_pd, _mm256_loadu_pd,
-        _mm256_movemask_pd, _mm256_mul_pd, _mm256_set1_pd, _mm256_storeu_pd,
-    };
-
-    /// A register of four lanes. Only functions that are called where the processor has AVX may make one.
-    #[derive(Clone, Copy)]
-    pub struct Wide(__m256d);
+    use super::{Four, Lanes, NEGLIGIBLE, Wide};
+    use std::arch::x86_64::{_CMP_NLT_UQ, _mm256_and_pd, _mm256_cmp_pd, _mm256_movemask_pd, _mm256_set1_pd};
 
     impl Four for Wide {
         #[inline(always)]
         fn splat(value: f64) -> Self {
-            // SAFETY: the processor has AVX, see `Wide`.
-            Self(unsafe { _mm256_set1_pd(value) })
+            Self::splat(value)
         }
 
         #[inline(always)]
         fn load(lanes: &Lanes) -> Self {
-            // SAFETY: the processor has AVX, see `Wide`; four numbers are read of four.
-            Self(unsafe { _mm256_loadu_pd(lanes.as_ptr()) })
+            Self::load(lanes)
         }
 
         #[inline(always)]
         fn lanes(self) -> Lanes {
-            let mut lanes = [0.0; 4];
-            // SAFETY: the processor has AVX, see `Wide`; four numbers are written to four.
-            unsafe { _mm256_storeu_pd(lanes.as_mut_ptr(), self.0) };
-            lanes
+            self.lanes()
         }
 
         #[inline(always)]
         fn plus(self, other: Self) -> Self {
-            // SAFETY: the processor has AVX, see `Wide`.
-            Self(unsafe { _mm256_add_pd(self.0, other.0) })
+            self + other
         }
 
         #[inline(always)]
         fn times(self, other: Self) -> Self {
-            // SAFETY: the processor has AVX, see `Wide`.
-            Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+            self * other
         }
 
         #[inline(always)]
         fn kept(self) -> Self {
-            let Self(size) = self.size();
-            // SAFETY: the processor has AVX, see `Wide`. NaN is kept, as above.
+            // SAFETY: the processor has AVX2, see `Wide`. NaN is kept, as above.
             unsafe {
-                let keep = _mm256_cmp_pd::<_CMP_NLT_UQ>(size, _mm256_set1_pd(NEGLIGIBLE));
-                Self(_mm256_and_pd(self.0, keep))
+                let keep = _mm256_cmp_pd::<_CMP_NLT_UQ>(self.abs().register(), _mm256_set1_pd(NEGLIGIBLE));
+                Self::of(_mm256_and_pd(self.register(), keep))
             }
         }
 
         #[inline(always)]
         fn size(self) -> Self {
-            // SAFETY: the processor has AVX, see `Wide`.
-            Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+            self.abs()
         }
 
         #[inline(always)]
         fn is_below(self, limit: f64) -> bool {
-            // SAFETY: the processor has AVX, see `Wide`.
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_NLT_UQ>(self.0, _mm256_set1_pd(limit))) == 0 }
+            // SAFETY: the processor has AVX2, see `Wide`.
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_NLT_UQ>(self.register(), _mm256_set1_pd(limit))) == 0 }
         }
     }
 }

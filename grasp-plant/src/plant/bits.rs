@@ -1,11 +1,11 @@
 //! The same bits on every processor, from the parameters to the end of a run.
 
 use super::Plant;
-use crate::kernel::narrow::narrowly;
 use crate::modal::Modal;
 use crate::parameters::{ActuatorModel, Arm, ContactModel, Parameters};
 use crate::propagator::Propagator;
 use crate::signals::Inputs;
+use grasp_kernel::narrowly;
 
 const STEP: f64 = 1e-3;
 const STEPS: usize = 200;

@@ -14,13 +14,13 @@ mod portable;
 mod wide;
 
 #[cfg(target_arch = "x86_64")]
+pub(crate) use grasp_kernel::{Wide, has_wide_registers};
+#[cfg(target_arch = "x86_64")]
 pub(crate) use narrow::Narrow;
 #[cfg(test)]
 pub(crate) use portable::Portable;
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) use portable::Portable as Narrow;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use wide::Wide;
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -28,7 +28,7 @@ use std::ops::{Add, Div, Mul, Sub};
 pub(crate) const LANES: usize = 4;
 
 /// Four numbers in memory.
-pub(crate) type Lanes = [f64; LANES];
+pub(crate) use grasp_kernel::Lanes;
 
 /// One number, or several side by side.
 pub(crate) trait Number:
@@ -106,41 +106,5 @@ impl Number for f64 {
     #[inline(always)]
     fn power_of_two(self) -> Self {
         Self::from_bits((self.to_bits() << 52).wrapping_add(1.0_f64.to_bits()))
-    }
-}
-
-/// Whether to compute in registers of four lanes: the processor has them, and can shift the numbers in them.
-///
-/// Built with `--cfg narrow_registers` it never is, which is for measurements.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-pub(crate) fn has_wide_registers() -> bool {
-    #[cfg(test)]
-    if narrowed::is_on() {
-        return false;
-    }
-    !cfg!(narrow_registers) && std::arch::is_x86_feature_detected!("avx2")
-}
-
-/// For tests that compare: a thread that computes as on a processor without wide registers.
-#[cfg(test)]
-pub(crate) mod narrowed {
-    use std::cell::Cell;
-
-    thread_local! {
-        static ON: Cell<bool> = const { Cell::new(false) };
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    pub(super) fn is_on() -> bool {
-        ON.get()
-    }
-
-    /// What `work` gives without wide registers.
-    pub fn narrowly<T>(work: impl FnOnce() -> T) -> T {
-        ON.set(true);
-        let result = work();
-        ON.set(false);
-        result
     }
 }

@@ -1,38 +1,15 @@
 //! One register of four lanes.
 
-use super::{Add, Div, Four, Lanes, Mul, Number, Sub};
+use super::{Four, Lanes, Number, Wide};
 use std::arch::x86_64::{
-    __m256d, _CMP_GT_OQ, _mm256_add_epi64, _mm256_add_pd, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd,
-    _mm256_castpd_si256, _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_div_pd, _mm256_loadu_pd, _mm256_max_pd,
-    _mm256_min_pd, _mm256_mul_pd, _mm256_or_pd, _mm256_set1_pd, _mm256_slli_epi64, _mm256_storeu_pd, _mm256_sub_pd,
+    _CMP_GT_OQ, _mm256_add_epi64, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd, _mm256_castpd_si256,
+    _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_max_pd, _mm256_min_pd, _mm256_or_pd, _mm256_set1_pd, _mm256_slli_epi64,
 };
-
-/// A register of four lanes. Only functions that are called where the processor has AVX2 may make one.
-#[derive(Clone, Copy)]
-pub(crate) struct Wide(__m256d);
-
-/// Operators of [`Wide`], one instruction each.
-macro_rules! one_instruction {
-    ($($operator:ident $name:ident $instruction:ident),*) => {$(
-        impl $operator for Wide {
-            type Output = Self;
-
-            #[inline(always)]
-            fn $name(self, other: Self) -> Self {
-                // SAFETY: the processor has AVX2, see `Wide`.
-                Self(unsafe { $instruction(self.0, other.0) })
-            }
-        }
-    )*};
-}
-
-one_instruction!(Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
 
 impl Number for Wide {
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        // SAFETY: the processor has AVX2, see `Wide`.
-        Self(unsafe { _mm256_set1_pd(value) })
+        Self::splat(value)
     }
 
     #[inline(always)]
@@ -42,8 +19,7 @@ impl Number for Wide {
 
     #[inline(always)]
     fn abs(self) -> Self {
-        // SAFETY: the processor has AVX2, see `Wide`.
-        Self(unsafe { _mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0) })
+        self.abs()
     }
 
     #[inline(always)]
@@ -51,7 +27,7 @@ impl Number for Wide {
         // SAFETY: the processor has AVX2, see `Wide`.
         unsafe {
             let sign = _mm256_set1_pd(-0.0);
-            Self(_mm256_or_pd(_mm256_andnot_pd(sign, self.0), _mm256_and_pd(sign, other.0)))
+            Self::of(_mm256_or_pd(_mm256_andnot_pd(sign, self.register()), _mm256_and_pd(sign, other.register())))
         }
     }
 
@@ -59,27 +35,33 @@ impl Number for Wide {
     fn within(self, limit: f64) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`. Of a number and none, both instructions give the second.
         unsafe {
-            let raised = _mm256_max_pd(_mm256_set1_pd(-limit), self.0);
-            Self(_mm256_min_pd(_mm256_set1_pd(limit), raised))
+            let raised = _mm256_max_pd(_mm256_set1_pd(-limit), self.register());
+            Self::of(_mm256_min_pd(_mm256_set1_pd(limit), raised))
         }
     }
 
     #[inline(always)]
     fn larger(self, other: Self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`. Of a number and none, the instruction gives the second.
-        Self(unsafe { _mm256_max_pd(self.0, other.0) })
+        Self::of(unsafe { _mm256_max_pd(self.register(), other.register()) })
     }
 
     #[inline(always)]
     fn smaller(self, other: Self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`. Of a number and none, the instruction gives the second.
-        Self(unsafe { _mm256_min_pd(self.0, other.0) })
+        Self::of(unsafe { _mm256_min_pd(self.register(), other.register()) })
     }
 
     #[inline(always)]
     fn where_larger(self, other: Self, then: Self, or: Self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`.
-        Self(unsafe { _mm256_blendv_pd(or.0, then.0, _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0)) })
+        Self::of(unsafe {
+            _mm256_blendv_pd(
+                or.register(),
+                then.register(),
+                _mm256_cmp_pd::<_CMP_GT_OQ>(self.register(), other.register()),
+            )
+        })
     }
 
     #[inline(always)]
@@ -87,8 +69,8 @@ impl Number for Wide {
         // SAFETY: the processor has AVX2, see `Wide`.
         unsafe {
             let one = _mm256_castpd_si256(_mm256_set1_pd(1.0));
-            let exponent = _mm256_slli_epi64::<52>(_mm256_castpd_si256(self.0));
-            Self(_mm256_castsi256_pd(_mm256_add_epi64(exponent, one)))
+            let exponent = _mm256_slli_epi64::<52>(_mm256_castpd_si256(self.register()));
+            Self::of(_mm256_castsi256_pd(_mm256_add_epi64(exponent, one)))
         }
     }
 }
@@ -98,24 +80,20 @@ impl Four for Wide {
 
     #[inline(always)]
     fn load(lanes: &Lanes) -> Self {
-        // SAFETY: the processor has AVX2, see `Wide`; four numbers are read of four.
-        Self(unsafe { _mm256_loadu_pd(lanes.as_ptr()) })
+        Self::load(lanes)
     }
 
     #[inline(always)]
     fn lanes(self) -> Lanes {
-        let mut lanes = [0.0; 4];
-        // SAFETY: the processor has AVX2, see `Wide`; four numbers are written to four.
-        unsafe { _mm256_storeu_pd(lanes.as_mut_ptr(), self.0) };
-        lanes
+        self.lanes()
     }
 
     #[inline(always)]
     fn above(self, least: f64) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`.
         unsafe {
-            let larger = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(least));
-            Self(_mm256_and_pd(self.0, larger))
+            let larger = _mm256_cmp_pd::<_CMP_GT_OQ>(self.register(), _mm256_set1_pd(least));
+            Self::of(_mm256_and_pd(self.register(), larger))
         }
     }
 }

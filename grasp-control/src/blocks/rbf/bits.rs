@@ -1,8 +1,8 @@
 //! The same bits on every processor, in the loop that the networks learn in.
 
-use crate::blocks::four::narrowed::narrowly;
 use crate::laws::nabfc::{Gains, Nabfc};
 use crate::{Arms, Inputs, Law, Measurements, References};
+use grasp_kernel::narrowly;
 use grasp_plant::{Measured, Parameters, Plant};
 
 const STEP: f64 = 1e-3;

@@ -157,8 +157,8 @@ impl Estimators {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocks::four::narrowed::narrowly;
     use crate::blocks::observer::{Known, Motion};
+    use grasp_kernel::narrowly;
 
     const FILTER: FilterGains = FilterGains { bandwidth: 150.0, high_pass: 3.0 };
     const SIZE: f64 = 1e-3;
