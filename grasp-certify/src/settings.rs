@@ -285,7 +285,7 @@ impl Settings {
                 gains.strain_bandwidth > 0.0,
                 "the low-pass on the root moments in the surfaces (r_strain_bandwidth = 0 leaves it out)",
             ),
-            (gains.object.brake < STRAIGHT, "the bend of the object's surface (r_brake = 1e6 makes it straight)"),
+            (gains.object.brake > 0.0, "the bend of the object's surface (r_brake = 0 makes it straight)"),
             (
                 gains.mass.smallest < gains.mass.largest,
                 "a changing estimate of the mass (equal r_mass_min and r_mass_max hold it)",
@@ -298,9 +298,6 @@ impl Settings {
         parts.into_iter().filter_map(|(there, text)| there.then_some(text)).collect()
     }
 }
-
-/// With a brake of this share the object's slope differs from G by less than 1e-6 within a centimetre of the target.
-const STRAIGHT: f64 = 1e6;
 
 #[cfg(test)]
 mod tests {

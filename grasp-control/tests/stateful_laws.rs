@@ -40,7 +40,7 @@ fn root_strain(source: RateSource, bandwidth: f64) -> RootStrain {
 }
 
 fn networks() -> RootStrain {
-    let gains = RootStrainGains { learner: Learner::Networks, ..uneven(160.0) };
+    let gains = RootStrainGains { learner: Learner::Networks, ..uneven(10.0) };
     RootStrain::new(unequal_arms(), gains, actuation(), RateSource::Measured, &RbfLayout::default()).unwrap()
 }
 
@@ -134,18 +134,18 @@ proptest! {
     ) {
         // The slope of the root-strain law's surface has a kink at p = 0, which differences would smooth.
         prop_assume!(unequal_arms().errors(&inputs).p.abs() > 1e-4);
-        for bandwidth in [0.0, 160.0] {
+        for bandwidth in [0.0, 10.0] {
             assert_derivatives(root_strain(RateSource::Measured, bandwidth), &history, &inputs, &rates);
         }
-        assert_derivatives(root_strain(RateSource::Estimated, 160.0), &history, &inputs, &rates);
+        assert_derivatives(root_strain(RateSource::Estimated, 10.0), &history, &inputs, &rates);
         assert_derivatives(pid(), &history, &inputs, &rates);
         assert_derivatives(encoders(pid()), &history, &inputs, &rates);
     }
 
     #[test]
     fn states_are_whole(history in prop::collection::vec(grasp_inputs(), 2..6)) {
-        assert_state_is_whole(root_strain(RateSource::Measured, 160.0), &history);
-        assert_state_is_whole(root_strain(RateSource::Estimated, 160.0), &history);
+        assert_state_is_whole(root_strain(RateSource::Measured, 10.0), &history);
+        assert_state_is_whole(root_strain(RateSource::Estimated, 10.0), &history);
         assert_state_is_whole(networks(), &history);
         assert_state_is_whole(encoders(pid()), &history);
         assert_state_is_whole(encoders(Nabfc::new(unequal_arms(), lively()).unwrap()), &history);
@@ -162,8 +162,8 @@ proptest! {
             if signs[i] { magnitude } else { -magnitude }
         }));
         let h = 10.0_f64.powf(exponent);
-        assert_finite(root_strain(RateSource::Measured, 160.0), &inputs, h);
-        assert_finite(root_strain(RateSource::Estimated, 160.0), &inputs, h);
+        assert_finite(root_strain(RateSource::Measured, 10.0), &inputs, h);
+        assert_finite(root_strain(RateSource::Estimated, 10.0), &inputs, h);
         assert_finite(networks(), &inputs, h);
         assert_finite(pid(), &inputs, h);
         assert_finite(encoders(pid()), &inputs, h);
@@ -173,7 +173,7 @@ proptest! {
 /// Sliding variables by differences, along inputs and in time.
 #[test]
 fn surfaces_have_the_right_derivatives() {
-    let mut law = root_strain(RateSource::Measured, 160.0);
+    let mut law = root_strain(RateSource::Measured, 10.0);
     let inputs = Inputs::from_array(std::array::from_fn(|i| 0.01 * (i as f64 + 1.0)));
     let rates = Inputs::from_array(std::array::from_fn(|i| 0.3 - 0.05 * i as f64));
     law.initialize(&inputs);

@@ -107,8 +107,9 @@ fn unknown_masses() {
     }
 }
 
-/// Arms of other lengths and stiffnesses, known to the controller, with the same gains: 0.5 s, or 1.5 times what the
-/// force limit alone allows for the object's way.
+/// Arms of other lengths and stiffnesses, known to the controller, with the same gains: 0.3 s, or 1.25 times what the
+/// force limit alone allows for the object's way. Braked by the share q of the limit the object takes √((1+q)/2q) = 1.15 times that; what is left are the
+/// forces, which are there once it no longer brakes.
 #[test]
 fn other_arms() {
     let base = Case { duration: 4.0, ..Case::default() };
@@ -117,7 +118,7 @@ fn other_arms() {
         let case = Case { length, stiffness, ..base };
         let outcome = default(&case);
         let limit = 2.0 * (0.5 * case.way() / 0.3_f64).sqrt();
-        assert!(outcome.settling() <= (1.5 * limit).max(0.5), "{case:?}, limit {limit} s: {outcome:?}");
+        assert!(outcome.settling() <= (1.25 * limit).max(0.3), "{case:?}, limit {limit} s: {outcome:?}");
     }
 }
 
@@ -169,6 +170,22 @@ fn the_mass_is_found() {
         (object_mass, default(&case).mass / (object_mass + 0.2))
     });
     assert!(found.iter().all(|(_, ratio)| (0.8..=1.2).contains(ratio)), "{found:.3?}");
+}
+
+/// Heavy hubs, of which no controller is told: all of (17) no later than with the tuned PD and PDS and a tenth, without their overshoot.
+#[test]
+fn heavy_hubs_lose_to_nobody() {
+    for hub_inertia in [7.0, 10.0, 14.0] {
+        let case = Case { hub_inertia, duration: 2.0, ..Case::default() };
+        let ours = default(&case);
+        assert!(ours.overshoot <= 0.02, "{case:?} {ours:?}");
+        for theirs in [
+            run_law(&case, &mut Pd::new(case.arms(), PdGains::tuned(), Limits::default()).unwrap()),
+            run_law(&case, &mut Pds::new(case.arms(), PdsGains::tuned(), Limits::default()).unwrap()),
+        ] {
+            assert!(ours.settling() <= 1.1 * theirs.settling(), "{case:?} {ours:?} {theirs:?}");
+        }
+    }
 }
 
 /// In force, no slower than the tuned PD by more than a tenth, for heavy and light objects and long arms. Short arms are lost

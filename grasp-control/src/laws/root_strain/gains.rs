@@ -19,7 +19,7 @@ pub struct ObjectGains {
     pub strain: f64,
     /// Share of m̂ that is fed forward, 0 to 1. At 1 a shear's rate is fed back with the gain that no sampled loop bears.
     pub feedforward: f64,
-    /// Where the surface bends: share q of the acceleration that `u_limit` gives.
+    /// Where the surface bends: share q of `u_limit` with which the object is braked; 0 = straight.
     pub brake: f64,
     /// Poles of the observer \[rad/s\].
     pub observer: f64,
@@ -92,7 +92,7 @@ impl RootStrainGains {
                 reach: 2.04,
                 strain: 0.3544,
                 feedforward: 0.2297,
-                brake: 206.8,
+                brake: 18.31,
                 observer: 88.36,
             },
             hub: [hub; 2],
@@ -119,7 +119,7 @@ impl RootStrainGains {
                 reach: 25.0 / object,
                 strain: 20.0 / object,
                 feedforward: 0.2,
-                brake: 1e6,
+                brake: 0.0,
                 observer: 40.0,
             },
             hub: [hub; 2],
@@ -136,9 +136,8 @@ impl Default for RootStrainGains {
     /// What a search over all cases and a little work by hand found (`scenarios/tuned/nabfc-r.toml`): heavy and light objects, long and short, stiff
     /// and soft arms, lasting disturbances, noise, encoders and delays at 1 kHz.
     ///
-    /// The slope is steep and `brake` large: in the whole range of a grasp the object's surface is the curve
-    /// ṗ = −√(2 q `u_limit` |p|/m̂) on which a constant force brings it to rest at the target, the shares of damping that
-    /// the arms have included.
+    /// The slope is steep: but for the last millimetre the object follows the curve ṗ = −√(2 q `u_limit` |p|/m̂) on which a constant force
+    /// brings it to rest at the target.
     fn default() -> Self {
         let hub = HubGains { slope: 0.615, reach: 1.546, strain: 3.382, feedforward: 0.6493, observer: 100.8 };
         Self {
@@ -147,7 +146,7 @@ impl Default for RootStrainGains {
                 reach: 0.4409,
                 strain: 1.323,
                 feedforward: 0.1606,
-                brake: 77.8,
+                brake: 0.62,
                 observer: 88.08,
             },
             hub: [hub; 2],

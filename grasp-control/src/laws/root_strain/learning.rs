@@ -136,14 +136,15 @@ impl RootStrain {
 
     /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm.
     pub(super) fn seen<'a>(&self, at: &'a Point, outcome: &Outcome, shear: [f64; 2], shear_rate: [f64; 2]) -> Seen<'a> {
-        let scaled = &self.scaled;
+        let (scaled, loops) = (&self.scaled, self.loops());
         Seen {
             at,
             surface: outcome.object,
             posture: outcome.posture,
-            alpha_rate: -scaled.slope * at.v - self.loops().tip(at) * at.shear_rate,
+            alpha_rate: -scaled.slope * at.v - loops.tip(at) * at.shear_rate,
             posture_alpha_rate: std::array::from_fn(|i| {
-                -scaled.hub_slope[i] * at.omega[i] - scaled.hub_strain[i] * at.moment_rate[i] / at.inertia[i]
+                -loops.hub_slope(i, at.inertia[i]) * at.omega[i]
+                    - scaled.hub_strain[i] * at.moment_rate[i] / at.inertia[i]
             }),
             shear,
             shear_rate,

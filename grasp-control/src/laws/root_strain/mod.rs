@@ -36,8 +36,12 @@
 //!
 //! **Inertias.** m̂ and Ĵ_i come from the prediction errors too ([`MassGains`], [`InertiaGains`]).
 //!
-//! **Surface.** G(p) = G/√(1 + |p| m̂ G²/(2 q u_max)): near the target a line, far from it the parabola on which the share
-//! q of the limit u_max brings an object of mass m̂ to rest at the target. So heavy objects do not overshoot.
+//! **Surface.** The command pulls with k G(p) p and damps the object's rate with D = k + f G + 1/(m̂ C). G(p) = G/√(1 + |p| m̂ (kG/D)²/(2 q u_max)): near
+//! the target a line, far from it k G(p) p/D is the rate √(2 q u_max |p|/m̂), from which the share q of the limit u_max brings an object of mass m̂
+//! to rest at the target. So heavy objects do not overshoot.
+//!
+//! **Heavy hubs.** Near the target strain adds c_i (3EI_i/l)/Ĵ_i to the slope G_i, most of it while hubs are light. For heavy ones G_i grows by a part of
+//! what is missing ([`Scaled`]).
 
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
@@ -194,7 +198,7 @@ impl RootStrain {
     }
 
     fn loops(&self) -> Loops<'_> {
-        Loops { gains: &self.gains, scaled: &self.scaled, actuation: &self.actuation }
+        Loops { gains: &self.gains, scaled: &self.scaled }
     }
 
     /// What the law has learnt: m̂, and Δ̂ as the weights of its constant basis functions, or those of the networks.

@@ -9,6 +9,11 @@ use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, che
 const SHARE: Range = Range::new(0.0, 1.0);
 /// Something that divides, of the magnitude of a gain.
 const POSITIVE: Range = Range::new(1e-3, 1e6);
+/// A share of the force limit. More than the whole of it is no brake, so a value beyond this range is one of earlier versions, which had
+/// other units.
+const BRAKE: Range = Range::new(0.0, 20.0);
+/// Multiples of a hub's natural rate up to the beams'. An earlier version had rad/s.
+const RATES: Range = Range::new(0.0, 40.0);
 /// Forces and torques.
 const THRESHOLD: Range = Range::new(1e-9, 1e6);
 /// Weights and memories of the sums.
@@ -48,8 +53,8 @@ impl ObjectGains {
             parameter!(
                 "r_brake",
                 "1",
-                POSITIVE,
-                "Root-strain law: share of the acceleration u_limit/m_hat at which the object's surface bends",
+                BRAKE,
+                "Root-strain law: share of u_limit with which the object is braked on its way to the target; 0 = its surface is straight",
                 brake
             ),
             parameter!("r_observer", "rad/s", POLES, "Root-strain law: poles of the object's observer", observer),
@@ -232,7 +237,7 @@ impl RootStrainGains {
             parameter!(
                 "r_strain_rate_bandwidth",
                 "1",
-                GAIN,
+                RATES,
                 "Root-strain law: bandwidth of the low-pass on the rates of moments and shears, in units of the natural rate of the hubs on their arms; 0 = off, and the measured rates are used",
                 strain_rate_bandwidth
             ),

@@ -131,8 +131,8 @@ impl RootStrain {
         shear: [f64; 2],
         shear_rate: [f64; 2],
     ) -> Seen<'a> {
-        let scaled = &self.scaled;
-        let tip = self.loops().tip(at);
+        let (scaled, loops) = (&self.scaled, self.loops());
+        let tip = loops.tip(at);
         Seen {
             at: by,
             surface: outcome.object,
@@ -140,7 +140,9 @@ impl RootStrain {
             alpha_rate: -scaled.slope * by.v - tip * (by.shear_rate - 0.5 * at.shear_rate * by.mass / at.mass),
             posture_alpha_rate: std::array::from_fn(|i| {
                 let moment_rate = by.moment_rate[i] - at.moment_rate[i] * by.inertia[i] / at.inertia[i];
-                -scaled.hub_slope[i] * by.omega[i] - scaled.hub_strain[i] * moment_rate / at.inertia[i]
+                let slope = loops.hub_slope(i, at.inertia[i]) * by.omega[i]
+                    + loops.hub_slope_change(i, at.inertia[i], by.inertia[i]) * at.omega[i];
+                -slope - scaled.hub_strain[i] * moment_rate / at.inertia[i]
             }),
             shear,
             shear_rate,
