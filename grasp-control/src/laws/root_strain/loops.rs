@@ -83,17 +83,20 @@ impl Loops<'_> {
         self.scaled.strain * at.mass.sqrt().recip()
     }
 
+    /// By how much Gᵢ of a hub of this inertia is more than that of a light one \[1/s\]. Without a branch, for both hubs at once.
+    fn rise(&self, i: usize, inertia: f64) -> f64 {
+        let rise = self.scaled.hub_rise[i] - self.scaled.hub_fall[i] / inertia;
+        if rise > 0.0 { rise } else { 0.0 }
+    }
+
     /// Gᵢ of a hub of this inertia \[1/s\].
     pub fn hub_slope(&self, i: usize, inertia: f64) -> f64 {
-        let made_up = 1.0 - self.scaled.hub_light[i] / inertia;
-        let slope = self.scaled.hub_slope[i];
-        if made_up > 0.0 { slope + self.scaled.hub_rise[i] * made_up } else { slope }
+        self.scaled.hub_slope[i] + self.rise(i, inertia)
     }
 
     /// Change of [`hub_slope`](Self::hub_slope).
     pub fn hub_slope_change(&self, i: usize, inertia: f64, by: f64) -> f64 {
-        let light = self.scaled.hub_light[i];
-        if inertia > light { self.scaled.hub_rise[i] * light / (inertia * inertia) * by } else { 0.0 }
+        if self.rise(i, inertia) > 0.0 { self.scaled.hub_fall[i] / (inertia * inertia) * by } else { 0.0 }
     }
 
     /// What Gᵢ multiplies in `turning`: kᵢ eᵢ + fᵢ ėᵢ.
@@ -101,9 +104,10 @@ impl Loops<'_> {
         self.scaled.hub_reach[i] * at.e[i] + self.gains.hub[i].feedforward * at.omega[i]
     }
 
-    /// kᵢ (Gᵢ eᵢ + ėᵢ) + fᵢ Gᵢ ėᵢ + ėᵢ/cᵢ, which Ĵᵢ multiplies \[rad/s²\].
-    fn turning(&self, i: usize, slope: f64, at: &Point) -> f64 {
-        slope * self.sloping(i, at) + self.scaled.hub_damping[i] * at.omega[i]
+    /// kᵢ (Gᵢ eᵢ + ėᵢ) + fᵢ Gᵢ ėᵢ + ėᵢ/cᵢ, which Ĵᵢ multiplies \[rad/s²\], with Gᵢ for this inertia.
+    fn turning(&self, i: usize, inertia: f64, at: &Point) -> f64 {
+        let light = self.scaled.hub_pull[i] * at.e[i] + self.scaled.hub_damping[i] * at.omega[i];
+        light + self.rise(i, inertia) * self.sloping(i, at)
     }
 
     /// cᵢ (kᵢ M̃ᵢ + fᵢ M̃̇ᵢ) \[N·m\].
@@ -116,12 +120,13 @@ impl Loops<'_> {
     /// Surfaces and commands.
     #[inline(always)]
     pub fn at(&self, at: &Point) -> Outcome {
-        let slope: [f64; 2] = std::array::from_fn(|i| self.hub_slope(i, at.inertia[i]));
         let posture = std::array::from_fn(|i| {
-            slope[i] * at.e[i] + at.omega[i] + self.scaled.hub_strain[i] * at.moment[i] / at.inertia[i]
+            self.hub_slope(i, at.inertia[i]) * at.e[i]
+                + at.omega[i]
+                + self.scaled.hub_strain[i] * at.moment[i] / at.inertia[i]
         });
         let tau = std::array::from_fn(|i| {
-            at.load[i] - at.inertia[i] * self.turning(i, slope[i], at) - self.yielding(i, at) - at.unknown[i]
+            at.load[i] - at.inertia[i] * self.turning(i, at.inertia[i], at) - self.yielding(i, at) - at.unknown[i]
         });
         let object = self.object(at);
         let tip = object.tip;
@@ -133,18 +138,17 @@ impl Loops<'_> {
 
     /// Change of surfaces and commands for a change `by` of the point.
     pub fn change(&self, at: &Point, by: &Point) -> Outcome {
-        let slope: [f64; 2] = std::array::from_fn(|i| self.hub_slope(i, at.inertia[i]));
         let by_slope: [f64; 2] = std::array::from_fn(|i| self.hub_slope_change(i, at.inertia[i], by.inertia[i]));
         let posture = std::array::from_fn(|i| {
             let share = self.scaled.hub_strain[i] / at.inertia[i];
-            slope[i] * by.e[i] + by_slope[i] * at.e[i] + by.omega[i] + share * by.moment[i]
+            self.hub_slope(i, at.inertia[i]) * by.e[i] + by_slope[i] * at.e[i] + by.omega[i] + share * by.moment[i]
                 - share * at.moment[i] * by.inertia[i] / at.inertia[i]
         });
         let tau = std::array::from_fn(|i| {
-            let turning = self.turning(i, slope[i], by) + by_slope[i] * self.sloping(i, at);
+            let turning = self.turning(i, at.inertia[i], by) + by_slope[i] * self.sloping(i, at);
             by.load[i]
                 - at.inertia[i] * turning
-                - by.inertia[i] * self.turning(i, slope[i], at)
+                - by.inertia[i] * self.turning(i, at.inertia[i], at)
                 - self.yielding(i, by)
                 - by.unknown[i]
         });

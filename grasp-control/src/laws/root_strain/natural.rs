@@ -60,13 +60,15 @@ pub struct Scaled {
     pub hub_slope: [f64; 2],
     /// By how much more the slope of very heavy hubs is \[1/s\].
     pub hub_rise: [f64; 2],
-    /// Inertia from which on a hub is heavy \[kg·m²\].
-    pub hub_light: [f64; 2],
+    /// What of that the inertia divides: a hub is heavy where it is less \[kg·m²/s\].
+    pub hub_fall: [f64; 2],
     /// kᵢ of the hubs \[1/s\].
     pub hub_reach: [f64; 2],
     /// cᵢ \[s\] of the hubs.
     pub hub_strain: [f64; 2],
-    /// kᵢ + 1/cᵢ, what damps the hubs beside their slope \[1/s\].
+    /// kᵢ Gᵢ of hubs that are not heavy \[1/s²\].
+    pub hub_pull: [f64; 2],
+    /// kᵢ + fᵢ Gᵢ + 1/cᵢ, what damps these \[1/s\].
     pub hub_damping: [f64; 2],
     /// G of the object \[1/s\].
     pub slope: f64,
@@ -95,15 +97,20 @@ impl Scaled {
         let bandwidth = gains.strain_rate_bandwidth * (rate(0) * rate(1)).sqrt();
         let (slope, reach) = (gains.object.slope * object, gains.object.reach * object);
         let share = gains.object.brake;
+        // cᵢ Ωᵢ² is what strain adds to the slope of a hub of the inertia at the start, cᵢ (3EIᵢ/l)/Ĵᵢ.
+        let hub_rise = [0, 1].map(|i| MADE_UP * gains.hub[i].strain * rate(i));
         let bend = (reach * slope).powi(2) / (2.0 * share * actuation.force_limit);
         Self {
             hub_slope: [0, 1].map(|i| gains.hub[i].slope * object),
-            // cᵢ Ωᵢ² of what strain adds to the slope of a hub of the inertia at the start, cᵢ (3EIᵢ/l)/Ĵᵢ.
-            hub_rise: [0, 1].map(|i| MADE_UP * gains.hub[i].strain * rate(i)),
-            hub_light: actuation.hub_inertia.map(|inertia| HEAVY * inertia),
+            hub_rise,
+            hub_fall: [0, 1].map(|i| hub_rise[i] * HEAVY * actuation.hub_inertia[i]),
             hub_reach: [0, 1].map(|i| gains.hub[i].reach * rate(i)),
             hub_strain: [0, 1].map(|i| gains.hub[i].strain / rate(i)),
-            hub_damping: [0, 1].map(|i| gains.hub[i].reach * rate(i) + rate(i) / gains.hub[i].strain),
+            hub_pull: [0, 1].map(|i| gains.hub[i].reach * rate(i) * gains.hub[i].slope * object),
+            hub_damping: [0, 1].map(|i| {
+                let hub = &gains.hub[i];
+                (hub.reach + hub.strain.recip()) * rate(i) + hub.feedforward * hub.slope * object
+            }),
             slope,
             reach,
             damping: reach + gains.object.feedforward * slope,
