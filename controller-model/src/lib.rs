@@ -302,7 +302,11 @@ impl<L: FmuLaw> Model for Controller<L> {
                 step.size
             )));
         }
-        law.step(step.size, &self.signals.inputs, &self.signals.input_rates).map_err(Failure::discard)
+        // Not `map_err`: compiled for size, it would be a call in every step.
+        match law.step(step.size, &self.signals.inputs, &self.signals.input_rates) {
+            Ok(()) => Ok(()),
+            Err(error) => Err(Failure::discard(error)),
+        }
     }
 
     fn retuned(&mut self) -> Result<(), Failure> {
