@@ -24,6 +24,7 @@ impl Plant {
     ///
     /// # Panics
     /// See [`continuous_states`](Self::continuous_states).
+    #[inline(never)]
     pub fn derivative_change(&self, inputs: &Inputs, states: &[f64], direction: &Inputs, out: &mut [f64]) {
         let (forces, force_change) = (self.model.forces(inputs), self.model.force_rates(inputs, direction));
         let mut buffer = [0.0; MOST_COORDINATES];
@@ -46,6 +47,7 @@ impl Plant {
     /// # Panics
     /// See [`continuous_states`](Self::continuous_states).
     #[must_use]
+    #[inline(never)]
     pub fn output_change(&self, inputs: &Inputs, states: &[f64], direction: &Inputs) -> Rates {
         let Model { dynamics, parameters, .. } = &*self.model;
         let mut buffer = [0.0; MOST_COORDINATES];

@@ -74,6 +74,7 @@ impl Plant {
     ///
     /// # Panics
     /// If `out` has not [`state_count`](Self::state_count) entries; so do all functions here that take states.
+    #[inline(never)]
     pub fn continuous_states(&self, out: &mut [f64]) {
         let (x, others) = self.split_mut(out);
         let (of_grasp, of_contact) = others.split_at_mut(2);
@@ -90,6 +91,7 @@ impl Plant {
     /// # Errors
     /// If the number of states is another one, or a state is not finite or so large that outputs are not; the plant is then as it was
     /// before.
+    #[inline(never)]
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), StateError> {
         let (found, expected) = (states.len(), self.state_count());
         if found != expected {
@@ -121,6 +123,7 @@ impl Plant {
     ///
     /// # Panics
     /// See [`continuous_states`](Self::continuous_states).
+    #[inline(never)]
     pub fn derivatives(&self, inputs: &Inputs, out: &mut [f64]) {
         let forces = self.model.forces(inputs);
         let velocity = VELOCITY.map(|index| self.signals[index]);
@@ -136,6 +139,7 @@ impl Plant {
     /// Brings the contacts up to date with the continuous states and the inputs: closes gaps, which is an impact on rigid faces, and opens
     /// contacts that pull. Returns whether there was anything to do; then states may have jumped, and the inputs that follow from
     /// them. Called once more with the same inputs, there is nothing to do.
+    #[inline(never)]
     pub fn update_contacts(&mut self, inputs: &Inputs) -> bool {
         let Some(contacts) = &self.contacts else { return false };
         let forces = self.model.forces(inputs);
@@ -163,6 +167,7 @@ impl Plant {
     ///
     /// # Panics
     /// If `out` has not [`EVENT_INDICATORS`](Self::EVENT_INDICATORS) entries.
+    #[inline(never)]
     pub fn event_indicators(&self, inputs: &Inputs, out: &mut [f64]) {
         let (distances, contact) = out.split_at_mut(FORCES * Actuator::MAX_KINKS);
         distances.fill(1.0);

@@ -96,6 +96,7 @@ impl Plant {
 
     /// Deflections w_i at eleven equally spaced points x = 0 … l \[m\], by arm.
     #[must_use]
+    #[inline(never)]
     pub fn deflection(&self) -> [[f64; DEFLECTION_POINTS]; 2] {
         let mut buffer = [0.0; MAX_COORDINATES];
         let x = self.energy_coordinates_in(&mut buffer);
@@ -139,6 +140,7 @@ impl Plant {
 
     /// Time derivatives of all outputs for inputs that change with the given rates: analytic, from ẋ = A x + B g.
     #[must_use]
+    #[inline(never)]
     pub fn rates(&self, inputs: &Inputs, input_rates: &Inputs) -> Rates {
         if let Some(contacts) = &self.contacts {
             return self.opening_rates(contacts, inputs, input_rates);
