@@ -7,6 +7,7 @@
 
 mod markup;
 mod packed;
+mod parameters;
 pub mod rows;
 mod run;
 pub mod signals;
@@ -99,7 +100,7 @@ impl Page<'_> {
                 "metrics" => tables::metrics(self.runs),
                 "tables" => self.tables.clone(),
                 "figures" => tables::figures(self.figures),
-                "parameters" => tables::parameters(self.runs, &self.setup),
+                "parameters" => parameters::all(self.runs, &self.setup),
                 "reading" => if_motion(READING),
                 "rows" => escape(&self.rows),
                 "files" => self.files_text(),
