@@ -50,7 +50,12 @@ pub(super) fn parsed(path: &Path, document: &[u8]) -> Result<ModelDescription, F
 pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<TempDir, FmuError> {
     let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
     let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
-    let parts: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
+    let mut parts: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
+    parts.retain(|part| archive.files().iter().any(|file| file.starts_with(part)));
+    if parts.is_empty() {
+        // The FMU will be refused.
+        return Ok(folder);
+    }
     let parts: Vec<&str> = parts.iter().map(String::as_str).chain(["resources/"]).collect();
     archive.unpack(folder.path(), &parts).map_err(|error| match error {
         ArchiveError::Read(source) => unpack(source),
