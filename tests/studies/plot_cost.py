@@ -13,6 +13,7 @@ import numpy as np
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 #: From this order on the slope is taken: below, what does not grow is most of a step.
@@ -47,6 +48,8 @@ def draw() -> list[str]:
     left.set(xlabel="order k", ylabel="ns per step", title="One plant")
     left.set_xticks(k, [f"{order:.0f}" for order in k])
     left.minorticks_off()
+    left.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    left.yaxis.set_major_formatter("{x:.0f}")
     left.legend(fontsize=8)
 
     n = [float(row["instances"]) for row in pairs]
@@ -54,7 +57,7 @@ def draw() -> list[str]:
     said.append(f"* Pairs: a step of all has slope {slope(n, total):.2f}.")
     right.loglog(n, total, marker="o", label=f"a step of all: slope {slope(n, total):.2f}")
     right.loglog(n, [total[0] * count for count in n], "k:", label="slope 1")
-    right.set(xlabel="pairs in one process", ylabel="us per step of all", title="Plant of order 8 and NABFC")
+    right.set(xlabel="pairs in one process", ylabel="µs per step of all", title="Plant of order 8 and NABFC")
     right.legend(fontsize=8)
     figure.savefig(DOCS / "figures/cost.svg", metadata={"Date": None})
     return said
