@@ -1,7 +1,7 @@
 //! A mode's fastest decay, apart from the rest.
 //!
 //! While both tips touch, ΔF is a damper on the tips' masses that the stiffest beams of the discretisation feel most: one real
-//! eigenvalue −μ of 𝒜 is far beyond all others (2.4·10⁵ against 6.9·10⁴ 1/s at order 8, 1.3·10⁸ against 4.9·10⁶ 1/s at order 24).
+//! eigenvalue −μ of 𝒜 is far beyond all others (2.4·10⁵ against 6.9·10⁴ 1/s at order 8, 1.2·10⁸ against 4.1·10⁶ 1/s at order 24).
 //! What belongs to it decays by itself, with its right and left eigenvectors v and u, uᵀv = 1:
 //!
 //! ```text
