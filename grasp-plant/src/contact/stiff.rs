@@ -66,18 +66,27 @@ fn dominant(matrix: &DMatrix<f64>) -> Option<(f64, DVector<f64>)> {
     let panels = Panels::new(matrix);
     let mut vector = DVector::from_fn(n, |i, _| 1.0 + (i % 3) as f64);
     let mut scratch = vec![[0.0; LANES]; panels.panel_count()];
+    // Powers go on until rounding stops them: the residual is an error of all that is watched, up to μτ|u| times.
+    let mut best: Option<(f64, f64, DVector<f64>)> = None;
     for _ in 0..MOST_POWERS {
         vector /= vector.norm();
         panels.multiply(vector.as_slice(), &mut scratch);
         let next = DVector::from_column_slice(&scratch.as_flattened()[..n]);
         let eigenvalue = dot(vector.as_slice(), next.as_slice());
-        // It is not zero: a matrix without growth has no stiff part.
-        if (&next - &vector * eigenvalue).norm() <= 1e-14 * eigenvalue.abs() {
-            return (eigenvalue != 0.0).then_some((eigenvalue, vector));
+        // A matrix without growth has no stiff part.
+        if eigenvalue == 0.0 {
+            return None;
+        }
+        let residual = (&next - &vector * eigenvalue).norm() / eigenvalue.abs();
+        if residual <= 1e-14 {
+            if best.as_ref().is_some_and(|(least, ..)| residual > 0.9 * least) {
+                break;
+            }
+            best = Some((residual, eigenvalue, vector));
         }
         vector = next;
     }
-    None
+    best.map(|(_, eigenvalue, vector)| (eigenvalue, vector))
 }
 
 #[cfg(test)]
@@ -104,6 +113,11 @@ mod tests {
             assert!((stiff.of_right[side] - dot(watched[side].as_slice(), stiff.right.as_slice())).abs() < 1e-15);
             assert!((&stiff.watched[side] * &stiff.right)[0].abs() < 1e-15);
         }
+        // To rounding, also where each power takes away only two thirds of the rest.
+        let slow = matrix(1000.0);
+        let (eigenvalue, vector) = dominant(&slow).unwrap();
+        let residual = (&slow * &vector - &vector * eigenvalue).norm() / eigenvalue.abs();
+        assert!(residual < 1e-15, "{residual:e}");
         // Neither one that is near, nor one that grows, nor an oscillation.
         for near in [400.0, -1e6, 0.0] {
             assert!(Stiff::of(&matrix(near), &watched, growth(&matrix(near))).is_none(), "{near}");
