@@ -38,9 +38,10 @@ SYSTEM = {
 }
 
 #: What the libraries may take [bytes] where the standard library is compiled with them, without its backtraces; some 7 % above
-#: what they take. What the bytes are: docs/performance.md, "Size of the libraries".
+#: what they take, but for the controllers of Windows, which stay below the 0.6 MB that were wanted. What the bytes are:
+#: docs/performance.md, "Size of the libraries".
 LARGEST = {
-    "NabfcController": {"win64": 660_000, "aarch64-linux": 560_000},
+    "NabfcController": {"win64": 600_000, "aarch64-linux": 560_000},
     "DualArmPlant": {"win64": 625_000, "aarch64-linux": 580_000},
     "GraspInstruments": {"win64": 315_000, "aarch64-linux": 315_000},
 }

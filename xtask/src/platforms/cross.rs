@@ -45,6 +45,10 @@ const OF_STANDARD_LIBRARY: [&str; 6] = [
     "profile.fmu.package.compiler_builtins.codegen-units=10000",
 ];
 
+/// Arguments with which LLVM unrolls only short loops, for Windows' controllers, the last library above 0.6 MB: 25 kB less. Counted on
+/// Linux, a step of NABFC has 1 % fewer instructions, of the other laws at most 0.5 % more. The plant's would have 10 % more.
+const LOOPS_STAY: [&str; 3] = ["--", "-C", "llvm-args=-unroll-threshold=50 -unroll-runtime=false"];
+
 impl Compiler {
     /// The available compiler for this platform.
     ///
@@ -117,6 +121,15 @@ impl Compiler {
         self.linked_for = Some(format!("{}.2.17", self.target));
         self.cargo = zigbuild;
         Ok(())
+    }
+
+    /// Builds the library of a model's crate.
+    pub fn model(&self, package: &str, guids: &str) -> Command {
+        let mut command = self.library(&["--lib", "--crate-type", "cdylib", "--package", package], guids);
+        if (self.platform, package) == ("win64", "controller-fmu") {
+            command.args(LOOPS_STAY);
+        }
+        command
     }
 
     /// Builds a library; `what` selects it.

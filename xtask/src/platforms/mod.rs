@@ -102,7 +102,7 @@ pub fn alone(tree: &Tree, compiler: &Compiler) -> Result<PathBuf, Outcome> {
     emptied(&folder)?;
     let guids = guids(tree)?;
     for model in MODELS {
-        passed(run(compiler.library(&["--lib", "--crate-type", "cdylib", "--package", model], &guids)))?;
+        passed(run(compiler.model(model, &guids)))?;
         let mut packager = packager(tree, model);
         packager.arg("--library").arg(compiler.built(&model.replace('-', "_"))).arg("--out").arg(&folder);
         passed(run(packager))?;
