@@ -108,7 +108,9 @@ impl Metrics {
         // Both contact forces shall become λ₂ᵈ = −λ₁ᵈ, since f_i = (−1)^i λ_i.
         let targets = table.column("lambda2_d")?;
         let target = *targets.last()?;
-        let since = targets.iter().rposition(|value| *value != target).map_or(0, |last| last + 1);
+        // A target that is not a number stays the target, too.
+        let is_other = |value: &f64| *value != target && !(value.is_nan() && target.is_nan());
+        let since = targets.iter().rposition(is_other).map_or(0, |last| last + 1);
         let force = |name| table.column(name).map(|values| ForceMetrics::of(&times[since..], &values[since..], target));
         let effort =
             |index: usize| table.column(EFFORTS[index]).map(|values| EffortMetrics::of(times, values, limits[index]));
@@ -256,6 +258,16 @@ mod tests {
         // exp(−t) is below 2 % after ln 50; chords of 10 ms cost up to (10 ms)²/8 of its curvature over its slope.
         assert!((metrics.settling_2().unwrap() - 50_f64.ln()).abs() < 2e-5);
         assert_eq!((metrics.forces[0].target, metrics.forces[0].overshoot), (0.25, 0.0));
+    }
+
+    #[test]
+    fn a_target_that_is_not_a_number_is_never_reached() {
+        let columns = SIGNALS.iter().map(|name| Column { name: (*name).into(), ..Column::default() }).collect();
+        let mut table = Table::new(columns);
+        for (t, target) in [(0.0, 0.5), (1.0, 0.5), (2.0, f64::NAN)] {
+            table.row(t, &SIGNALS.map(|name| if name == "lambda2_d" { target } else { 0.5 })).unwrap();
+        }
+        assert_eq!(Metrics::of(&table, [None; 3]).unwrap().settling_2(), None);
     }
 
     #[test]

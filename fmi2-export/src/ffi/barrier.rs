@@ -26,17 +26,23 @@ mod system {
         unsafe { syscall(MEMBARRIER, command, 0 as c_int, 0 as c_int) }
     }
 
-    /// Makes all processors that run a thread of this process pass a memory barrier; false if the system does not.
+    const UNKNOWN: u8 = 2;
+    /// Whether there is such a barrier: 0 or 1 once it is known.
+    static FOUND: AtomicU8 = AtomicU8::new(UNKNOWN);
+
+    /// Makes all processors that run a thread of this process pass a memory barrier; false if the system does not, or no longer.
     pub fn barrier() -> bool {
         let pass = || membarrier(PRIVATE_EXPEDITED) == 0;
         // A process has to say once that it uses it. That can take milliseconds, so not before it is needed.
-        pass() || (membarrier(REGISTER_PRIVATE_EXPEDITED) == 0 && pass())
+        let has_passed = pass() || (membarrier(REGISTER_PRIVATE_EXPEDITED) == 0 && pass());
+        if !has_passed {
+            FOUND.store(0, Ordering::Relaxed);
+        }
+        has_passed
     }
 
     /// Whether there is such a barrier.
     pub fn can_bar() -> bool {
-        const UNKNOWN: u8 = 2;
-        static FOUND: AtomicU8 = AtomicU8::new(UNKNOWN);
         let found = FOUND.load(Ordering::Relaxed);
         if found != UNKNOWN {
             return found == 1;
