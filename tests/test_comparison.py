@@ -191,13 +191,75 @@ def test_what_a_search_finds_is_better_than_its_start_and_can_be_compared(tmp_pa
     assert written.count('name="kp1"') == written.count('name="ki"') == 1
 
 
+def evaluated_once(controller: str, folder: Path, *options: str) -> tuple[Cell, dict[str, float]]:
+    """The case *undisturbed* with the gains at which a search begins, and those that vary."""
+    words = ("--cases", "undisturbed", "--evaluations", "1", "--out", str(folder / "once.toml"), "--json")
+    done = dualarm("tune", "-c", controller, *words, "--state", str(folder / f"{len(list(folder.iterdir()))}.jsonl"), *options)
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    return document["cases"][0], {parameter["name"]: parameter["value"] for parameter in document["parameters"]}
+
+
+@pytest.mark.parametrize("controller", ["nabfc-fast", "nabfc-r-fast", "nabfc-r-certified", "pds-tuned", "pd-tuned", "pid"])
+def test_a_search_begins_at_the_gains_of_the_named_controller(controller: str, tmp_path: Path) -> None:
+    """The preset is a set of gains inside the FMU, which the search cannot vary: it must begin at the same values."""
+    case, varied = evaluated_once(controller, tmp_path)
+    done = dualarm("compare", "--no-package", "--controllers", controller, "--cases", "undisturbed", "--json", "--out", str(tmp_path))
+    (cell,) = json.loads(done.stdout)["matrix"]
+    # The search gives gains four digits; those of nabfc-r-certified have more.
+    assert case["merit"]["settling"] == pytest.approx(cell["merit"]["settling"], rel=2e-3)
+    assert case["merit"]["peak_torque"] == pytest.approx(cell["merit"]["peak_torque"], rel=2e-3)
+    assert controller != "pid" or {"kp", "kv", "ki", "kp1", "kv1", "ki1", "ki2"} <= varied.keys()
+    gains = tomllib.loads((tmp_path / "once.toml").read_text(encoding="utf-8"))["parameters"]
+    assert "preset" not in gains, "it would leave the gains unused"
+
+
+def test_ranges_are_around_the_gains_of_the_preset(tmp_path: Path) -> None:
+    shipped = ROOT / "scenarios" / "tuned" / "pid.toml"
+    by_name, by_file = evaluated_once("pid", tmp_path), evaluated_once(str(shipped), tmp_path)
+    assert by_name == by_file
+    gains = tomllib.loads(shipped.read_text(encoding="utf-8"))["parameters"]
+    assert by_file[1] == pytest.approx(gains, rel=1e-12)
+    _, varied = evaluated_once(str(shipped), tmp_path, "--parameter", "ki")
+    assert varied == {"ki": gains["ki"]}
+    # What is set to zero stays there.
+    _, varied = evaluated_once("pid", tmp_path, "--set", "ki=0")
+    assert "ki" not in varied and "ki1" in varied
+
+
+def test_presets_of_one_controller_are_told_apart_and_run_in_any_scenario(tmp_path: Path) -> None:
+    text = (ROOT / "scenarios" / "tuned" / "pid.toml").read_text(encoding="utf-8")
+    first, second = tmp_path / "first.toml", tmp_path / "second.toml"
+    first.write_text(text.replace('title = "PID"', 'title = "PID with gains from a search"'), encoding="utf-8")
+    second.write_text(first.read_text(encoding="utf-8").replace("ki = 14980.0", "ki = 0.0"), encoding="utf-8")
+    words = ("--cases", "hub-torque", "--out", str(tmp_path), "--json")
+    done = dualarm("compare", "--no-package", "--controllers", f"{first},{second}", *words)
+    assert done.returncode == 0, done.stderr
+    header = (tmp_path / "matrix.md").read_text(encoding="utf-8")
+    assert "| PID (first) | PID (second) |" in header
+
+    def finals(*words: str) -> dict[str, float]:
+        done = dualarm("simulate", *words, "--stop", "0.3", "--step", "1e-3", "--json")
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)["final"]
+
+    # The file has the gains of the preset, which are those of the name; in the paper's case, and in another one.
+    assert finals("-c", str(first)) == finals("-c", "pid")
+    assert finals("friction", "-c", str(first)) == finals("friction", "-c", "pid") != finals("friction", "-c", str(second))
+    # Its settings are the controller's, as in `compare`: the plant keeps its own stiffness.
+    first.write_text(first.read_text(encoding="utf-8") + "EI1 = 0.2\n", encoding="utf-8")
+    assert finals("-c", str(first)) == finals("-c", "pid", "--set", "PdController.EI1=0.2")
+    done = dualarm("simulate", "-c", str(tmp_path / "none.toml"))
+    assert (done.returncode, "cannot read" in done.stderr) == (1, True), done.stderr
+
+
 def test_misspelt_names_are_answered(tmp_path: Path) -> None:
     for arguments, text in (
         (("compare", "--no-package", "--cases", "heavy5"), "did you mean heavy-5"),
         (("compare", "--no-package", "--controllers", "pdd"), "did you mean pd"),
         (("tune", "--controller", "pd", "--parameter", "kpp1=1..2"), "did you mean kp1"),
         (("tune", "--controller", "pd", "--parameter", "kp1=2..1"), "the range is empty"),
-        (("tune", "--controller", "pd", "--parameter", "ki"), "its start value is 0, so it needs a range"),
+        (("tune", "--controller", "pd", "--parameter", "ki"), "it begins at 0, which has no ratios, so it needs a range"),
         (("tune", "--controller", "pd", "--goal", "nois=0.01"), "did you mean noise"),
         (("tune", "--controller", "pd", "--goal", "noise"), "write CASE=VALUE"),
         (("tune", "--controller", "pd", "--goal", "noise=-1"), "a positive number is needed"),

@@ -74,7 +74,7 @@ fn bad_numbers_and_names_are_usage_errors() {
     assert_fails(
         &dualarm(folder.path(), &["simulate", "--controller", "lqr"]),
         2,
-        "[possible values: nabfc, nabfc-fast, nabfc-r, nabfc-r-fast, nabfc-r-certified, pds, pds-tuned, pd, pd-tuned, pid]",
+        "[possible values: nabfc, nabfc-fast, nabfc-r, nabfc-r-fast, nabfc-r-certified, pds, pds-tuned, pd, pd-tuned, pid, pid-all, pds-all]",
     );
     assert_eq!(files(folder.path()), before);
 }

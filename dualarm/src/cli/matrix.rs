@@ -74,12 +74,13 @@ pub fn run(choice: &MatrixChoice, lab: &Lab, quiet: bool) -> Result<Option<Matri
 
 fn run_cases(choice: &MatrixChoice, cases: Vec<Case>, lab: &Lab, quiet: bool) -> Result<Matrix, Failure> {
     unique("cases", cases.iter().map(|case| case.key.as_str()))?;
-    let contenders = if choice.controllers.is_empty() {
+    let mut contenders = if choice.controllers.is_empty() {
         Contender::all()?
     } else {
         choice.controllers.iter().map(|name| Contender::find(name)).collect::<Result<_, _>>()?
     };
     unique("controllers", contenders.iter().map(|contender: &Contender| contender.key.as_str()))?;
+    Contender::distinguish(&mut contenders);
     let bar = Progress::new(quiet).bar("matrix", (cases.len() * contenders.len()) as u64);
     let matrix = Matrix::run(lab, cases, contenders, &|| bar.inc(1))?;
     bar.finish_and_clear();

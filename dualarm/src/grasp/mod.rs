@@ -5,11 +5,13 @@
 //! * [`systems`] are SSP archives of the plant with each controller;
 //! * [`instruments`] are sensors and actuators between plant and controller;
 //! * [`GraspWatch`] observes a run, and [`grasp_merit`] evaluates it;
+//! * [`presets`] are the controllers' built-in sets of gains;
 //! * [`matrix`] runs many controllers in many cases.
 
 pub mod instruments;
 mod lyapunov;
 pub mod matrix;
+pub mod presets;
 pub mod scenarios;
 pub mod systems;
 mod watch;

@@ -1,7 +1,8 @@
 //! The scenarios that are compiled in, and the exchange of a scenario's controller.
 
-use std::path::Path;
+use std::path::{Path, absolute};
 
+use super::matrix::Contender;
 use super::{CONTROLLERS, Controller};
 use fmi2_cosim::names::{closest, suggestion_and};
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
@@ -38,6 +39,14 @@ pub struct UnknownScenario {
 pub struct NoController {
     /// The controllers that can be replaced.
     pub known: Vec<&'static str>,
+}
+
+impl NoController {
+    fn new() -> Self {
+        let mut known: Vec<_> = CONTROLLERS.iter().map(|known| known.fmu).collect();
+        known.dedup();
+        Self { known }
+    }
 }
 
 /// Scenario files of a folder beside `scenarios`, compiled in.
@@ -124,15 +133,31 @@ pub(crate) fn says_which_law(setting: &Located<Setting>) -> bool {
 /// When the scenario has no controller.
 pub fn with_controller(mut scenario: Scenario, controller: &Controller) -> Result<Scenario, NoController> {
     let Some(replaced) = scenario.fmus.iter_mut().find(|file| is_controller(file)) else {
-        let mut known: Vec<_> = CONTROLLERS.iter().map(|known| known.fmu).collect();
-        known.dedup();
-        return Err(NoController { known });
+        return Err(NoController::new());
     };
     replaced.set_file_name(controller.fmu);
     scenario.title = format!("{} ({})", scenario.title, controller.title);
     scenario.settings.retain(|setting| !says_which_law(setting));
     scenario.settings.splice(0..0, controller.settings().map(Located::nowhere));
     Ok(scenario)
+}
+
+/// The scenario with its controller replaced by a contender's, and the place of its component. The contender's settings belong
+/// to this [component](Contender::settings_in).
+///
+/// # Errors
+/// When the scenario has no controller.
+pub fn with_contender(mut scenario: Scenario, contender: &Contender) -> Result<(Scenario, usize), NoController> {
+    let place = scenario.fmus.iter().position(|file| is_controller(file)).ok_or_else(NoController::new)?;
+    let replaced = &mut scenario.fmus[place];
+    match absolute(&contender.fmu) {
+        // The scenario's file may be in another folder.
+        Ok(file) if file.is_file() => *replaced = file,
+        _ => replaced.set_file_name(&contender.fmu),
+    }
+    scenario.title = format!("{} ({})", scenario.title, contender.title);
+    scenario.settings.retain(|setting| !says_which_law(setting));
+    Ok((scenario, place))
 }
 
 #[cfg(test)]

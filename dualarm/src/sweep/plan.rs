@@ -57,7 +57,9 @@ impl Plan {
             }
             Ok(contender)
         };
-        let contenders = study.entrants.iter().map(contender).collect::<Result<_, _>>()?;
+        let mut contenders = study.entrants.iter().map(contender).collect::<Result<Vec<_>, _>>()?;
+        // Tables group runs by these titles.
+        Contender::distinguish(&mut contenders);
         let sampler = Sampler::new(&study, points)?;
         Ok(Self { study, contenders, sampler, points: table })
     }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::start::Start;
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_import::{ModelDescription, Variability, Variable, VariableType};
 
@@ -74,23 +75,23 @@ const NO_GAINS: [&str; 14] = [
 ];
 
 impl Dimension {
-    /// `NAME=LOW..HIGH`, several names with `+`, optionally `:linear` at the end. Without a range it is from a tenth of the
-    /// start value to ten times that.
+    /// `NAME=LOW..HIGH`, several names with `+`, optionally `:linear` at the end. Without a range it is from a tenth of
+    /// the value that the controller has to ten times that.
     ///
     /// # Errors
     /// When the text has another form, or the controller has no such parameter.
-    pub fn parse(text: &str, description: &ModelDescription) -> Result<Self, DimensionError> {
+    pub fn parse(text: &str, begin: &Start) -> Result<Self, DimensionError> {
         let form = |problem: &str| DimensionError::Form { text: text.to_owned(), problem: problem.to_owned() };
         let (names, range) = text.split_once('=').map_or((text, None), |(names, range)| (names, Some(range)));
         let names: Vec<String> = names.split('+').map(|name| name.trim().to_owned()).collect();
-        let mut starts = Vec::new();
         for name in &names {
-            starts.push(start(name, description)?);
+            exists(name, begin.description)?;
         }
+        let value = begin.value(&names);
         let Some(range) = range else {
             let anything = [0.0, f64::INFINITY];
-            return Self::around(names, starts[0], anything)
-                .ok_or_else(|| form("its start value is 0, so it needs a range"));
+            return Self::around(names, value, anything)
+                .ok_or_else(|| form(&format!("it begins at {value}, which has no ratios, so it needs a range")));
         };
         let (range, logarithmic) = range.strip_suffix(":linear").map_or((range, true), |range| (range, false));
         let (low, high) = range.split_once("..").ok_or_else(|| form("there is no \"..\" in its range"))?;
@@ -103,7 +104,7 @@ impl Dimension {
             return Err(form("ratios need positive ends"));
         }
         let middle = short(if logarithmic { (low * high).sqrt() } else { 0.5 * (low + high) });
-        let start = if (low..=high).contains(&starts[0]) { starts[0] } else { middle };
+        let start = if (low..=high).contains(&value) { value } else { middle };
         Ok(Self { names, low, high, logarithmic, start, bounds: None })
     }
 
@@ -121,12 +122,13 @@ impl Dimension {
         (start > 0.0).then_some(dimension)
     }
 
-    /// The gains of a controller: its tunable real parameters with positive start values; those of both arms together.
+    /// The gains of a controller: its tunable real parameters that begin at positive values; those of both arms together.
     /// `wanted` selects those in use.
     ///
     /// # Errors
     /// When there are none.
-    pub fn gains(description: &ModelDescription, wanted: impl Fn(&str) -> bool) -> Result<Vec<Self>, DimensionError> {
+    pub fn gains(begin: &Start, wanted: impl Fn(&str) -> bool) -> Result<Vec<Self>, DimensionError> {
+        let description = begin.description;
         let is_gain = |variable: &&Variable| {
             variable.variability == Variability::Tunable
                 && !NO_GAINS.contains(&variable.name.as_str())
@@ -136,11 +138,15 @@ impl Dimension {
         let mut dimensions: Vec<Self> = Vec::new();
         for variable in description.variables.iter().filter(is_gain) {
             let VariableType::Real(attributes) = &variable.kind else { continue };
-            let Some(start) = attributes.start.filter(|start| *start > 0.0) else { continue };
+            let start = begin.value(std::slice::from_ref(&variable.name));
+            if start <= 0.0 {
+                continue;
+            }
             let twin = variable.name.strip_suffix('2').map(|stem| format!("{stem}1"));
             let group = dimensions.iter_mut().find(|dimension| twin.as_ref() == dimension.names.first());
-            if let Some(group) = group.filter(|group| group.start == start) {
+            if let Some(group) = group.filter(|group| begin.are_alike(&group.names[0], &variable.name)) {
                 group.names.push(variable.name.clone());
+                group.begin(Some(begin.value(&group.names)));
                 continue;
             }
             let bounds = [attributes.min.unwrap_or(0.0), attributes.max.unwrap_or(f64::INFINITY)];
@@ -180,21 +186,20 @@ fn short(value: f64) -> f64 {
     format!("{value:.11e}").parse().unwrap_or(value)
 }
 
-fn start(name: &str, description: &ModelDescription) -> Result<f64, DimensionError> {
+fn exists(name: &str, description: &ModelDescription) -> Result<(), DimensionError> {
     let reals = || description.variables.iter().filter(|variable| matches!(variable.kind, VariableType::Real(_)));
     let settable = || reals().filter(|variable| variable.is_settable());
-    let found = settable().find(|variable| variable.name == name);
-    let Some(VariableType::Real(attributes)) = found.map(|variable| &variable.kind) else {
-        return Err(DimensionError::Unknown {
-            name: name.to_owned(),
-            model: description.model_name.clone(),
-            similar: closest(name, settable().map(|variable| variable.name.as_str()))
-                .into_iter()
-                .map(str::to_owned)
-                .collect(),
-        });
-    };
-    Ok(attributes.start.unwrap_or_default())
+    if settable().any(|variable| variable.name == name) {
+        return Ok(());
+    }
+    Err(DimensionError::Unknown {
+        name: name.to_owned(),
+        model: description.model_name.clone(),
+        similar: closest(name, settable().map(|variable| variable.name.as_str()))
+            .into_iter()
+            .map(str::to_owned)
+            .collect(),
+    })
 }
 
 impl fmt::Display for Dimension {

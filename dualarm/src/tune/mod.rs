@@ -9,6 +9,7 @@ pub mod journal;
 pub mod objective;
 pub mod preset;
 pub mod search;
+pub mod start;
 
 use std::io;
 use std::path::{Path, PathBuf};

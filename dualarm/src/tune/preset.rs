@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::{Best, Task};
 use crate::grasp::PLANT;
+use crate::grasp::matrix::contender::FOUND;
 use crate::grasp::systems::origin;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::ssp::parameters::{ParameterSet, ParameterValue};
@@ -17,10 +18,10 @@ pub fn toml(task: &Task, best: &Best, command: &str, description: &ModelDescript
     let fmu = task.contender.fmu.display();
     let cases: Vec<_> = task.cases.iter().map(|case| case.key.as_str()).collect();
     let mut text = format!(
-        "title = \"{} with gains from a search\"\ndescription = \"\"\"\nMade by: {command}\nObjective {:.4}, found by \
+        "title = \"{}{FOUND}\"\ndescription = \"\"\"\nMade by: {command}\nObjective {:.4}, found by \
          evaluation {} of {} with seed {}, over the cases {}.\n\"\"\"\nfmus = [\"{PLANT}\", \"{fmu}\"]\n\n[experiment]\nstop = \
          2\nstep = 1e-3\n\n[parameters]\n",
-        task.contender.title.replace(['"', '\\'], " "),
+        task.contender.title.trim_end_matches(FOUND).replace(['"', '\\'], " "),
         best.cost,
         best.evaluation,
         task.evaluations,

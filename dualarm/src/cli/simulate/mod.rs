@@ -1,5 +1,6 @@
 //! `dualarm simulate`
 
+mod controller;
 mod experiment;
 mod monitor;
 mod outcome;
@@ -9,7 +10,7 @@ mod source;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 
@@ -18,9 +19,10 @@ use super::instruments::InstrumentsChoice;
 use super::process::{self, TIME_TO_END};
 use super::progress::Progress;
 use super::{Failure, json, numbers, print, print_error, report};
+use crate::grasp;
 use crate::grasp::scenarios::BUILT_IN;
-use crate::grasp::{self, CONTROLLERS};
 use crate::report::html::rows::Rows;
+use controller::ControllerName;
 pub use experiment::grid;
 use fmi2_cosim::master::{Coupling, Master, MasterError, check_steps};
 use fmi2_cosim::run::Run;
@@ -39,6 +41,7 @@ the first FMU's default experiment.
 Examples:
   dualarm simulate                               the paper's NABFC case
   dualarm simulate --controller pd -o pd.csv     with another controller
+  dualarm simulate -c results/tuned-pid.toml     with gains of `dualarm tune`
   dualarm simulate preload                       a scenario that is built in
   dualarm simulate my-grasp.toml -o out.csv      a scenario of your own
   dualarm simulate dist/DualArmGrasp-PD.ssp      a system in one file
@@ -59,9 +62,9 @@ pub struct Arguments {
     #[arg(long, conflicts_with_all = ["what", "controller", "fmus", "coupling", "step", "start", "stop", "tolerance",
           "settings", "output", "report", "interval"])]
     list: bool,
-    /// Run this controller, in a scenario instead of its own
-    #[arg(long, short, value_name = "NAME",
-          value_parser = PossibleValuesParser::new(CONTROLLERS.iter().map(|controller| controller.key)))]
+    /// Run this controller, in a scenario instead of its own: a name, a preset or scenario (.toml) with its controller and gains,
+    /// or a controller FMU (.fmu)
+    #[arg(long, short, value_name = "NAME", value_parser = ControllerName)]
     controller: Option<String>,
     #[command(flatten)]
     instruments: InstrumentsChoice,

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::Failure;
+use crate::grasp::matrix::Contender;
 use crate::grasp::scenarios::{self, BuiltIn, NoController, UnknownScenario};
 use crate::grasp::{self, Controller};
 use fmi2_cosim::files::has_extension;
@@ -14,6 +15,11 @@ use fmi2_cosim::system::{System, SystemError, unpack_all};
 /// Reads the description and unpacks the FMUs. `words` are the user's arguments without an option, `fmus` is the folder of
 /// the packaged FMUs.
 pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Result<System, Failure> {
+    if let Some(name) = controller
+        && Controller::find(name).is_none()
+    {
+        return with_preset(words, name, fmus);
+    }
     let controller = controller.and_then(Controller::find);
     let scenario = match (words, controller) {
         ([], None) => BuiltIn::find(grasp::NABFC.key)?.scenario()?,
@@ -23,15 +29,39 @@ pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Resul
         ([word], None) if is_ssp(word) => return Ok(Package::open(word)?.system()?),
         ([word], _) if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
         (files, None) => return of_fmus(files),
-        (_, Some(_)) => {
-            return Err(Failure::usage("--controller cannot be used with .fmu and .ssp files, only with a scenario"));
-        }
+        (_, Some(_)) => return Err(no_scenario()),
     };
     let scenario = match controller {
         Some(controller) => scenarios::with_controller(scenario, controller)?,
         None => scenario,
     };
     Ok(scenario.system(fmus)?)
+}
+
+/// A scenario, by default the paper's case, with the controller of a preset, or with a controller FMU, as in `compare`: the
+/// preset's settings reach the controller only, and the scenario's own are stronger.
+fn with_preset(words: &[PathBuf], name: &str, fmus: &Path) -> Result<System, Failure> {
+    let scenario = match words {
+        // Title and description are about that scenario's own controller.
+        [] => {
+            let mut scenario = BuiltIn::find(grasp::NABFC.key)?.scenario()?;
+            (scenario.title, scenario.description) = ("The paper's case".into(), String::new());
+            scenario
+        }
+        [word] if has_extension(word, "toml") => Scenario::read(word)?,
+        [word] if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
+        _ => return Err(no_scenario()),
+    };
+    let contender = Contender::find(name)?;
+    let (scenario, place) = scenarios::with_contender(scenario, &contender)?;
+    let mut system = scenario.system(fmus)?;
+    let component = system.components[place].0.clone();
+    system.settings.splice(0..0, contender.settings_in(&component));
+    Ok(system)
+}
+
+fn no_scenario() -> Failure {
+    Failure::usage("--controller cannot be used with .fmu and .ssp files, only with a scenario")
 }
 
 fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {

@@ -14,6 +14,7 @@ use super::tuned::Tuned;
 use super::{Failure, json, matrix, numbers, print, report};
 use crate::grasp::matrix::{self as cells, Case, CellError, Contender, Lab};
 use crate::tune::dimension::{Dimension, DimensionError};
+use crate::tune::start::Start;
 use crate::tune::{Goal, Limits, Objective, Task, preset};
 use fmi2_cosim::files::FileSet;
 use fmi2_cosim::names::{closest, suggestion};
@@ -32,7 +33,7 @@ goes on where it was when the same command is given again; with more evaluations
 Examples:
   dualarm tune --controller pd-tuned             the gains of PD, each within
                                                  a decade of where it begins: at
-                                                 its start value, or at --set
+                                                 that controller's, or at --set
   dualarm tune -c pid -p kp=50..20000 -p kv=2..500 -p ki=5..50000 \\
     -p kp1+kp2=5..500 -p kv1+kv2=0.2..20 -p ki1+ki2=1..5000
   dualarm tune -c my_law.fmu -p gain=0.1..10 --cases undisturbed,mine.toml
@@ -67,7 +68,7 @@ pub struct Arguments {
     /// Controller: a name as for `simulate --controller`, a preset or scenario (.toml), or a controller FMU (.fmu)
     #[arg(long, short, value_name = "CONTROLLER")]
     controller: String,
-    /// Vary this parameter; repeatable [default: all tunable gains whose start is positive, arms alike]
+    /// Vary this parameter; repeatable [default: all tunable gains that begin at a positive value, arms alike]
     #[arg(long = "parameter", short, value_name = "NAME[+NAME…][=LOW..HIGH[:linear]]")]
     parameters: Vec<String>,
     /// Give a parameter of the controller another value, which stays, or from which the search begins if it varies; repeatable
@@ -213,19 +214,16 @@ fn task(arguments: &Arguments, lab: &Lab) -> Result<Task, Failure> {
         return Err(Failure::usage("--evaluations must be at least 1"));
     }
     let mut contender = Contender::find(&arguments.controller)?;
-    // A preset other than *parameters* would leave the gains unused.
-    contender.settings.retain(|setting| setting.target != "preset");
-    contender.settings.extend(arguments.settings.iter().cloned());
     let fmu = lab.fmu(&contender.fmu).map_err(CellError::from)?;
     let description = fmu.description();
+    let start = Start::new(description, &contender.settings, &arguments.settings);
+    contender.settings = start.settings().cloned().collect();
     let mut dimensions = if arguments.parameters.is_empty() {
         // The two laws of NABFC have separate gains in one FMU; a controller without a choice of laws uses all its gains.
-        let law = contender.settings.iter().rev().find(|setting| setting.target == "law");
-        let has_root_strain = law.is_none_or(|law| ["root_strain", "2"].contains(&law.value.to_string().as_str()));
         let has_laws = description.variables.iter().any(|variable| variable.name == "law");
-        Dimension::gains(description, |name| !has_laws || name.starts_with("r_") == has_root_strain)?
+        Dimension::gains(&start, |name| !has_laws || name.starts_with("r_") == start.is_root_strain())?
     } else {
-        let parse = |text: &String| Dimension::parse(text, description);
+        let parse = |text: &String| Dimension::parse(text, &start);
         arguments.parameters.iter().map(parse).collect::<Result<_, _>>()?
     };
     // If a parameter is both set and varied, its search begins at the set value.

@@ -9,6 +9,7 @@ use fmi2_cosim::files::has_extension;
 use fmi2_cosim::names::{closest, suggestion_and};
 use fmi2_cosim::scenario::Scenario;
 use fmi2_cosim::settings::Setting;
+use fmi2_cosim::system::Located;
 
 /// The columns, and the step in s of those that are unstable at the cases' 1 ms.
 pub const CONTENDERS: [(Controller, Option<f64>); 8] = [
@@ -27,6 +28,9 @@ pub const PRESETS: &[BuiltIn] = built_in!["scenarios/tuned": "pid-all", "pds-all
 
 /// A step at which PD and PDS are stable with the paper's gains (from 0.26 ms on PD is not), in s.
 const PAPER_STEP: f64 = 2e-4;
+
+/// What follows the controller's name in the titles of presets that a search writes.
+pub const FOUND: &str = " with gains from a search";
 
 /// A controller FMU with settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,12 +111,45 @@ impl Contender {
         Self::preset(file.name, file.scenario().map_err(CaseError::from)?)
     }
 
+    /// Its settings for the component of that name: they mean no variable of the same name elsewhere.
+    pub(crate) fn settings_in(&self, component: &str) -> impl Iterator<Item = Located<Setting>> {
+        self.settings.iter().map(move |setting| {
+            let Setting { target, value } = setting;
+            let target = if target.contains('.') { target.clone() } else { format!("{component}.{target}") };
+            Located::nowhere(Setting::new(target, value.clone()))
+        })
+    }
+
+    /// Adds the key to the title where several have the same one, as presets of one controller have.
+    pub fn distinguish(contenders: &mut [Self]) {
+        let titles: Vec<String> = contenders.iter().map(|contender| contender.title.clone()).collect();
+        let is_named = |key: &str| Self::names().any(|name| name == key);
+        for contender in contenders {
+            let is_taken = titles.iter().filter(|title| **title == contender.title).count() > 1;
+            if is_taken && !is_named(&contender.key) {
+                let title = format!("{} ({})", contender.title.trim_end_matches(FOUND), contender.key);
+                contender.title = if titles.contains(&title) { contender.key.clone() } else { title };
+            }
+        }
+    }
+
     /// The controller of a scenario, with its parameters.
     fn preset(name: &str, scenario: Scenario) -> Result<Self, ContenderError> {
         let fmu = scenario.fmus.iter().find(|fmu| fmu.file_name().is_some_and(|file| file != PLANT));
         let fmu = fmu.ok_or_else(|| ContenderError::NoController(name.to_owned()))?.clone();
         let settings = scenario.settings.into_iter().map(|setting| setting.item).collect();
         Ok(Self { key: name.to_owned(), title: scenario.title, fmu, settings, step: scenario.experiment.step })
+    }
+
+    /// The names that are built in.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        CONTROLLERS.iter().map(|controller| controller.key).chain(PRESETS.iter().map(|file| file.name))
+    }
+
+    /// Whether a user means a file, a preset or an FMU, not a name.
+    #[must_use]
+    pub fn is_file(name: &str) -> bool {
+        ["toml", "fmu"].iter().any(|extension| has_extension(Path::new(name), extension))
     }
 
     /// The contender a user names: a controller by name, a preset or scenario (`.toml`) with its controller and parameters,
@@ -138,11 +175,10 @@ impl Contender {
         if has_extension(path, "toml") {
             return Self::preset(&key(), Scenario::read(path).map_err(CaseError::from)?);
         }
-        let known = || CONTROLLERS.iter().map(|controller| controller.key).chain(PRESETS.iter().map(|file| file.name));
         Err(ContenderError::Unknown {
             name: name.to_owned(),
-            similar: closest(name, known()).into_iter().map(str::to_owned).collect(),
-            known: known().collect::<Vec<_>>().join(", "),
+            similar: closest(name, Self::names()).into_iter().map(str::to_owned).collect(),
+            known: Self::names().collect::<Vec<_>>().join(", "),
         })
     }
 }
@@ -165,5 +201,22 @@ mod tests {
         assert_eq!(found.settings, [Setting::new("kp", 12.0)]);
         let message = Contender::find("pidd").unwrap_err().to_string();
         assert!(message.contains("did you mean pid") && !message.contains("?;"), "{message}");
+    }
+
+    #[test]
+    fn presets_with_one_title_are_told_apart_by_their_files() {
+        let named = |key: &str, title: &str| Contender {
+            key: key.into(),
+            title: title.into(),
+            ..Contender::find("pid").unwrap()
+        };
+        let found = "PID with gains from a search";
+        let mut all =
+            [named("a", found), named("b", found), named("pid", "PID"), named("mine", "PID"), named("c", "C")];
+        Contender::distinguish(&mut all);
+        assert_eq!(all.map(|contender| contender.title), ["PID (a)", "PID (b)", "PID", "PID (mine)", "C"]);
+        let mut alone = [named("a", found)];
+        Contender::distinguish(&mut alone);
+        assert_eq!(alone[0].title, found);
     }
 }

@@ -14,8 +14,7 @@ use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::Master;
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_cosim::scenario::ScenarioError;
-use fmi2_cosim::settings::Setting;
-use fmi2_cosim::system::{Located, System};
+use fmi2_cosim::system::System;
 use fmi2_import::{Fmu, FmuError, Value};
 use grasp_merit::limit::{BAND, Body, shortest};
 use grasp_merit::merit::{Merit, SIGNALS};
@@ -150,19 +149,10 @@ impl Lab {
         scenario.settings.retain(|setting| !says_which_law(setting));
         let mut system = scenario.system_of(&fmus)?;
         let controller = system.components[place].0.clone();
-        let own = contender.settings.iter().map(|setting| Located::nowhere(within(&controller, setting)));
-        system.settings.splice(0..0, own);
+        system.settings.splice(0..0, contender.settings_in(&controller));
         instruments::connect(&mut system).map_err(|error| CellError::Run(error.to_string()))?;
         Ok((system, controller))
     }
-}
-
-/// A setting of the contender, which means no variable of the same name elsewhere.
-fn within(controller: &str, setting: &Setting) -> Setting {
-    if setting.target.contains('.') {
-        return setting.clone();
-    }
-    Setting::new(format!("{controller}.{}", setting.target), setting.value.clone())
 }
 
 /// The communication points of a case; `step` is the step size of the contender.
