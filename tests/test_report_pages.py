@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from .support.browser import Browser
+from .support.paths import ROOT
 from .support.report import scrub, show, shown_time, spans
 from .support.tool import dualarm
 
@@ -51,6 +52,40 @@ def test_a_page_of_a_grasp_that_opens(browser: Browser, tmp_path: Path) -> None:
         assert "touch" not in page.inner_text(".run .status")
     with browser.open(pages["nabfc"]) as opened:
         assert opened.page.locator("[data-signal=gap1]").count() == 0
+
+
+@pytest.mark.parametrize(
+    ("scenario", "controller", "begins"),
+    [("nabfc", "nabfc", "10"), ("stiff-arms", "nabfc", "10"), ("matrix/longest.toml", "nabfc-r", "2")],
+)
+def test_nothing_leaves_the_frame(
+    browser: Browser, tmp_path: Path, scenario: str, controller: str, begins: str
+) -> None:
+    """Arms, object, arrows and targets are inside the picture at all times; a calm run has the frame of always."""
+    path = tmp_path / "page.html"
+    name = str(ROOT / "scenarios" / scenario) if scenario.endswith(".toml") else scenario
+    done = dualarm("simulate", name, "--controller", controller, "--stop", "2", "--report", str(path))
+    assert done.returncode == 0, done.stderr
+    outside = """() => {
+        const frame = document.querySelector("svg.scene").getBoundingClientRect();
+        return [...document.querySelectorAll(".scene :is(path, circle, rect)")].filter((shape) => {
+            const box = shape.getBoundingClientRect();
+            const drawn = box.width > 0 || box.height > 0;
+            return drawn && !(box.left >= frame.left && box.right <= frame.right
+                && box.top >= frame.top && box.bottom <= frame.bottom);
+        }).map((shape) => shape.outerHTML);
+    }"""
+    with browser.open(path) as opened:
+        page = opened.page
+        exaggeration = page.locator("#exaggeration")
+        assert exaggeration.input_value() == begins, "it is said what one sees"
+        if scenario == "nabfc":
+            assert page.get_attribute("svg.scene", "viewBox") == "-34 -154 294 208"
+        for times in ("1", "10", "20"):
+            exaggeration.select_option(times)
+            for share in (0.0, 5e-4, 0.005, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0):
+                scrub(page, share)
+                assert page.evaluate(outside) == [], (times, share)
 
 
 def test_a_page_of_saved_results(browser: Browser, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import math
 import os
 import signal
 import subprocess
@@ -285,6 +286,17 @@ def test_the_page_leads_from_a_point_to_its_run(tmp_path: Path, browser: Browser
         assert chosen() != run
         scatter.click(position={"x": x, "y": y})
         assert chosen() == run
+        # What was drawn by its logarithm has an axis of it, though it spans little more than a decade.
+        page.select_option("#x", "M")
+        places = {}
+        for _ in range(6):
+            scatter.focus()
+            page.keyboard.press("ArrowRight")
+            mass = table[chosen()]["M"]
+            places[mass] = float(scatter.get_attribute("data-chosen").split()[0])
+        low, middle, *_, high = sorted(places)
+        share = math.log(middle / low) / math.log(high / low)
+        assert places[middle] == pytest.approx(places[low] + share * (places[high] - places[low]), abs=0.1)
         # Who hides a controller sees no more of it.
         for button in page.locator("#legend button").all():
             button.click()

@@ -109,6 +109,10 @@ pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), count: f64, clo
 const BIN: f64 = 4.0;
 /// Smaller swings in px are no thicker than the line.
 const SMALLEST: f64 = 3.0;
+/// By how many px a curve must have left an extreme to have turned there: the line's own width hides what is less.
+const TURN: f64 = 2.0;
+/// Fewer bins than this in a row, with a swing or two, show as they are: a dip, a kick, or a ripple that soon is over.
+const FEWEST: usize = 4;
 
 /// By how many px a line may pass a point above or below: less than the half unit by which all coordinates are rounded.
 const CLOSE: f64 = 0.03;
@@ -170,20 +174,20 @@ pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size
 pub(super) fn stretches(bins: &[Bin], px: f64) -> Vec<(bool, Range<usize>)> {
     let swings: Vec<bool> = bins.iter().map(|bin| bin.turns >= 2 && (bin.high - bin.low) * px > SMALLEST).collect();
     let swings_at = |index: Option<usize>| index.and_then(|index| swings.get(index)).copied().unwrap_or(false);
-    // One bin alone is a kick, and one calm bin between two others no calm.
-    let is_fast = |index: usize| {
-        let (before, after) = (swings_at(index.checked_sub(1)), swings_at(Some(index + 1)));
-        if swings[index] { before || after } else { before && after }
-    };
-    let mut stretches = Vec::new();
-    let mut from = 0;
-    while from < bins.len() {
-        let fast = is_fast(from);
-        let end = (from..bins.len()).find(|&index| is_fast(index) != fast).unwrap_or(bins.len());
-        stretches.push((fast, from..end));
-        from = end;
+    // One calm bin between two others is no calm.
+    let mut fast: Vec<bool> = (0..bins.len())
+        .map(|index| swings[index] || (swings_at(index.checked_sub(1)) && swings_at(Some(index + 1))))
+        .collect();
+    for short in fast.chunk_by_mut(|a, b| a == b).filter(|stretch| stretch.len() < FEWEST) {
+        short.fill(false);
     }
-    stretches
+    let mut from = 0;
+    let stretch = |fast: &[bool]| {
+        let part = from..from + fast.len();
+        from = part.end;
+        (fast[0], part)
+    };
+    fast.chunk_by(|a, b| a == b).map(stretch).collect()
 }
 
 pub(super) fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) -> Vec<Bin<'a>> {
@@ -197,8 +201,7 @@ pub(super) fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, wid
         for (_, y) in points {
             (low, high) = (low.min(*y), high.max(*y));
             let left = (y - extreme) * px;
-            // It has turned when it has left its extreme by a px.
-            if if direction == 0.0 { left.abs() > 1.0 } else { direction * left < -1.0 } {
+            if if direction == 0.0 { left.abs() > TURN } else { direction * left < -TURN } {
                 turns += u32::from(direction != 0.0);
                 direction = left.signum();
                 extreme = *y;
@@ -351,6 +354,28 @@ mod tests {
         assert!((period * 90.0 - 1.0).abs() < 0.1, "{period}");
         let kick: Vec<_> = (0..=4000).map(|row| (f64::from(row) * 1e-3, if row == 9 { 9.0 } else { 0.0 })).collect();
         assert_eq!(chatter(&kick, (0.0, 4.0), 400.0), None);
+    }
+
+    #[test]
+    fn a_curve_with_a_dip_or_two_is_a_line() {
+        // A force that rises within 0.3 s of 5 s, steeper than a bin is wide, and dips while it does; 525 px × 350 px.
+        let bump = |t: f64, at: f64, width: f64| (-((t - at) / width).powi(2)).exp();
+        for (depth, at, width) in [(0.025, 0.05, 4e-3), (0.05, 0.05, 4e-3), (0.3, 0.05, 8e-3), (0.1, 0.04, 2e-3)] {
+            let force = |t: f64| {
+                let start = 0.01 * (1.0 - (600.0 * t).cos()) * bump(t, 0.0, 6e-3);
+                0.5 * (1.0 - (-t / 0.06).exp()) + start - depth * (bump(t, at, width) + bump(t, at + 0.04, width))
+            };
+            let points: Vec<_> = (0..=50_000).map(|row| f64::from(row) * 1e-4).map(|t| (t, force(t))).collect();
+            let pieces = pieces(&points, (0.0, 5.0), 0.75, (525.0, 350.0));
+            let [Piece::Line(line)] = &pieces[..] else { panic!("depth {depth}: {} pieces", pieces.len()) };
+            // The dip is all there.
+            let fall = |points: &[(f64, f64)]| {
+                let fall = |(high, most): (f64, f64), y: f64| (high.max(y), most.max(high - y));
+                points.iter().fold((f64::NEG_INFINITY, 0.0), |last, (_, y)| fall(last, *y)).1
+            };
+            assert!((fall(line) - fall(&points)).abs() < 0.75 / 350.0, "depth {depth}");
+            assert_eq!(chatter(&points, (0.0, 5.0), 400.0), None);
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ const VALUES = [
 ];
 
 /** The panel of one run: title, state of the grasp, picture, values. */
-function createPanel(parent, run) {
+function createPanel(parent, run, room) {
   const panel = document.createElement("article");
   panel.className = `run run-${run.index}`;
   panel.dataset.key = run.key;
@@ -22,7 +22,7 @@ function createPanel(parent, run) {
   header.append(title, status);
   panel.append(header);
   parent.append(panel);
-  const draw = createScene(panel, run);
+  const draw = createScene(panel, run, room);
   const list = document.createElement("dl");
   list.className = "values";
   const cells = VALUES.map(({ name }) => {
@@ -73,7 +73,10 @@ async function main() {
   const clock = createClock(times[0], Math.max(times.at(-1), times[0] + SHORTEST_SPAN));
   const exaggeration = document.getElementById("exaggeration");
   const scenes = document.getElementById("scenes");
-  const panels = runs.filter((run) => run.geometry).map((run) => createPanel(scenes, run));
+  const grasps = runs.filter((run) => run.geometry);
+  const room = createRoom(grasps);
+  if (exaggeration) exaggeration.value = fittingExaggeration(grasps, room);
+  const panels = grasps.map((run) => createPanel(scenes, run, room));
   const drawPanels = () => panels.forEach((draw) => draw(clock.shown, Number(exaggeration.value)));
   clock.on("time", drawPanels);
   exaggeration?.addEventListener("change", drawPanels);

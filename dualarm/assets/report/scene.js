@@ -2,22 +2,21 @@
 // In metres with y upwards; the drawing is in mm with y downwards.
 
 const MM = 1000;
-/** Length in mm of the arrow of 1 N. */
+/** Length in mm of the arrow of 1 N; the longest, and the way from a tip to its arrow, in lengths of an arm and of the object. */
 const FORCE = 50;
+const LONGEST_ARROW = 0.6;
+const ARROW_GAP = 0.05;
 /** Sweep of the arc of 1 N·m, and the largest, in degrees. */
 const TORQUE = 400;
 const LARGEST_SWEEP = 300;
 
-/** The picture of one run in `parent`; `draw(time, exaggeration)` shows it as it is at a time. */
-function createScene(parent, run) {
+/** The picture of one run in `parent`, in a frame with this room; `draw(time, exaggeration)` shows it as it is at a time. */
+function createScene(parent, run, room) {
   const { arm: length, object: width } = run.geometry;
   const signals = [...run.signals.keys()];
   const shapes = [1, 2].map((arm) => signals.filter((name) => name.startsWith(`deflection${arm}[`)));
-  const margin = 0.27 * length;
-  const box = { left: -0.17 * length, right: 1.3 * length, low: -margin, high: width + margin };
   const svg = element(parent, "svg", {
     class: "scene",
-    viewBox: [box.left, -box.high, box.right - box.left, box.high - box.low].map((value) => value * MM).join(" "),
     role: "img",
     "aria-label": `Arms and object, ${run.title}`,
   });
@@ -27,14 +26,23 @@ function createScene(parent, run) {
   const drive = element(svg, "path", { class: "drive" });
   arms.forEach((arm) => svg.append(arm.line, arm.tip, arm.force));
 
+  const look = (exaggeration) => {
+    const { left, right, low, high } = frameAtRest(run.geometry);
+    const { below, above } = room(exaggeration);
+    const box = [left, -high - above, right - left, high + above - low + below];
+    svg.setAttribute("viewBox", box.map((value) => round(value * MM)).join(" "));
+  };
+  let looked = NaN;
+
   return function draw(time, exaggeration) {
+    if (exaggeration !== looked) look((looked = exaggeration));
     const value = (name) => sample(run, name, time);
     // How far the object is from its place at rest; both tips move with it.
     const shift = value("y_object") - width / 2;
     const targetShift = value("y_object_d") - width / 2;
     object.setAttribute("transform", `translate(0 ${-shift * exaggeration * MM})`);
     const centre = width / 2 + shift * exaggeration;
-    drive.setAttribute("d", arrow(length, centre, centre + (value("u") * FORCE) / MM));
+    drive.setAttribute("d", arrow(length, centre, centre + arrowLength(value("u"), length)));
     arms.forEach((arm, index) => {
       const angle = value(`theta${index + 1}`);
       const points =
@@ -55,7 +63,7 @@ function createScene(parent, run) {
       const tip = points.at(-1);
       arm.tip.setAttribute("cx", tip.x * MM);
       arm.tip.setAttribute("cy", -tip.y * MM);
-      drawForce(arm.force, value(`contact_force${index + 1}`), tip, index === 0 ? 1 : -1, width * 0.05);
+      drawForce(arm.force, arrowLength(value(`contact_force${index + 1}`), length), tip, index === 0 ? 1 : -1, width * ARROW_GAP);
     });
   };
 }
@@ -134,12 +142,17 @@ function curve(points, firstSlope) {
   return `M${text(points[0])} ${pieces.join(" ")}`;
 }
 
+/** How long the arrow of a force is, with its sign. */
+function arrowLength(force, arm) {
+  return Math.sign(force) * Math.min((Math.abs(force) * FORCE) / MM, LONGEST_ARROW * arm);
+}
+
 /** The force on the object at a tip: towards the object if it pushes, away from it if it pulls. */
-function drawForce(path, force, tip, towards, gap) {
+function drawForce(path, size, tip, towards, gap) {
   const near = tip.y - towards * gap;
-  const far = near - (towards * Math.abs(force) * FORCE) / MM;
-  path.setAttribute("d", force < 0 ? arrow(tip.x, near, far) : arrow(tip.x, far, near));
-  path.classList.toggle("pulls", force < 0);
+  const far = near - towards * Math.abs(size);
+  path.setAttribute("d", size < 0 ? arrow(tip.x, near, far) : arrow(tip.x, far, near));
+  path.classList.toggle("pulls", size < 0);
 }
 
 /** An arrow along y; nothing if it would be too short to see. */

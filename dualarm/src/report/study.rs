@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::html::{escape, fill, head, json_in_script};
 use crate::sweep::plan::Plan;
+use crate::sweep::study::Range;
 use crate::sweep::summary::{Group, Rate};
 use crate::sweep::table::{Field, Kind, Layout, unit};
 
@@ -103,12 +104,15 @@ fn data(page: &Page) -> Value {
         _ if vary.iter().any(|varied| varied.name == name) => "parameter".into(),
         _ => "figure".into(),
     };
+    let logarithmic =
+        |name: &str| vary.iter().any(|varied| varied.name == name && matches!(varied.range, Range::Logarithmic { .. }));
     let columns = page.layout.columns().iter().enumerate().map(|(index, column)| {
         json!({
             "name": column.name,
             "role": role(&column.name),
             "number": matches!(column.kind, Kind::Integer | Kind::Real),
             "unit": unit(&column.name),
+            "log": logarithmic(&column.name),
             "values": page.rows.columns.get(index).cloned().unwrap_or_default(),
         })
     });

@@ -18,9 +18,10 @@ function createAxis(column) {
   if (!(low <= high)) [low, high] = [0, 1];
   const sorted = Float64Array.from(known).sort();
   const middle = sorted[sorted.length >> 1] ?? low;
-  // What spans decades is looked at by decades.
-  const logarithmic = !texts && low > 0 && high / low > 30 && middle - low < 0.1 * (high - low);
-  if (low === high) [low, high] = [low - 0.5, high + 0.5];
+  // What was drawn by its logarithm is looked at by it, and so is what spans decades.
+  const spansDecades = high / low > 30 && middle - low < 0.1 * (high - low);
+  const logarithmic = !texts && low > 0 && (column.log || spansDecades);
+  if (low === high) [low, high] = logarithmic ? [low / 2, low * 2] : [low - 0.5, high + 0.5];
   const scale = logarithmic ? Math.log : (value) => value;
   const [first, last] = [scale(low), scale(high)];
   return {
@@ -80,6 +81,13 @@ function format(value) {
   return size >= 1e-3 && size < 1e5 ? String(Number(value.toPrecision(4))) : value.toExponential(2);
 }
 
+/** A number in three digits, for where there is little room. */
+function brief(value) {
+  const size = Math.abs(value);
+  if (size === 0 || (size >= 1e-3 && size < 1e5)) return String(Number(value.toPrecision(3)));
+  return value.toExponential(1).replace("e+", "e");
+}
+
 /** Values at which an axis has a line: round ones, and no more than fit; texts by their numbers. */
 function ticks({ texts, low, high, logarithmic }) {
   const within = (values) => values.filter((value) => value >= low && value <= high);
@@ -92,7 +100,9 @@ function ticks({ texts, low, high, logarithmic }) {
     for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) decades.push(power);
     const every = (digits) => within(decades.flatMap((power) => digits.map((digit) => Number(`${digit}e${power}`))));
     const choices = [[1, 2, 5], [1, 3], [1]].map(every);
-    return choices.find((values) => values.length <= 8) ?? choices[2];
+    const chosen = choices.find((values) => values.length <= 8) ?? choices[2];
+    // Less than a decade may have none of these; there other round values do.
+    if (chosen.length > 2) return chosen;
   }
   const least = (high - low) / 6;
   const decade = 10 ** Math.floor(Math.log10(least));

@@ -1,7 +1,7 @@
 // Parallel coordinates: an axis for each parameter and the chosen figure, a line for each run.
 
 function createParallel(canvas, choose, changed) {
-  const MARGIN = { left: 34, right: 34, top: 54, bottom: 26 };
+  const MARGIN = { left: 34, right: 34, top: 66, bottom: 38 };
   const NEAR = 6;
   let [shownAxes, rows] = [[], []];
   let [across, up, placeAt] = [];
@@ -51,11 +51,15 @@ function createParallel(canvas, choose, changed) {
     context.textAlign = index === 0 ? "left" : index === shownAxes.length - 1 ? "right" : "center";
     // At the edges names lean inwards, as far as the margin lets them.
     const edge = { left: x - MARGIN.left + 4, right: x + MARGIN.right - 4, center: x }[context.textAlign];
-    // Neighbours' names do not touch: every other one is a line higher.
-    context.fillText(axis.name, edge, index % 2 ? 14 : 30);
+    // Neighbours' texts do not touch: those of every other axis stand farther out, and all are cut at the next but one.
+    const room = shownAxes.length > 2 ? 2 * (across(1) - across(0)) - 8 : Infinity;
+    const write = (text, y) => context.fillText(fitted(context, text, room), edge, y);
+    const ends = [0, 1].map((place) => (axis.texts ? caption(axis, axis.value(place)) : brief(axis.value(place))));
+    const [above, below] = index % 2 ? [28, 30] : [MARGIN.top - 8, 16];
+    write(axis.name, above - 14);
     context.fillStyle = colour("--soft");
-    context.fillText(caption(axis, axis.value(1)), edge, MARGIN.top - 6);
-    context.fillText(caption(axis, axis.value(0)), edge, up(0) + 16);
+    write(ends[1], above);
+    write(ends[0], up(0) + below);
   }
 
   /** The axis under the pointer, if there is one. */
@@ -104,4 +108,12 @@ function createParallel(canvas, choose, changed) {
     return best;
   }
   return draw;
+}
+
+/** A text, cut if it is wider than there is room. */
+function fitted(context, text, room) {
+  if (context.measureText(text).width <= room) return text;
+  let length = text.length;
+  while (length > 1 && context.measureText(`${text.slice(0, length)}…`).width > room) length -= 1;
+  return `${text.slice(0, length)}…`;
 }

@@ -37,11 +37,12 @@ const STYLES: [&str; 3] = [
 ];
 const LIBRARY: &str = include_str!("../../../assets/uplot/uPlot.iife.min.js");
 const LICENCE: &str = include_str!("../../../assets/uplot/LICENSE");
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 16] = [
     include_str!("../../../assets/report/unpack.js"),
     include_str!("../../../assets/report/data.js"),
     include_str!("../../../assets/report/theme.js"),
     include_str!("../../../assets/report/clock.js"),
+    include_str!("../../../assets/report/frame.js"),
     include_str!("../../../assets/report/scene.js"),
     include_str!("../../../assets/report/trace.js"),
     include_str!("../../../assets/report/plot.js"),
