@@ -37,6 +37,7 @@ mod narrow {
         static ON: Cell<bool> = const { Cell::new(false) };
     }
 
+    #[cfg(target_arch = "x86_64")]
     pub fn is_on() -> bool {
         ON.get()
     }
