@@ -143,7 +143,7 @@ pub fn with_controller(mut scenario: Scenario, controller: &Controller) -> Resul
 }
 
 /// The scenario with its controller replaced by a contender's, and the place of its component. The contender's settings belong
-/// to this [component](Contender::settings_in).
+/// to this component.
 ///
 /// # Errors
 /// When the scenario has no controller.
