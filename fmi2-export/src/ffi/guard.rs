@@ -15,10 +15,8 @@
 #![allow(clippy::inline_always)]
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering, compiler_fence};
-use std::thread;
-use std::time::Duration;
 
-use super::barrier::{barrier, can_bar, this_thread};
+use super::barrier::{barrier, can_bar, this_thread, wait_instead};
 
 /// An owner that is none. No thread has such a number, nor the next.
 const NOBODY: usize = usize::MAX;
@@ -29,9 +27,6 @@ const UNCERTAIN: usize = usize::MAX - 1;
 /// How many owners an instance has at most, one after the other: a host that makes and frees instances on one thread and
 /// uses them on another needs two for a run. Their numbers fit into the bits that are 0 in the number of a thread.
 const OWNERS: usize = 4;
-
-/// How long a thread waits that may not ask for a barrier any more: stores take less than a microsecond to be seen.
-const AS_GOOD_AS_A_BARRIER: Duration = Duration::from_millis(10);
 
 /// Whether a call is running on an instance.
 #[repr(C)]
@@ -121,8 +116,7 @@ impl Guard {
         if self.owner.load(Ordering::Relaxed) != NOBODY {
             self.owner.store(UNCERTAIN, Ordering::Relaxed);
             if !barrier() {
-                // A sandbox forbids it since then. No processor keeps a store to itself for nearly as long, and there are no owners any more.
-                thread::sleep(AS_GOOD_AS_A_BARRIER);
+                wait_instead();
             }
             self.losses.store(self.losses.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
             self.owner.store(NOBODY, Ordering::Relaxed);
@@ -158,6 +152,7 @@ impl Guard {
 mod tests {
     use super::*;
     use std::cell::UnsafeCell;
+    use std::thread;
 
     /// Counted without atomic operations by whoever is inside.
     struct Counter {
