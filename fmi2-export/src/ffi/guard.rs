@@ -127,7 +127,8 @@ impl Guard {
         }
         let number = usize::from(self.losses.load(Ordering::Relaxed));
         let owner = thread | number;
-        if let Some(inside) = self.owners_inside.get(owner ^ thread)
+        // A thread whose own number uses the last bits never owns anything.
+        if let Some(inside) = self.owners_inside.get(number)
             && owner ^ thread == number
             && self.last.load(Ordering::Relaxed) == thread
             && can_bar()
