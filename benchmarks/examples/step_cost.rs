@@ -23,7 +23,7 @@ use std::time::Instant;
 
 use common::peer::{Pair as PeerPair, Peers, has_wide_registers};
 use common::{Case, Pair, RUN, Result, Slave, open};
-use dualarm::grasp::{NABFC, PLANT};
+use dualarm::grasp::{Controller, NABFC, NABFC_R, PLANT};
 
 /// Steps before counting begins: the caches of step sizes are filled, the motion is under way.
 const WARM_UP: usize = 100;
@@ -200,8 +200,8 @@ const PAIRS: [usize; 5] = [1, 10, 100, 1000, 10_000];
 /// How often each of these is measured, in turns: what disturbs one round may leave another alone.
 const ROUNDS: usize = 3;
 
-/// What a step costs: of one plant by its order, of pairs of plant (order 8) and NABFC (the paper's law) by their number. The lowest of the
-/// rounds, but for the memory, which only the first round takes from the system.
+/// What a step costs: of one plant by its order, of pairs of plant (order 8) and NABFC (the paper's law, and the default law) by their number.
+/// The lowest of the rounds, but for the memory, which only the first round takes from the system.
 fn sizes(folder: &Path) -> Result<()> {
     let mut lowest: Vec<Cost> = Vec::new();
     for round in 0..ROUNDS {
@@ -209,8 +209,10 @@ fn sizes(folder: &Path) -> Result<()> {
         for order in ORDERS {
             found.push(plant_cost(folder, order)?);
         }
-        for count in PAIRS {
-            found.push(pair_cost(folder, count)?);
+        for (what, scenario) in [("pair", &NABFC), ("pair-r", &NABFC_R)] {
+            for count in PAIRS {
+                found.push(pair_cost(folder, what, scenario, count)?);
+            }
         }
         if lowest.is_empty() {
             lowest = found;
@@ -241,7 +243,7 @@ struct Cost {
     in_c: f64,
     /// Instantiation, initialisation and the first step \[µs\].
     start: f64,
-    /// Memory beyond that of the first \[KiB\]; for one alone what it takes.
+    /// Memory beyond that of the first \[KiB\]; for one alone what it takes; NaN where it is not known.
     memory: f64,
 }
 
@@ -260,29 +262,30 @@ fn plant_cost(folder: &Path, order: i32) -> Result<Cost> {
     Ok(Cost { what: "plant", order, count: 1, step, in_c, start, memory })
 }
 
-fn pair_cost(folder: &Path, count: usize) -> Result<Cost> {
-    let fmus = (open(folder, PLANT)?, open(folder, NABFC.fmu)?);
-    let mut pairs = vec![Pair::of(&fmus, &NABFC)?];
+fn pair_cost(folder: &Path, what: &'static str, scenario: &Controller, count: usize) -> Result<Cost> {
+    let fmus = (open(folder, PLANT)?, open(folder, scenario.fmu)?);
+    let mut pairs = vec![Pair::of(&fmus, scenario)?];
     pairs[0].step();
     let resident = resident_kib();
     let begin = Instant::now();
     while pairs.len() < count {
-        let mut pair = Pair::of(&fmus, &NABFC)?;
+        let mut pair = Pair::of(&fmus, scenario)?;
         pair.step();
         pairs.push(pair);
     }
     let more = (count - 1).max(1) as f64;
     let start = begin.elapsed().as_secs_f64() * 1e6 / more;
-    let memory = (resident_kib() - resident) / more;
+    // Of the second law it would be what the first has left behind.
+    let memory = if what == "pair" { (resident_kib() - resident) / more } else { f64::NAN };
     // All pairs take a step, then all the next: each finds the caches as the others left them.
     let rounds = u32::try_from(4000 / count.min(4000)).unwrap_or(1).max(1);
     let step = nanoseconds(rounds, || pairs.iter_mut().for_each(Pair::step)) / count as f64;
     let peer = Peers::compile(has_wide_registers(), 8).and_then(|peers| PeerPair::new(&peers, folder));
     let in_c = match peer {
-        Ok(mut peer) if count == 1 => nanoseconds(4000, || peer.step()),
+        Ok(mut peer) if count == 1 && what == "pair" => nanoseconds(4000, || peer.step()),
         _ => f64::NAN,
     };
-    Ok(Cost { what: "pair", order: 8, count, step, in_c, start, memory })
+    Ok(Cost { what, order: 8, count, step, in_c, start, memory })
 }
 
 /// Memory of this process that is in use, where the system tells.

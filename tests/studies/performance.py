@@ -67,10 +67,12 @@ def other_table(lowest: dict[str, float]) -> list[str]:
 
 
 def cost_table(rows: list[dict[str, str]]) -> list[str]:
-    pairs = [row for row in rows if row["what"] == "pair"]
-    table = ["| pairs in one process | ns per pair and step | KiB per pair beyond the first | start, µs |", "|---|---|---|---|"]
-    return table + [f"| {row['instances']} | {row['step_ns']} | {row['kib_each'] if row['instances'] != '1' else ''} | {row['start_us']} |"
-                    for row in pairs]
+    pairs, default = ([row for row in rows if row["what"] == what] for what in ("pair", "pair-r"))
+    table = ["| pairs in one process | ns per pair and step | KiB per pair beyond the first | start, µs | default law: ns | start, µs |",
+             "|---|---|---|---|---|---|"]
+    return table + [
+        f"| {paper['instances']} | {paper['step_ns']} | {paper['kib_each'] if paper['instances'] != '1' else ''} | {paper['start_us']} "
+        f"| {row['step_ns']} | {row['start_us']} |" for paper, row in zip(pairs, default, strict=True)]
 
 
 def processor() -> str:

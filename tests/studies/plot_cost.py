@@ -16,6 +16,8 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
+#: Pairs of the plant and a law: the name in the file, what it is called, its marker.
+PAIRS = [("pair", "the paper's law", "o"), ("pair-r", "the default law", "s")]
 #: From this order on the slope is taken: below, what does not grow is most of a step.
 LARGE = 10
 
@@ -31,7 +33,6 @@ def draw() -> list[str]:
     with (DOCS / "performance/cost.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     plants = [row for row in rows if row["what"] == "plant"]
-    pairs = [row for row in rows if row["what"] == "pair"]
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
 
     said = []
@@ -52,10 +53,12 @@ def draw() -> list[str]:
     left.yaxis.set_major_formatter("{x:.0f}")
     left.legend(fontsize=8)
 
-    n = [float(row["instances"]) for row in pairs]
-    total = [float(row["instances"]) * float(row["step_ns"]) * 1e-3 for row in pairs]
-    said.append(f"* Pairs: a step of all has slope {slope(n, total):.2f}.")
-    right.loglog(n, total, marker="o", label=f"a step of all: slope {slope(n, total):.2f}")
+    for what, law, marker in PAIRS:
+        pairs = [row for row in rows if row["what"] == what]
+        n = [float(row["instances"]) for row in pairs]
+        total = [float(row["instances"]) * float(row["step_ns"]) * 1e-3 for row in pairs]
+        said.append(f"* Pairs, {law}: a step of all has slope {slope(n, total):.2f}.")
+        right.loglog(n, total, marker=marker, label=f"a step of all, {law}: slope {slope(n, total):.2f}")
     right.loglog(n, [total[0] * count for count in n], "k:", label="slope 1")
     right.set(xlabel="pairs in one process", ylabel="µs per step of all", title="Plant of order 8 and NABFC")
     right.legend(fontsize=8)
