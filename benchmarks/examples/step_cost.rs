@@ -269,7 +269,7 @@ fn pair_cost(folder: &Path, what: &'static str, scenario: &Controller, count: us
     let resident = resident_kib();
     let begin = Instant::now();
     while pairs.len() < count {
-        let mut pair = Pair::of(&fmus, scenario)?;
+        let mut pair = pairs[0].another(&fmus, scenario)?;
         pair.step();
         pairs.push(pair);
     }

@@ -9,6 +9,7 @@ pub mod peer;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use dualarm::grasp::{Controller, NABFC, NABFC_R, PD, PDS, PLANT};
 use fmi2_cosim::grid::TimeGrid;
@@ -43,8 +44,8 @@ pub fn open(folder: &Path, file: &str) -> Result<Fmu> {
 /// One instance with its wired variables.
 pub struct Slave {
     pub instance: Instance,
-    inputs: Vec<ValueReference>,
-    outputs: Vec<ValueReference>,
+    inputs: Rc<[ValueReference]>,
+    outputs: Rc<[ValueReference]>,
     steps: u32,
 }
 
@@ -57,7 +58,7 @@ impl Slave {
         order: Option<i32>,
         settings: impl Iterator<Item = Setting>,
     ) -> Result<Self> {
-        let references = |names: &[&str]| -> Result<Vec<ValueReference>> {
+        let references = |names: &[&str]| -> Result<Rc<[ValueReference]>> {
             names
                 .iter()
                 .map(|name| {
@@ -126,6 +127,15 @@ impl Pair {
             measured: [0.0; 12],
             commands: [0.0; 3],
         })
+    }
+
+    /// Another pair of the same FMUs: a host keeps one list of references for all.
+    pub fn another(&self, fmus: &(Fmu, Fmu), scenario: &Controller) -> Result<Self> {
+        let mut pair = Self::of(fmus, scenario)?;
+        for (new, old) in [(&mut pair.plant, &self.plant), (&mut pair.controller, &self.controller)] {
+            (new.inputs, new.outputs) = (Rc::clone(&old.inputs), Rc::clone(&old.outputs));
+        }
+        Ok(pair)
     }
 
     #[inline]
