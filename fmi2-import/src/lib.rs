@@ -45,7 +45,7 @@ pub use document::XmlError;
 pub use error::{CallError, FmuError};
 pub use fmu::{Contents, Files, Fmu};
 pub use instance::{Experiment, Instance, LogMessage, SavedState};
-pub use library::{LibraryError, Status, ValueReference};
+pub use library::{Component, Functions, LibraryError, Status, ValueReference};
 pub use platform::platform;
 pub use value::{Mismatch, Value};
 pub use xml::Fault;

@@ -1,6 +1,6 @@
 //! What the benchmark, the instruction counts and the cost curves measure: one communication step through the C interface,
-//! with every wired signal handed over and fetched, of each FMU alone and of plant and controller together; and a [`peer`], the
-//! same algorithms in C.
+//! with every wired signal handed over and fetched, of each FMU alone and of plant and controller together, by bare calls as a host in C makes
+//! them; and a [`peer`], the same algorithms in C.
 
 // Each program uses a part of this.
 #![allow(dead_code)]
@@ -94,14 +94,38 @@ impl Slave {
     /// `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal`.
     #[inline]
     pub fn step(&mut self, inputs: &[f64], outputs: &mut [f64]) {
-        self.instance.set_real(&self.inputs, inputs).expect("finite inputs");
+        self.set(inputs);
         self.do_step();
-        self.instance.get_real(&self.outputs, outputs).expect("outputs");
+        self.get(outputs);
     }
 
+    /// `fmi2SetReal`: the bare call, as the peer in C is called.
+    #[inline]
+    pub fn set(&mut self, inputs: &[f64]) {
+        assert_eq!(inputs.len(), self.inputs.len());
+        let (set, component) = (self.instance.functions().set_real, self.instance.component());
+        // SAFETY: living component, both arrays have this length.
+        let status = unsafe { set(component, self.inputs.as_ptr(), inputs.len(), inputs.as_ptr()) };
+        assert_eq!(status, 0, "fmi2SetReal");
+    }
+
+    /// `fmi2GetReal`.
+    #[inline]
+    pub fn get(&mut self, outputs: &mut [f64]) {
+        assert_eq!(outputs.len(), self.outputs.len());
+        let (get, component) = (self.instance.functions().get_real, self.instance.component());
+        // SAFETY: living component, both arrays have this length.
+        let status = unsafe { get(component, self.outputs.as_ptr(), outputs.len(), outputs.as_mut_ptr()) };
+        assert_eq!(status, 0, "fmi2GetReal");
+    }
+
+    /// `fmi2DoStep`.
     #[inline]
     pub fn do_step(&mut self) {
-        self.instance.do_step(f64::from(self.steps) * STEP, STEP).expect("a step");
+        let (step, component) = (self.instance.functions().do_step, self.instance.component());
+        // SAFETY: living component.
+        let status = unsafe { step(component, f64::from(self.steps) * STEP, STEP, 1) };
+        assert_eq!(status, 0, "fmi2DoStep");
         self.steps += 1;
     }
 }
@@ -147,9 +171,8 @@ impl Pair {
     /// The other order of calls: the controller is asked for its commands before its step and not after it.
     #[inline]
     pub fn step_get_first(&mut self) {
-        let Slave { instance, inputs, outputs, .. } = &mut self.controller;
-        instance.set_real(inputs, &self.measured).expect("finite inputs");
-        instance.get_real(outputs, &mut self.commands).expect("outputs");
+        self.controller.set(&self.measured);
+        self.controller.get(&mut self.commands);
         self.controller.do_step();
         self.plant.step(&self.commands, &mut self.measured);
     }

@@ -15,7 +15,7 @@ use crate::description::{CoSimulation, ModelDescription};
 use crate::error::CallError;
 use crate::floating_point::guarded;
 use crate::fmu::Loaded;
-use crate::library::{CallbackFunctions, Functions, Status};
+use crate::library::{CallbackFunctions, Component, Functions, Status};
 pub use log::LogMessage;
 use log::{Log, messages_of, with_names};
 pub use state::SavedState;
@@ -204,8 +204,18 @@ impl Instance {
         Ok(status)
     }
 
+    /// The slave's own handle, for calls of [`functions`](Self::functions) by hand: unchecked, with the slave's floating-point environment,
+    /// and without messages. It lives as long as this instance.
     #[inline]
-    fn functions(&self) -> &Functions {
+    #[must_use]
+    pub fn component(&self) -> Component {
+        self.component.as_ptr()
+    }
+
+    /// The C functions of the slave's library.
+    #[inline]
+    #[must_use]
+    pub fn functions(&self) -> &Functions {
         &self.loaded.functions
     }
 
