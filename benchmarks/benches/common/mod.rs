@@ -77,10 +77,18 @@ impl Slave {
             let variable = fmu.description().variable(name).ok_or_else(|| format!("no variable {name}"))?;
             instance.set(variable, &setting.value)?;
         }
-        instance.setup_experiment(fmi2_import::Experiment { start: 0.0, stop: None, tolerance: None })?;
-        instance.enter_initialization_mode()?;
-        instance.exit_initialization_mode()?;
-        Ok(Self { instance, inputs, outputs, steps: 0 })
+        let mut slave = Self { instance, inputs, outputs, steps: 0 };
+        slave.start()?;
+        Ok(slave)
+    }
+
+    /// Initialises it, at time 0.
+    pub fn start(&mut self) -> Result<()> {
+        self.instance.setup_experiment(fmi2_import::Experiment { start: 0.0, stop: None, tolerance: None })?;
+        self.instance.enter_initialization_mode()?;
+        self.instance.exit_initialization_mode()?;
+        self.steps = 0;
+        Ok(())
     }
 
     pub fn plant(folder: &Path, order: Option<i32>) -> Result<Self> {
