@@ -1,11 +1,12 @@
 //! One run of a [`System`]: completes the options, runs it, calls an [`Observer`], and returns the results.
 
+use std::io;
 use std::time::{Duration, Instant};
 
 use crate::grid::{GridError, TimeGrid};
 use crate::master::{Coupling, Master, MasterError};
 use crate::names::number;
-use crate::record::{Column, Every, Last, Sink};
+use crate::record::{Column, Every, Last, Points, Sink};
 use crate::system::{RunOptions, System};
 use fmi2_import::CallError;
 
@@ -42,16 +43,28 @@ pub enum RunError {
     Interval(f64),
 }
 
-/// Follows a run from the start values to the last row, and may return remarks for the user. It receives the rows that it
-/// [wants](Sink::wants), and the columns that it [follows](Observer::follows).
-pub trait Observer: Sink {
+/// Follows a run from the start values to the last row, and may return remarks for the user.
+pub trait Observer {
     /// Called when the components are initialised; rows with these columns follow. Returns remarks for the user.
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String>;
 
-    /// Whether it needs this column at every step, however few rows are read. It then receives the column in
-    /// [`Sink::between`], too. Called after [`Observer::begin`].
+    /// Whether it needs this column at every communication point, however few rows are read. Called after
+    /// [`Observer::begin`].
     fn follows(&self, _column: &Column) -> bool {
         false
+    }
+
+    /// Takes the columns that it follows, and perhaps others, at the next communication points. None is left out.
+    ///
+    /// # Errors
+    /// When they cannot be stored.
+    fn points(&mut self, _points: &Points) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Where it wants whole rows, and which of them; `None` if it never wants any. Called after [`Observer::begin`].
+    fn rows(&mut self) -> Option<&mut dyn Sink> {
+        None
     }
 
     /// Called after the last row. Returns remarks for the user.
@@ -66,6 +79,62 @@ impl Observer for () {
 
     fn conclude(&mut self) -> Vec<String> {
         Vec::new()
+    }
+}
+
+/// Calls an observer when it has something to do.
+struct Watched<'a> {
+    observer: &'a mut dyn Observer,
+    has_rows: bool,
+    /// The followed columns, if there are any.
+    points: Option<Points>,
+}
+
+impl<'a> Watched<'a> {
+    /// An observer that has begun. Also says which columns it follows.
+    fn new(observer: &'a mut dyn Observer, columns: &[Column]) -> (Self, Vec<bool>) {
+        let followed: Vec<bool> = columns.iter().map(|column| observer.follows(column)).collect();
+        let places: Vec<usize> = (0..columns.len()).filter(|place| followed[*place]).collect();
+        let points = (!places.is_empty()).then(|| Points::new(places));
+        let has_rows = observer.rows().is_some();
+        (Self { observer, has_rows, points }, followed)
+    }
+
+    #[inline]
+    fn push(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        if let Some(points) = &mut self.points
+            && points.push(time, values)
+        {
+            return self.flush();
+        }
+        Ok(())
+    }
+
+    /// Passes on what has not been passed on yet.
+    fn flush(&mut self) -> io::Result<()> {
+        let Some(points) = self.points.as_mut().filter(|points| !points.is_empty()) else { return Ok(()) };
+        let result = self.observer.points(points);
+        points.clear();
+        result
+    }
+}
+
+impl Sink for Watched<'_> {
+    fn wants(&mut self, time: f64) -> bool {
+        self.has_rows && self.observer.rows().is_some_and(|rows| rows.wants(time))
+    }
+
+    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.push(time, values)?;
+        if self.has_rows { self.observer.rows().map_or(Ok(()), |rows| rows.row(time, values)) } else { Ok(()) }
+    }
+
+    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        self.push(time, values)
+    }
+
+    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+        if self.has_rows { self.observer.rows().map_or(Ok(()), |rows| rows.end(time, values)) } else { Ok(()) }
     }
 }
 
@@ -118,8 +187,8 @@ impl Run {
     }
 
     /// Initialises the master, which comes from the system and records `columns`, and steps it over the grid. Rows go to
-    /// `rows` every [`interval`](Run::interval) s, and to `observer` if it wants them. Between rows both get the columns that
-    /// the observer follows. `progress` is called with the number of completed steps.
+    /// `rows` every [`interval`](Run::interval) s, and to `observer` if it wants them. It gets the columns that it follows at
+    /// every communication point. `progress` is called with the number of completed steps.
     ///
     /// # Errors
     /// When an FMU refuses, or a row cannot be stored.
@@ -139,12 +208,13 @@ impl Run {
         remarks.extend(self.uneven_rows());
         remarks.extend(unconnected(master));
         remarks.extend(observer.begin(master, columns));
-        let followed: Vec<bool> = columns.iter().map(|column| observer.follows(column)).collect();
+        let (mut watched, followed) = Watched::new(&mut *observer, columns);
         master.follow(&followed);
         let mut last = Last::default();
         let rows = Every::new(self.interval, self.grid.stop(), rows);
         let begin = Instant::now();
-        let result = master.run(&self.grid, 0.0, &mut (rows, (&mut *observer, &mut last)), progress);
+        let result = master.run(&self.grid, 0.0, &mut (rows, (&mut watched, &mut last)), progress);
+        watched.flush().map_err(MasterError::Record)?;
         let wall_time = begin.elapsed();
         let ended = match result {
             Ok(()) => None,

@@ -127,10 +127,7 @@ impl Archive {
     /// # Errors
     /// When there is no such file, it is damaged, or too large.
     pub fn read(&mut self, path: &str) -> Result<Vec<u8>> {
-        let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
-        let mut content = Vec::new();
-        self.copy(index, MAX_DOCUMENT, path, &mut content)?;
-        Ok(content)
+        self.content(path, MAX_DOCUMENT)
     }
 
     /// Content of a library, which may be larger than a document.
@@ -138,9 +135,15 @@ impl Archive {
     /// # Errors
     /// As [`Archive::read`].
     pub fn read_large(&mut self, path: &str) -> Result<Vec<u8>> {
+        self.content(path, u64::MAX)
+    }
+
+    fn content(&mut self, path: &str, most: u64) -> Result<Vec<u8>> {
         let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
-        let mut content = Vec::new();
-        self.copy(index, u64::MAX, path, &mut content)?;
+        // Room for what the archive promises, if that is plausible: content that grows little by little is copied again and again.
+        let promised = self.zip.by_index_data(index).map_or(0, |entry| entry.size().min(FREE_UNPACKED));
+        let mut content = Vec::with_capacity(usize::try_from(promised).unwrap_or(0));
+        self.copy(index, most, path, &mut content)?;
         Ok(content)
     }
 
@@ -153,17 +156,22 @@ impl Archive {
         self.unpack_entry(index, path, target)
     }
 
-    /// Unpacks the files below `parts` to a folder. Symbolic links become plain files, so nothing can point outside.
-    ///
-    /// # Errors
-    /// When an entry is damaged, they are too large, or cannot be written.
-    pub fn unpack(&mut self, folder: &Path, parts: &[&str]) -> Result<()> {
+    /// The files below `parts`, in the order of the archive.
+    #[must_use]
+    pub fn files_in(&self, parts: &[&str]) -> Vec<String> {
         let wanted = |path: &&String| !path.ends_with('/') && parts.iter().any(|part| path.starts_with(part));
         let mut files: Vec<_> = self.indices.iter().filter(|(path, _)| wanted(path)).collect();
         files.sort_unstable_by_key(|(_, index)| **index);
-        let files: Vec<_> = files.into_iter().map(|(path, index)| (path.clone(), *index)).collect();
-        for (path, index) in files {
-            self.unpack_entry(index, &path, &folder.join(&path))?;
+        files.into_iter().map(|(path, _)| path.clone()).collect()
+    }
+
+    /// Unpacks files to a folder, each to its path there. Symbolic links become plain files, so nothing can point outside.
+    ///
+    /// # Errors
+    /// When there is no such file, it is damaged, too large, or cannot be written.
+    pub fn unpack(&mut self, folder: &Path, files: &[String]) -> Result<()> {
+        for path in files {
+            self.unpack_file(path, &folder.join(path))?;
         }
         Ok(())
     }

@@ -35,6 +35,7 @@ mod fmu;
 mod instance;
 mod library;
 mod platform;
+mod tree;
 mod value;
 #[doc(hidden)]
 pub mod xml;

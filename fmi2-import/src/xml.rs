@@ -3,6 +3,36 @@
 
 use roxmltree::Node;
 
+/// An element, in a document of any kind.
+pub trait Element<'a>: Copy {
+    /// Its name, without namespace.
+    fn name(self) -> &'a str;
+    /// The value of an attribute.
+    fn attribute(self, name: &str) -> Option<&'a str>;
+    /// What is inside it. Texts may be there as elements without a name.
+    fn children(self) -> impl Iterator<Item = Self>;
+    /// The line it begins in, from 1.
+    fn line(self) -> u32;
+}
+
+impl<'a> Element<'a> for Node<'a, '_> {
+    fn name(self) -> &'a str {
+        self.tag_name().name()
+    }
+
+    fn attribute(self, name: &str) -> Option<&'a str> {
+        Node::attribute(&self, name)
+    }
+
+    fn children(self) -> impl Iterator<Item = Self> {
+        Node::children(&self)
+    }
+
+    fn line(self) -> u32 {
+        self.document().text_pos_at(self.range().start).row
+    }
+}
+
 /// A fault of an element.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -35,30 +65,30 @@ type Result<T> = std::result::Result<T, Fault>;
 
 /// An element lacks something.
 #[must_use]
-pub fn missing(node: Node, what: impl Into<String>) -> Fault {
-    Fault::Missing { element: node.tag_name().name().to_owned(), what: what.into(), line: line(node) }
+pub fn missing<'a>(node: impl Element<'a>, what: impl Into<String>) -> Fault {
+    Fault::Missing { element: node.name().to_owned(), what: what.into(), line: node.line() }
 }
 
 /// An attribute has this value, and something else is expected.
 #[must_use]
-pub fn wrong(node: Node, attribute: &str, value: &str, expected: &'static str) -> Fault {
-    Fault::Value { attribute: attribute.to_owned(), value: value.to_owned(), expected, line: line(node) }
+pub fn wrong<'a>(node: impl Element<'a>, attribute: &str, value: &str, expected: &'static str) -> Fault {
+    Fault::Value { attribute: attribute.to_owned(), value: value.to_owned(), expected, line: node.line() }
 }
 
 /// The line an element begins in, from 1.
 #[must_use]
-pub fn line(node: Node) -> u32 {
-    node.document().text_pos_at(node.range().start).row
+pub fn line<'a>(node: impl Element<'a>) -> u32 {
+    node.line()
 }
 
 /// The children of this name.
-pub fn elements<'a, 'input>(node: Node<'a, 'input>, name: &str) -> impl Iterator<Item = Node<'a, 'input>> {
-    node.children().filter(move |child| child.tag_name().name() == name)
+pub fn elements<'a, N: Element<'a>>(node: N, name: &str) -> impl Iterator<Item = N> {
+    node.children().filter(move |child| child.name() == name)
 }
 
 /// The first child of this name.
 #[must_use]
-pub fn child<'a, 'input>(node: Node<'a, 'input>, name: &str) -> Option<Node<'a, 'input>> {
+pub fn child<'a, N: Element<'a>>(node: N, name: &str) -> Option<N> {
     elements(node, name).next()
 }
 
@@ -68,13 +98,13 @@ pub fn listed<'a, 'input>(node: Node<'a, 'input>, list: &str) -> impl Iterator<I
 }
 
 /// The elements of this name inside the child `list`; empty if that child is missing.
-pub fn children<'a, 'input>(node: Node<'a, 'input>, list: &str, name: &str) -> impl Iterator<Item = Node<'a, 'input>> {
+pub fn children<'a, N: Element<'a>>(node: N, list: &str, name: &str) -> impl Iterator<Item = N> {
     child(node, list).into_iter().flat_map(move |list| elements(list, name))
 }
 
 /// The text of an optional attribute.
 #[must_use]
-pub fn optional(node: Node, attribute: &str) -> Option<String> {
+pub fn optional<'a>(node: impl Element<'a>, attribute: &str) -> Option<String> {
     node.attribute(attribute).map(str::to_owned)
 }
 
@@ -82,7 +112,7 @@ pub fn optional(node: Node, attribute: &str) -> Option<String> {
 ///
 /// # Errors
 /// When it is absent.
-pub fn required<'a>(node: Node<'a, '_>, attribute: &str) -> Result<&'a str> {
+pub fn required<'a>(node: impl Element<'a>, attribute: &str) -> Result<&'a str> {
     node.attribute(attribute).ok_or_else(|| missing(node, format!("the attribute \"{attribute}\"")))
 }
 
@@ -90,7 +120,7 @@ pub fn required<'a>(node: Node<'a, '_>, attribute: &str) -> Result<&'a str> {
 ///
 /// # Errors
 /// When the attribute is not a number.
-pub fn number<T: Number>(node: Node, attribute: &str) -> Result<Option<T>> {
+pub fn number<'a, T: Number>(node: impl Element<'a>, attribute: &str) -> Result<Option<T>> {
     node.attribute(attribute).map(|value| parsed(node, attribute, value)).transpose()
 }
 
@@ -98,11 +128,11 @@ pub fn number<T: Number>(node: Node, attribute: &str) -> Result<Option<T>> {
 ///
 /// # Errors
 /// When the attribute is absent or not a number.
-pub fn needed<T: Number>(node: Node, attribute: &str) -> Result<T> {
+pub fn needed<'a, T: Number>(node: impl Element<'a>, attribute: &str) -> Result<T> {
     parsed(node, attribute, required(node, attribute)?)
 }
 
-fn parsed<T: Number>(node: Node, attribute: &str, value: &str) -> Result<T> {
+fn parsed<'a, T: Number>(node: impl Element<'a>, attribute: &str, value: &str) -> Result<T> {
     value.trim().parse().map_err(|_| wrong(node, attribute, value, T::EXPECTED))
 }
 
@@ -110,8 +140,8 @@ fn parsed<T: Number>(node: Node, attribute: &str, value: &str) -> Result<T> {
 ///
 /// # Errors
 /// When it is none of these words.
-pub fn choice<T>(
-    node: Node,
+pub fn choice<'a, T>(
+    node: impl Element<'a>,
     attribute: &str,
     expected: &'static str,
     parse: impl FnOnce(&str) -> Option<T>,
@@ -124,7 +154,7 @@ pub fn choice<T>(
 ///
 /// # Errors
 /// When the attribute is not a truth value.
-pub fn truth(node: Node, attribute: &str) -> Result<Option<bool>> {
+pub fn truth<'a>(node: impl Element<'a>, attribute: &str) -> Result<Option<bool>> {
     choice(node, attribute, "true or false", crate::value::truth)
 }
 

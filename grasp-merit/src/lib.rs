@@ -9,5 +9,6 @@
 pub mod limit;
 pub mod merit;
 pub mod metrics;
+pub mod running;
 pub mod spans;
 pub mod tally;

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::running::{Effort, Force, Running};
 use fmi2_cosim::record::Table;
 
 /// The output that distinguishes a grasp from other systems.
@@ -9,9 +10,6 @@ pub const CONTACT_FORCE: &str = "contact_force1";
 
 /// The recorded signals the metrics need.
 pub const SIGNALS: [&str; 6] = ["contact_force1", "contact_force2", "lambda2_d", "tau1", "tau2", "u"];
-
-/// The actuators' outputs among them.
-const EFFORTS: [&str; 3] = ["tau1", "tau2", "u"];
 
 /// Share of the run during which a settled signal must have stayed within its band: a signal that has just entered the band
 /// may be about to leave it again.
@@ -104,20 +102,13 @@ impl Metrics {
     }
 
     fn if_recorded(table: &Table, limits: [Option<Limits>; 3]) -> Option<Self> {
-        let times = table.times();
-        // Both contact forces shall become λ₂ᵈ = −λ₁ᵈ, since f_i = (−1)^i λ_i.
-        let targets = table.column("lambda2_d")?;
-        let target = *targets.last()?;
-        // A target that is not a number stays the target, too.
-        let is_other = |value: &f64| *value != target && !(value.is_nan() && target.is_nan());
-        let since = targets.iter().rposition(is_other).map_or(0, |last| last + 1);
-        let force = |name| table.column(name).map(|values| ForceMetrics::of(&times[since..], &values[since..], target));
-        let effort =
-            |index: usize| table.column(EFFORTS[index]).map(|values| EffortMetrics::of(times, values, limits[index]));
-        Some(Self {
-            forces: [force("contact_force1")?, force("contact_force2")?],
-            efforts: [effort(0)?, effort(1)?, effort(2)?],
-        })
+        let mut running = Running::new(limits);
+        let [force1, force2, target, tau1, tau2, u] = SIGNALS.map(|name| table.column(name));
+        let columns = [force1?, force2?, target?, tau1?, tau2?, u?];
+        for (index, time) in table.times().iter().enumerate() {
+            running.push(*time, columns.map(|column| column[index]));
+        }
+        running.metrics()
     }
 
     /// The longer one of the two 2 % settling times.
@@ -134,61 +125,27 @@ impl ForceMetrics {
     /// When there are no samples.
     #[must_use]
     pub fn of(times: &[f64], values: &[f64], target: f64) -> Self {
-        let first = values[0];
-        let way = target - first;
-        let beyond = values.iter().map(|value| (value - target) * way.signum()).fold(0.0, f64::max);
-        let tail = &values[values.len() - values.len().div_ceil(20)..];
-        let mean = tail.iter().sum::<f64>() / tail.len() as f64;
-        Self {
-            target,
-            settling_2: settling_time(times, values, target, 0.02),
-            settling_5: settling_time(times, values, target, 0.05),
-            overshoot: if way == 0.0 { 0.0 } else { 100.0 * beyond / way.abs() },
-            steady_error: mean - target,
+        let mut force = Force::new(times[0], values[0], target);
+        for (time, value) in times.iter().zip(values).skip(1) {
+            force.push(*time, *value);
         }
+        force.metrics(target)
     }
-}
-
-/// The time after which `values` stay within `fraction` of `target`, counted from the first sample: the time at which the
-/// line between the last sample outside and the next one crosses the band. `None` if the last sample outside is within the
-/// last [`REST`] of the time.
-#[must_use]
-pub fn settling_time(times: &[f64], values: &[f64], target: f64, fraction: f64) -> Option<f64> {
-    let band = fraction * target.abs();
-    let error = |index: usize| values[index] - target;
-    let is_outside = |index: &usize| error(*index).abs() > band || error(*index).is_nan();
-    let Some(last) = (0..values.len()).rev().find(is_outside) else { return Some(0.0) };
-    let end = times[times.len() - 1];
-    if last + 1 == values.len() || times[last] > end - REST * (end - times[0]) {
-        return None;
-    }
-    let edge = band.copysign(error(last));
-    let share = (error(last) - edge) / (error(last) - error(last + 1));
-    let crossing = times[last] + share * (times[last + 1] - times[last]);
-    Some(crossing - times[0])
 }
 
 impl EffortMetrics {
-    /// Metrics of one actuator's output over time; between samples it is a straight line.
+    /// Metrics of one actuator's output over time.
     ///
     /// # Panics
     /// When there are no samples.
     #[must_use]
     pub fn of(times: &[f64], values: &[f64], limits: Option<Limits>) -> Self {
-        let duration = times[times.len() - 1] - times[0];
-        let intervals = times.windows(2).zip(values.windows(2)).map(|(t, v)| (t[1] - t[0], v[0], v[1]));
-        // ∫ of the square of a straight line from a to b: (a² + ab + b²)/3.
-        let energy: f64 = intervals.clone().map(|(dt, a, b)| dt * (a * a + a * b + b * b) / 3.0).sum();
-        let saturated = limits.map(|limits| {
-            let slack = 1e-9 * (limits.high - limits.low);
-            let is_at_limit = |value: f64| value >= limits.high - slack || value <= limits.low + slack;
-            intervals.map(|(dt, a, b)| dt * 0.5 * f64::from(u8::from(is_at_limit(a)) + u8::from(is_at_limit(b)))).sum()
-        });
-        Self {
-            peak: values.iter().fold(0.0, |peak, value| value.abs().max(peak)),
-            rms: if duration > 0.0 { (energy / duration).sqrt() } else { values[0].abs() },
-            saturated,
+        let mut effort = Effort::new(limits);
+        for (time, value) in times.iter().zip(values) {
+            effort.push(*time, *value);
         }
+        let Some(metrics) = effort.metrics() else { panic!("an actuator's output without samples") };
+        metrics
     }
 }
 
@@ -270,17 +227,21 @@ mod tests {
         assert_eq!(Metrics::of(&table, [None; 3]).unwrap().settling_2(), None);
     }
 
+    fn settling_time(times: &[f64], values: &[f64], target: f64) -> Option<f64> {
+        ForceMetrics::of(times, values, target).settling_2
+    }
+
     #[test]
     fn what_never_settles_has_no_settling_time() {
         let (times, values) = samples(1.0, 100, |t| 0.5 + 0.1 * (40.0 * t).cos());
-        assert_eq!(settling_time(&times, &values, 0.5, 0.02), None);
-        assert_eq!(settling_time(&times, &[0.5; 101], 0.5, 0.02), Some(0.0));
-        assert_eq!(settling_time(&times, &[f64::NAN; 101], 0.5, 0.02), None);
+        assert_eq!(settling_time(&times, &values, 0.5), None);
+        assert_eq!(settling_time(&times, &[0.5; 101], 0.5), Some(0.0));
+        assert_eq!(settling_time(&times, &[f64::NAN; 101], 0.5), None);
         // Noise leaves the band again and again; that the last few samples are within it is chance.
         let leaves =
             |last: u32| samples(1.0, 100, move |t| if t * 100.0 < f64::from(last) + 0.5 { 0.6 } else { 0.5 }).1;
         for (last, settles) in [(99, false), (96, false), (94, true)] {
-            assert_eq!(settling_time(&times, &leaves(last), 0.5, 0.02).is_some(), settles, "{last}");
+            assert_eq!(settling_time(&times, &leaves(last), 0.5).is_some(), settles, "{last}");
         }
     }
 

@@ -5,21 +5,17 @@ use std::io;
 
 use super::{actuator_limits, unused_gains};
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Column, Follow, Sink};
+use fmi2_cosim::record::{Column, Points};
 use fmi2_cosim::run::Observer;
-use grasp_merit::metrics::{CONTACT_FORCE, Limits, Metrics, MetricsObstacle, SIGNALS};
+use grasp_merit::metrics::{CONTACT_FORCE, Metrics, MetricsObstacle, SIGNALS};
+use grasp_merit::running::Running;
 
-/// Collects the signals that metrics are made of, in a grasp those of every step.
-#[derive(Debug)]
+/// Follows the signals that metrics are made of, in a grasp those of every step.
+#[derive(Debug, Default)]
 pub struct GraspWatch {
-    measured: Follow,
-    limits: [Option<Limits>; 3],
-}
-
-impl Default for GraspWatch {
-    fn default() -> Self {
-        Self { measured: Follow::new(&[], |_| false), limits: [None; 3] }
-    }
+    /// Where the columns of these signals are.
+    places: [Option<usize>; SIGNALS.len()],
+    running: Running,
 }
 
 impl GraspWatch {
@@ -28,44 +24,40 @@ impl GraspWatch {
     /// # Errors
     /// When the run was no grasp.
     pub fn metrics(&self) -> Result<Metrics, MetricsObstacle> {
-        Metrics::of(self.measured.table(), self.limits)
+        let missing: Vec<_> = SIGNALS.into_iter().zip(self.places).filter(|(_, place)| place.is_none()).collect();
+        if !missing.is_empty() {
+            return Err(MetricsObstacle::Missing(missing.into_iter().map(|(name, _)| name).collect()));
+        }
+        self.running.metrics().ok_or(MetricsObstacle::Empty)
     }
 }
 
 impl Observer for GraspWatch {
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
-        self.measured = Follow::new(columns, |name| SIGNALS.contains(&name));
+        self.places = SIGNALS.map(|name| columns.iter().position(|column| column.name == name));
         let components = 0..master.names().count();
         let limits = components.map(|index| actuator_limits(master.instance(index)));
         let first = limits.reduce(|limits, others| if limits == [None; 3] { others } else { limits });
-        self.limits = first.unwrap_or_default();
+        self.running = Running::new(first.unwrap_or_default());
         unused_gains(master.settings())
     }
 
     fn follows(&self, column: &Column) -> bool {
-        let signals = self.measured.table().columns();
-        signals.iter().any(|column| column.name == CONTACT_FORCE) && signals.contains(column)
+        let is_grasp = SIGNALS.iter().zip(&self.places).any(|(name, place)| *name == CONTACT_FORCE && place.is_some());
+        is_grasp && SIGNALS.contains(&column.name.as_str())
+    }
+
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        // Without one of the signals there are no metrics.
+        if let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] =
+            self.places.map(|place| place.and_then(|place| points.place(place)))
+        {
+            self.running.extend(points, [a, b, c, d, e, f]);
+        }
+        Ok(())
     }
 
     fn conclude(&mut self) -> Vec<String> {
         Vec::new()
-    }
-}
-
-impl Sink for GraspWatch {
-    fn wants(&mut self, time: f64) -> bool {
-        self.measured.wants(time)
-    }
-
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.measured.row(time, values)
-    }
-
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.measured.between(time, values)
-    }
-
-    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.measured.end(time, values)
     }
 }

@@ -23,8 +23,9 @@ fn unfinished() -> MutexGuard<'static, Option<Unfinished>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on this process records its unfinished files in an existing folder, so that another process can
-/// remove them with [`clean_up_after`] if this one ends without doing so.
+/// From now on this process records its unfinished files in this folder, so that another process can remove them with
+/// [`clean_up_after`] if this one ends without doing so. The folder is made for the first of them; where it would be made, only
+/// this process makes files.
 pub fn keep_journal(folder: PathBuf) {
     JOURNAL.get_or_init(|| folder);
 }
@@ -41,8 +42,19 @@ fn begun(unfinished: &mut Option<Unfinished>, path: PathBuf) {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     let entry = JOURNAL.get().map(|journal| journal.join(NEXT.fetch_add(1, Ordering::Relaxed).to_string()));
     // Without an entry the file is only removed by this process.
-    let entry = entry.filter(|entry| fs::write(entry, bytes_of(&path)).is_ok());
+    let entry = entry.filter(|entry| note(entry, bytes_of(&path)).is_ok());
     unfinished.get_or_insert_default().insert(path, entry);
+}
+
+/// Writes an entry of the journal, which most runs never begin.
+fn note(entry: &Path, content: &[u8]) -> io::Result<()> {
+    match (fs::write(entry, content), entry.parent()) {
+        (Err(error), Some(journal)) if error.kind() == io::ErrorKind::NotFound => {
+            fs::create_dir(journal)?;
+            fs::write(entry, content)
+        }
+        (result, _) => result,
+    }
 }
 
 /// Removes a path from the unfinished ones.

@@ -82,6 +82,18 @@ pub(crate) struct Buses {
     read_at: Vec<u64>,
     /// For each component, when its inputs were last set; 0 if other code may have set them since.
     written_at: Vec<u64>,
+    /// For each component, whether nothing has happened to it since its outputs were last fetched.
+    is_fresh: Vec<bool>,
+    /// For each component, where the outputs that are followed are found among those that are fetched.
+    taps: Vec<Option<Tap>>,
+}
+
+/// Fetched outputs and their columns.
+struct Tap {
+    /// Signals of wires.
+    wired: Vec<(usize, usize)>,
+    /// The columns of those that are fetched without a wire.
+    others: Vec<usize>,
 }
 
 struct Crossing {
@@ -115,8 +127,66 @@ impl Buses {
             }
         }
         let boolean = Bus::new(descriptions, wires);
-        let (read_at, written_at) = (vec![0; count], vec![0; count]);
-        Self { real, integer, boolean, crossings, sources, clock: 0, read_at, written_at }
+        let (read_at, written_at, is_fresh) = (vec![0; count], vec![0; count], vec![false; count]);
+        let taps = (0..count).map(|_| None).collect();
+        Self { real, integer, boolean, crossings, sources, clock: 0, read_at, written_at, is_fresh, taps }
+    }
+
+    /// Forgets which outputs are followed.
+    pub(crate) fn untap(&mut self) {
+        self.taps.fill_with(|| None);
+        for port in &mut self.real.ports {
+            port.offered.truncate(port.signals);
+            port.fetched.clear();
+        }
+    }
+
+    /// Fetches these real outputs of a component together with those for its wires, so that [`Buses::take`] finds them. For
+    /// components that nothing happens to between [`Buses::read`] and the communication point.
+    pub(crate) fn tap(&mut self, component: usize, outputs: impl Iterator<Item = (ValueReference, usize)>) {
+        let port = &mut self.real.ports[component];
+        let mut tap = Tap { wired: Vec::new(), others: Vec::new() };
+        for (reference, column) in outputs {
+            match port.offered[..port.signals].iter().position(|offered| *offered == reference) {
+                Some(index) => tap.wired.push((port.first_signal + index, column)),
+                None => {
+                    port.offered.push(reference);
+                    tap.others.push(column);
+                }
+            }
+        }
+        if !tap.others.is_empty() {
+            port.fetched = vec![0.0; port.offered.len()];
+        }
+        self.is_fresh[component] = false;
+        self.taps[component] = Some(tap);
+    }
+
+    /// Writes the followed outputs of a component into a row, if they are known here.
+    #[inline]
+    pub(crate) fn take(&self, component: usize, row: &mut [f64]) -> bool {
+        let Some(Some(tap)) = self.taps.get(component) else { return false };
+        if !self.is_fresh[component] {
+            return false;
+        }
+        for (signal, column) in &tap.wired {
+            row[*column] = self.real.signals[*signal];
+        }
+        if !tap.others.is_empty() {
+            let port = &self.real.ports[component];
+            let mut fetched = port.fetched[port.signals..].iter();
+            for column in &tap.others {
+                let Some(value) = fetched.next() else { break };
+                row[*column] = *value;
+            }
+        }
+        true
+    }
+
+    /// Marks that a component has made a step.
+    #[inline]
+    pub(crate) fn moved(&mut self, component: usize) {
+        self.is_fresh[component] = false;
     }
 
     /// Fetches the outputs of a component.
@@ -131,13 +201,16 @@ impl Buses {
                 self.real.signals[crossing.real] = f64::from(self.integer.signals[crossing.integer]);
             }
         }
-        self.boolean.read(component, instance)
+        self.boolean.read(component, instance)?;
+        self.is_fresh[component] = true;
+        Ok(())
     }
 
     /// Sets the inputs of a component.
     #[inline]
     pub(crate) fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
         self.written_at[component] = self.clock;
+        self.is_fresh[component] = false;
         self.real.write(component, instance)?;
         self.integer.write(component, instance)?;
         self.boolean.write(component, instance)
@@ -156,6 +229,12 @@ impl Buses {
     /// Marks that other code may set the inputs of a component.
     pub(crate) fn forget(&mut self, component: usize) {
         self.written_at[component] = 0;
+        self.is_fresh[component] = false;
+    }
+
+    /// The components that drive inputs of a component.
+    pub(crate) fn sources(&self, component: usize) -> &[usize] {
+        &self.sources[component]
     }
 
     /// The present signals, for a later comparison.
@@ -194,12 +273,26 @@ struct Bus<T> {
 /// One component's connections.
 #[derive(Default)]
 struct Port<T> {
+    /// Outputs with wires, one signal each, and others that are followed.
     offered: Vec<ValueReference>,
     first_signal: usize,
+    signals: usize,
+    /// The values of all these outputs, if there are others.
+    fetched: Vec<T>,
     wanted: Vec<ValueReference>,
     sources: Vec<usize>,
+    /// The inputs take the signals as they are, one after the other from this one on.
+    in_line: Option<usize>,
     conversions: Vec<(usize, Conversion)>,
     values: Vec<T>,
+}
+
+impl<T> Port<T> {
+    fn is_in_line(&self) -> Option<usize> {
+        let first = *self.sources.first()?;
+        let are_neighbours = self.sources.iter().zip(first..).all(|(source, place)| *source == place);
+        (are_neighbours && self.conversions.is_empty()).then_some(first)
+    }
 }
 
 impl<T: Signal> Bus<T> {
@@ -220,6 +313,7 @@ impl<T: Signal> Bus<T> {
                     bus.ports[component].offered.push(reference);
                 }
             }
+            bus.ports[component].signals = bus.ports[component].offered.len();
         }
         for wire in wires.iter().filter(|wire| kind(descriptions, wire.to) == Some(T::KIND)) {
             if let Some(source) = bus.places.get(&wire.from) {
@@ -240,14 +334,21 @@ impl<T: Signal> Bus<T> {
         port.wanted.push(descriptions[wire.to.component].variables[wire.to.variable].value_reference);
         port.sources.push(source);
         port.values.push(T::default());
+        port.in_line = port.is_in_line();
     }
 
     #[inline]
     fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        let port = &self.ports[component];
-        let signals = &mut self.signals[port.first_signal..][..port.offered.len()];
-        if !signals.is_empty() {
+        let port = &mut self.ports[component];
+        if port.offered.is_empty() {
+            return Ok(());
+        }
+        let signals = &mut self.signals[port.first_signal..][..port.signals];
+        if port.fetched.is_empty() {
             T::get(instance, &port.offered, signals)?;
+        } else {
+            T::get(instance, &port.offered, &mut port.fetched)?;
+            signals.copy_from_slice(&port.fetched[..port.signals]);
         }
         Ok(())
     }
@@ -256,7 +357,9 @@ impl<T: Signal> Bus<T> {
     fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
         let Self { signals, ports, .. } = self;
         let port = &mut ports[component];
-        if !port.wanted.is_empty() {
+        if let Some(first) = port.in_line {
+            T::set(instance, &port.wanted, &signals[first..][..port.wanted.len()])?;
+        } else if !port.wanted.is_empty() {
             // Two iterators in one would be put together by a call, at every step.
             let mut sources = port.sources.iter();
             for value in &mut port.values {

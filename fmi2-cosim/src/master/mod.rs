@@ -251,6 +251,7 @@ impl Master {
     pub fn record(&mut self, wanted: impl Fn(&str) -> bool) -> Vec<Column> {
         let (recording, columns) = Recording::of(&self.described(), wanted);
         self.recording = recording;
+        self.buses.untap();
         columns
     }
 
@@ -261,6 +262,17 @@ impl Master {
     /// When their number is not that of the columns.
     pub fn follow(&mut self, columns: &[bool]) {
         self.recording.follow(columns);
+        self.buses.untap();
+        // A component whose inputs are not set again before the communication point has its values there after its step.
+        let is_settled = |buses: &Buses, index: usize| buses.sources(index).iter().all(|source| *source < index);
+        for index in 0..self.components.len() {
+            if self.coupling == Coupling::GaussSeidel
+                && is_settled(&self.buses, index)
+                && let Some(outputs) = self.recording.followed_reals(index)
+            {
+                self.buses.tap(index, outputs);
+            }
+        }
     }
 
     /// The messages that the components have logged since the last call: component and message.

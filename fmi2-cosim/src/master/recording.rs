@@ -127,6 +127,16 @@ impl Recording {
         !self.followed.is_empty()
     }
 
+    /// The references and columns of a component's followed outputs, if all of them are reals.
+    pub(crate) fn followed_reals(
+        &self,
+        component: usize,
+    ) -> Option<impl Iterator<Item = (ValueReference, usize)> + use<'_>> {
+        let Port { real, integer, boolean } = self.followed.get(component)?;
+        let are_only = !real.references.is_empty() && integer.references.is_empty() && boolean.references.is_empty();
+        are_only.then(|| real.references.iter().copied().zip(real.columns.iter().copied()))
+    }
+
     /// The name of an output that is no column, among those that are.
     pub(crate) fn free_name(&self, name: &str, others: &HashSet<String>) -> String {
         free_name(name, |name| self.names.contains(name) || others.contains(name))
@@ -139,30 +149,31 @@ impl Recording {
 
     /// The row for the present state of the components, which come in the order of their descriptions.
     pub(crate) fn read<'a>(&mut self, instances: impl Iterator<Item = &'a mut Instance>) -> Result<&[f64], CallError> {
-        read(&mut self.ports, &mut self.values, instances)
+        let mut ports = self.ports.iter_mut();
+        for instance in instances {
+            // Without ports nothing is recorded.
+            let Some(port) = ports.next() else { break };
+            port.read(instance, &mut self.values)?;
+        }
+        Ok(&self.values)
     }
 
-    /// The row with only those columns new that are followed.
+    /// The row with only those columns new that are followed. `known` writes those of a component, if it has them already.
+    #[inline]
     pub(crate) fn read_followed<'a>(
         &mut self,
         instances: impl Iterator<Item = &'a mut Instance>,
+        known: impl Fn(usize, &mut [f64]) -> bool,
     ) -> Result<&[f64], CallError> {
-        read(&mut self.followed, &mut self.values, instances)
+        let mut ports = self.followed.iter_mut();
+        for (index, instance) in instances.enumerate() {
+            let Some(port) = ports.next() else { break };
+            if !known(index, &mut self.values) {
+                port.read(instance, &mut self.values)?;
+            }
+        }
+        Ok(&self.values)
     }
-}
-
-fn read<'a, 'row>(
-    ports: &mut [Port],
-    row: &'row mut [f64],
-    instances: impl Iterator<Item = &'a mut Instance>,
-) -> Result<&'row [f64], CallError> {
-    let mut ports = ports.iter_mut();
-    for instance in instances {
-        // Without ports nothing is recorded.
-        let Some(port) = ports.next() else { break };
-        port.read(instance, row)?;
-    }
-    Ok(row)
 }
 
 /// Name of the column of times, the first one of every table.

@@ -89,9 +89,14 @@ impl Master {
         const STEPS_PER_REPORT: u64 = 1024;
         self.steps = 0;
         let mut schedule = Schedule::new(grid.start(), interval);
+        let mut next = grid.time(0);
         for index in 0..grid.steps() {
-            let (time, size) = (grid.time(index), grid.size(index));
-            self.apply_drives(time, Some(grid.time(index + 1)))?;
+            let time = next;
+            next = grid.time(index + 1);
+            let size = grid.size(index);
+            if !self.drives.is_empty() {
+                self.apply_drives(time, Some(next))?;
+            }
             if schedule.is_due(time) && sink.wants(time) {
                 self.put_row(time, sink)?;
             } else if self.recording.has_followed() {
@@ -142,7 +147,8 @@ impl Master {
         let failed = |source| MasterError::Step { time, source };
         self.exchange().map_err(failed)?;
         let instances = self.components.iter_mut().map(|component| &mut component.instance);
-        let values = self.recording.read_followed(instances).map_err(failed)?;
+        let buses = &self.buses;
+        let values = self.recording.read_followed(instances, |index, row| buses.take(index, row)).map_err(failed)?;
         sink.between(time, values).map_err(MasterError::Record)
     }
 
@@ -176,6 +182,7 @@ impl Master {
         self.exchange().map_err(|source| (0, source))?;
         for (index, component) in self.components.iter_mut().enumerate() {
             component.instance.do_step(time, size).map_err(|source| (index, source))?;
+            self.buses.moved(index);
         }
         Ok(())
     }

@@ -6,6 +6,7 @@ mod digits;
 mod file;
 mod filters;
 mod parquet;
+mod points;
 mod read;
 mod table;
 
@@ -15,6 +16,7 @@ pub use csv::CsvSink;
 pub use file::FileSink;
 pub use filters::{Every, Follow, Pick, Schedule};
 pub use parquet::ParquetSink;
+pub use points::Points;
 pub use read::{ReadError, read};
 pub use table::Table;
 

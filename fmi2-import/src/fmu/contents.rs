@@ -1,7 +1,7 @@
 //! The parts of its archive that an FMU needs: a description, and a library for this platform.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
@@ -46,23 +46,56 @@ pub(super) fn parsed(path: &Path, document: &[u8]) -> Result<ModelDescription, F
     ModelDescription::from_bytes(document).map_err(|source| FmuError::Description { path: path.to_owned(), source })
 }
 
-/// Unpacks all files for this platform, and the resources, to a temporary folder.
-pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<TempDir, FmuError> {
-    let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
-    let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
-    let mut parts: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
-    parts.retain(|part| archive.files().iter().any(|file| file.starts_with(part)));
-    if parts.is_empty() {
-        // The FMU will be refused.
-        return Ok(folder);
+/// Where the files of an FMU are unpacked.
+#[derive(Debug)]
+pub(super) struct Unpacked {
+    pub folder: TempDir,
+    /// There is no other file than the library: it is in the folder itself. Any other FMU has the folders of its archive.
+    is_alone: bool,
+}
+
+impl Unpacked {
+    /// Where a file of the archive is.
+    pub fn place(&self, entry: &str) -> PathBuf {
+        self.folder.path().join(if self.is_alone { entry.rsplit('/').next().unwrap_or(entry) } else { entry })
     }
-    let parts: Vec<&str> = parts.iter().map(String::as_str).chain(["resources/"]).collect();
-    archive.unpack(folder.path(), &parts).map_err(|error| match error {
+
+    /// The folder of the resources.
+    pub fn resources(&self) -> PathBuf {
+        // An FMU that brings no resources gets a folder nevertheless.
+        if self.is_alone { self.folder.path().to_owned() } else { self.folder.path().join(RESOURCES) }
+    }
+}
+
+const RESOURCES: &str = "resources";
+
+/// Unpacks all files for this platform, and the resources, to a temporary folder. A library that is alone is put into this
+/// folder itself: to remove a folder takes some systems longer than to remove a library.
+pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<Unpacked, FmuError> {
+    let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
+    let refused = |error| match error {
         ArchiveError::Read(source) => unpack(source),
         other => of_archive(path, other),
-    })?;
-    fs::create_dir_all(folder.path().join("resources")).map_err(unpack)?;
-    Ok(folder)
+    };
+    let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
+    let libraries: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
+    let libraries: Vec<&str> = libraries.iter().map(String::as_str).collect();
+    if archive.files_in(&libraries).is_empty() {
+        // The FMU will be refused.
+        return Ok(Unpacked { folder, is_alone: false });
+    }
+    let parts: Vec<&str> = libraries.into_iter().chain(["resources/"]).collect();
+    let files = archive.files_in(&parts);
+    if let [only] = &files[..]
+        && !archive.has("resources/")
+    {
+        let unpacked = Unpacked { folder, is_alone: true };
+        archive.unpack_file(only, &unpacked.place(only)).map_err(refused)?;
+        return Ok(unpacked);
+    }
+    archive.unpack(folder.path(), &files).map_err(refused)?;
+    fs::create_dir_all(folder.path().join(RESOURCES)).map_err(unpack)?;
+    Ok(Unpacked { folder, is_alone: false })
 }
 
 /// The folders of this platform that have the library, the preferred one first, and its name in the archive.

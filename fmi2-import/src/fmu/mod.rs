@@ -3,13 +3,13 @@
 mod contents;
 mod uri;
 
-use std::fs;
+use std::fs::File;
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread;
 
-use tempfile::TempDir;
+use object::ReadCache;
 
 use crate::binary;
 use crate::description::ModelDescription;
@@ -32,7 +32,7 @@ struct Unpacked {
     loaded: OnceLock<Arc<Loaded>>,
     description: Arc<ModelDescription>,
     path: PathBuf,
-    /// Its name in the archive, which is also its path below the folder.
+    /// Its name in the archive.
     library: String,
     files: Files,
 }
@@ -48,7 +48,7 @@ pub(crate) struct Loaded {
 
 /// The unpacked files of an FMU. They are there as long as this is.
 #[derive(Debug, Clone)]
-pub struct Files(Arc<TempDir>);
+pub struct Files(Arc<contents::Unpacked>);
 
 /// The contents of an FMU's archive.
 #[derive(Debug, Clone)]
@@ -116,7 +116,7 @@ impl Fmu {
             let folder = format!("binaries/{platform}/");
             let is_alone = archive.files().iter().filter(|file| file.starts_with(&folder)).count() <= 1;
             let data = archive.read_large(&library).map_err(|error| of_archive(path, error))?;
-            if let Err(source) = binary::check_loadable(&data) {
+            if let Err(source) = binary::check_loadable(&*data) {
                 _ = refused.get_or_insert(FmuError::Library { path: path.to_owned(), library, source });
                 continue;
             }
@@ -142,20 +142,22 @@ impl Fmu {
         let (description, unpacked) = side_by_side(|| parsed(path, &document), || unpacked(path, &mut archive));
         let description = description?;
         let candidates = candidates(path, &archive, &description)?;
-        let folder = unpacked?;
+        let files = unpacked?;
         let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
 
         // Folders with older names may have libraries for other processors.
         let mut refused = None;
         for (_, library) in candidates {
-            match binary::check_loadable(&fs::read(folder.path().join(&library)).map_err(unpack)?) {
+            // Of a large file this reads little.
+            let file = ReadCache::new(File::open(files.place(&library)).map_err(unpack)?);
+            match binary::check_loadable(&file) {
                 Ok(()) => {
                     let unpacked = Unpacked {
                         loaded: OnceLock::new(),
                         description: Arc::new(description),
                         path: path.to_owned(),
                         library,
-                        files: Files(Arc::new(folder)),
+                        files: Files(Arc::new(files)),
                     };
                     return Ok(Self { unpacked: Arc::new(unpacked) });
                 }
@@ -188,8 +190,7 @@ impl Fmu {
         if let Some(loaded) = loaded.get() {
             return Ok(loaded);
         }
-        let folder = files.0.path();
-        let functions = Functions::load(&folder.join(library)).map_err(|source| FmuError::Library {
+        let functions = Functions::load(&files.0.place(library)).map_err(|source| FmuError::Library {
             path: path.clone(),
             library: library.clone(),
             source,
@@ -198,7 +199,7 @@ impl Fmu {
             Arc::new(Loaded {
                 functions,
                 description: Arc::clone(description),
-                resources: file_uri(&folder.join("resources")),
+                resources: file_uri(&files.0.resources()),
                 _files: files.clone(),
             })
         }))

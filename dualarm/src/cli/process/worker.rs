@@ -1,6 +1,6 @@
 //! The process that works: loaded code runs in it.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::os::fd::{FromRawFd, OwnedFd, RawFd};
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::OnceLock;
@@ -31,9 +31,7 @@ pub fn run(outcome: ExitSlot, work: impl FnOnce() -> u8) -> u8 {
     unsafe {
         libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM)
     };
-    if let Some(journal) = journal()
-        && fs::create_dir(&journal).is_ok()
-    {
+    if let Some(journal) = journal() {
         files::keep_journal(journal);
     }
     keep_standard_output();

@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::ValueEnum;
 use fmi2_cosim::files::FileSet;
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Column, Sink, Table};
+use fmi2_cosim::record::{Column, Points, Sink, Table};
 use fmi2_cosim::run::{Observer, Run};
 
 use super::output::{Output, is_standard_output};
@@ -87,27 +87,6 @@ impl Sink for Rows {
     }
 }
 
-impl Sink for Watch {
-    fn wants(&mut self, time: f64) -> bool {
-        self.grasp.wants(time) | self.lyapunov.wants(time)
-    }
-
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.grasp.row(time, values)?;
-        self.lyapunov.row(time, values)
-    }
-
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.grasp.between(time, values)?;
-        self.lyapunov.between(time, values)
-    }
-
-    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.grasp.end(time, values)?;
-        self.lyapunov.end(time, values)
-    }
-}
-
 impl Observer for Watch {
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
         if let Some(lyapunov) = &mut self.lyapunov {
@@ -118,6 +97,11 @@ impl Observer for Watch {
 
     fn follows(&self, column: &Column) -> bool {
         self.grasp.follows(column) || self.lyapunov.as_ref().is_some_and(|lyapunov| lyapunov.follows(column))
+    }
+
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        self.grasp.points(points)?;
+        self.lyapunov.as_mut().map_or(Ok(()), |lyapunov| lyapunov.points(points))
     }
 
     fn conclude(&mut self) -> Vec<String> {

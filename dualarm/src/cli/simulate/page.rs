@@ -10,7 +10,7 @@ use crate::report::html::signals::with_decades;
 use crate::report::html::{self, Packed, Page};
 use crate::report::parameters::ModelParameters;
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Column, Sink, Table};
+use fmi2_cosim::record::{Column, Points, Sink, Table};
 use fmi2_cosim::run::{Observer, Run};
 use fmi2_cosim::system::System;
 use grasp_merit::metrics::Metrics;
@@ -49,28 +49,16 @@ impl Observer for Watch {
         self.others.follows(column)
     }
 
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        self.others.points(points)
+    }
+
+    fn rows(&mut self) -> Option<&mut dyn Sink> {
+        self.rows.as_mut().map(|rows| rows as &mut dyn Sink)
+    }
+
     fn conclude(&mut self) -> Vec<String> {
         self.others.conclude()
-    }
-}
-
-impl Sink for Watch {
-    fn wants(&mut self, time: f64) -> bool {
-        self.rows.wants(time) | self.others.wants(time)
-    }
-
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.rows.row(time, values)?;
-        self.others.row(time, values)
-    }
-
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.others.between(time, values)
-    }
-
-    fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.rows.end(time, values)?;
-        self.others.end(time, values)
     }
 }
 

@@ -8,7 +8,7 @@ mod given;
 use std::io;
 
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Column, Every, Kind, Sink, Table};
+use fmi2_cosim::record::{Column, Every, Kind, Points, Sink, Table};
 use fmi2_cosim::run::Observer;
 use grasp_certify::monitor::{COLUMNS, Integrals, Mirror, PaperLaw, RootLaw, Sample};
 
@@ -267,17 +267,22 @@ impl Observer for LyapunovWatch {
         NEEDED.contains(&column.name.as_str())
     }
 
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        let mut row = vec![0.0; self.indices.iter().max().map_or(0, |last| last + 1)];
+        points.iter().try_for_each(|(time, point)| {
+            points.put(point, &mut row);
+            self.take(time, &row)
+        })
+    }
+
     fn conclude(&mut self) -> Vec<String> {
         Vec::new()
     }
 }
 
-impl Sink for LyapunovWatch {
-    fn wants(&mut self, _: f64) -> bool {
-        false
-    }
-
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+impl LyapunovWatch {
+    /// Goes on to the next communication point.
+    fn take(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         let row = self.read(time, values);
         match self.follow(&row) {
             Ok(functions) => {
@@ -293,9 +298,5 @@ impl Sink for LyapunovWatch {
         }
         self.previous = Some(row);
         Ok(())
-    }
-
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.row(time, values)
     }
 }

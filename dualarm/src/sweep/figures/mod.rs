@@ -11,7 +11,7 @@ use std::io;
 
 use crate::grasp::actuator_limits;
 use fmi2_cosim::master::Master;
-use fmi2_cosim::record::{Column, Follow, Sink};
+use fmi2_cosim::record::{Column, Follow, Points, Sink};
 use fmi2_cosim::run::Observer;
 use fmi2_import::Instance;
 use grasp_merit::limit::BAND;
@@ -81,6 +81,8 @@ pub struct Gauge<'a> {
     length: Option<f64>,
     places: Vec<usize>,
     tallies: Vec<Tally>,
+    /// What is followed, at the places of a row.
+    row: Vec<f64>,
 }
 
 impl<'a> Gauge<'a> {
@@ -88,7 +90,15 @@ impl<'a> Gauge<'a> {
     #[must_use]
     pub fn new(wanted: &'a Wanted) -> Self {
         let grasp = Follow::new(&[], |_| false);
-        Self { wanted, grasp, limits: [None; 3], length: None, places: Vec::new(), tallies: Vec::new() }
+        Self {
+            wanted,
+            grasp,
+            limits: [None; 3],
+            length: None,
+            places: Vec::new(),
+            tallies: Vec::new(),
+            row: Vec::new(),
+        }
     }
 
     /// The figures, in the order of [`Wanted::names`].
@@ -151,6 +161,7 @@ impl Observer for Gauge<'_> {
     fn begin(&mut self, master: &mut Master, columns: &[Column]) -> Vec<String> {
         let place = |output: &String| columns.iter().position(|column| column.name == *output);
         self.places = self.wanted.outputs.iter().filter_map(place).collect();
+        self.row = vec![0.0; columns.len()];
         if self.wanted.grasp {
             self.grasp = Follow::new(columns, |name| SIGNALS.contains(&name));
             for index in 0..master.names().count() {
@@ -170,6 +181,13 @@ impl Observer for Gauge<'_> {
         (self.wanted.grasp && SIGNALS.contains(&column.name.as_str())) || self.wanted.outputs.contains(&column.name)
     }
 
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        points.iter().try_for_each(|(time, point)| {
+            points.put(point, &mut self.row);
+            self.take(time)
+        })
+    }
+
     fn conclude(&mut self) -> Vec<String> {
         Vec::new()
     }
@@ -182,12 +200,10 @@ fn real(instance: &mut Instance, name: &str) -> Option<f64> {
     Some(value[0])
 }
 
-impl Sink for Gauge<'_> {
-    fn wants(&mut self, _: f64) -> bool {
-        false
-    }
-
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
+impl Gauge<'_> {
+    /// Goes on to the next communication point, whose values are in `row`.
+    fn take(&mut self, time: f64) -> io::Result<()> {
+        let values = &self.row;
         if self.wanted.grasp {
             self.grasp.row(time, values)?;
         }
@@ -199,10 +215,6 @@ impl Sink for Gauge<'_> {
             tally.add(time, values[*place]);
         }
         Ok(())
-    }
-
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.row(time, values)
     }
 }
 

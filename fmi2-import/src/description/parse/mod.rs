@@ -4,14 +4,13 @@ mod variable;
 
 use std::collections::HashMap;
 
-use roxmltree::Node;
-
 use super::{
     BASE_UNITS, CoSimulation, DefaultExperiment, DescriptionError, DisplayUnit, ModelDescription, ModelStructure,
     Naming, Unit, Unknown,
 };
 use crate::document;
-use crate::xml::{child, children, elements, number, optional, required, truth, wrong};
+use crate::tree::Tree;
+use crate::xml::{Element, child, children, elements, number, optional, required, truth, wrong};
 use variable::{type_definition, variable};
 
 type Result<T> = std::result::Result<T, DescriptionError>;
@@ -31,10 +30,15 @@ impl ModelDescription {
     /// # Errors
     /// When the text is not an FMI 2.0 description, with the line and what is wrong with it.
     pub fn parse(xml: &str) -> Result<Self> {
-        let document = document::parse(xml)?;
-        let root = document.root_element();
-        if root.tag_name().name() != "fmiModelDescription" {
-            return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
+        match Tree::of(xml) {
+            Some(tree) => Self::read(tree.root()),
+            None => Self::read(document::parse(xml)?.root_element()),
+        }
+    }
+
+    fn read<'a>(root: impl Element<'a>) -> Result<Self> {
+        if root.name() != "fmiModelDescription" {
+            return Err(DescriptionError::Root(root.name().to_owned()));
         }
         let fmi_version = required(root, "fmiVersion")?.to_owned();
         if fmi_version != "2.0" {
@@ -113,7 +117,7 @@ fn consistent<'a, T: PartialEq + Copy>(what: &'static str, named: impl Iterator<
     Ok(())
 }
 
-fn co_simulation(node: Node) -> Result<CoSimulation> {
+fn co_simulation<'a>(node: impl Element<'a>) -> Result<CoSimulation> {
     Ok(CoSimulation {
         model_identifier: required(node, "modelIdentifier")?.to_owned(),
         needs_execution_tool: flag(node, "needsExecutionTool")?,
@@ -129,7 +133,7 @@ fn co_simulation(node: Node) -> Result<CoSimulation> {
     })
 }
 
-fn default_experiment(node: Node) -> Result<DefaultExperiment> {
+fn default_experiment<'a>(node: impl Element<'a>) -> Result<DefaultExperiment> {
     Ok(DefaultExperiment {
         start_time: number(node, "startTime")?,
         stop_time: number(node, "stopTime")?,
@@ -138,7 +142,7 @@ fn default_experiment(node: Node) -> Result<DefaultExperiment> {
     })
 }
 
-fn unit(node: Node) -> Result<Unit> {
+fn unit<'a, N: Element<'a>>(node: N) -> Result<Unit> {
     let base = child(node, "BaseUnit");
     let mut exponents = [0; 8];
     if let Some(base) = base {
@@ -146,7 +150,7 @@ fn unit(node: Node) -> Result<Unit> {
             *exponent = number(base, symbol)?.unwrap_or(0);
         }
     }
-    let scale = |node: Option<Node>| -> Result<(f64, f64)> {
+    let scale = |node: Option<N>| -> Result<(f64, f64)> {
         let Some(node) = node else { return Ok((1.0, 0.0)) };
         Ok((number(node, "factor")?.unwrap_or(1.0), number(node, "offset")?.unwrap_or(0.0)))
     };
@@ -167,8 +171,8 @@ fn unit(node: Node) -> Result<Unit> {
     })
 }
 
-fn unknowns(root: Node, list: &str, count: usize) -> Result<Vec<Unknown>> {
-    let in_range = |node: Node, attribute: &'static str, value: &str| match value.parse::<usize>() {
+fn unknowns<'a, N: Element<'a>>(root: N, list: &str, count: usize) -> Result<Vec<Unknown>> {
+    let in_range = |node: N, attribute: &'static str, value: &str| match value.parse::<usize>() {
         Ok(index) if (1..=count).contains(&index) => Ok(index - 1),
         _ => Err(wrong(node, attribute, value, "the index of a variable (they count from 1)")),
     };
@@ -177,8 +181,8 @@ fn unknowns(root: Node, list: &str, count: usize) -> Result<Vec<Unknown>> {
     };
     // Unknowns that depend on all of many variables stand side by side.
     let mut before: (&str, Vec<usize>) = ("", Vec::new());
-    let unknown = |node| {
-        let dependencies = match Node::attribute(&node, "dependencies") {
+    let unknown = |node: N| {
+        let dependencies = match node.attribute("dependencies") {
             Some(text) if text != before.0 => {
                 let indices = text.split_ascii_whitespace().map(|index| in_range(node, "dependencies", index));
                 before = (text, indices.collect::<std::result::Result<_, _>>()?);
@@ -193,7 +197,7 @@ fn unknowns(root: Node, list: &str, count: usize) -> Result<Vec<Unknown>> {
 }
 
 /// An attribute for a capability of the FMU; a missing one means "no".
-fn flag(node: Node, attribute: &str) -> Result<bool> {
+fn flag<'a>(node: impl Element<'a>, attribute: &str) -> Result<bool> {
     Ok(truth(node, attribute)?.unwrap_or(false))
 }
 
@@ -229,9 +233,21 @@ mod tests {
   <ModelStructure><Outputs><Unknown index="2" dependencies=""/><Unknown index="5" dependencies="1 2"/><Unknown index="5"/></Outputs></ModelStructure>
 </fmiModelDescription>"#;
 
+    /// The same, as the general parser reads it and as the short way does.
+    fn samples() -> [String; 2] {
+        let usual = SAMPLE.replace("xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\"", "");
+        assert!(Tree::of(SAMPLE).is_none() && Tree::of(&usual).is_some());
+        [SAMPLE.to_owned(), usual]
+    }
+
     #[test]
     fn reads_every_part_of_a_description() {
-        let model = ModelDescription::from_bytes(format!("\u{feff}{SAMPLE}").as_bytes()).unwrap();
+        for sample in samples() {
+            has_every_part(&ModelDescription::from_bytes(format!("\u{feff}{sample}").as_bytes()).unwrap());
+        }
+    }
+
+    fn has_every_part(model: &ModelDescription) {
         assert_eq!((model.model_name.as_str(), model.guid.as_str()), ("Sample", "{1}"));
         assert_eq!(model.naming, Naming::Structured);
         let interface = model.co_simulation.as_ref().unwrap();
@@ -275,8 +291,10 @@ mod tests {
             ("</ModelVariables>", "", "well-formed"),
         ];
         for (from, to, expected) in cases {
-            let message = ModelDescription::parse(&SAMPLE.replace(from, to)).unwrap_err().to_string();
-            assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+            for sample in samples() {
+                let message = ModelDescription::parse(&sample.replace(from, to)).unwrap_err().to_string();
+                assert!(message.contains(expected), "{message:?} should contain {expected:?}");
+            }
         }
         assert!(matches!(ModelDescription::from_bytes(&[0xff, 0xfe]), Err(DescriptionError::Encoding)));
     }

@@ -3,16 +3,14 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use roxmltree::Node;
-
 use super::{Result, flag};
 use crate::description::{
     BaseType, Causality, DescriptionError, Initial, Item, RealAttributes, TypeDefinition, Variability, Variable,
     VariableType,
 };
-use crate::xml::{choice, elements, line, needed, number, optional, required, truth};
+use crate::xml::{Element, choice, elements, line, needed, number, optional, required, truth};
 
-pub(super) fn type_definition(node: Node) -> Result<TypeDefinition> {
+pub(super) fn type_definition<'a>(node: impl Element<'a>) -> Result<TypeDefinition> {
     let name = required(node, "name")?;
     let Some(kind_node) = type_element(node) else {
         return Err(DescriptionError::NoType { name: name.to_owned(), line: line(node) });
@@ -37,7 +35,7 @@ pub(super) fn type_definition(node: Node) -> Result<TypeDefinition> {
 /// Declared types, and the index of each by its name.
 pub(super) type Types<'a> = (&'a [TypeDefinition], &'a HashMap<&'a str, usize>);
 
-pub(super) fn variable(node: Node, types: Types) -> Result<Variable> {
+pub(super) fn variable<'a>(node: impl Element<'a>, types: Types) -> Result<Variable> {
     let name = required(node, "name")?;
     let Some(kind_node) = type_element(node) else {
         return Err(DescriptionError::NoType { name: name.to_owned(), line: line(node) });
@@ -69,10 +67,10 @@ fn default_initial(causality: Causality, variability: Variability) -> Option<Ini
     }
 }
 
-fn variable_type(node: Node, (types, by_name): Types) -> Result<VariableType> {
+fn variable_type<'a>(node: impl Element<'a>, (types, by_name): Types) -> Result<VariableType> {
     let declared = node.attribute("declaredType").and_then(|name| by_name.get(name).copied());
     let base = declared.map(|index| &types[index].kind);
-    Ok(match node.tag_name().name() {
+    Ok(match node.name() {
         "Real" => {
             let empty = RealAttributes::default();
             let inherited = match base {
@@ -112,6 +110,6 @@ fn variable_type(node: Node, (types, by_name): Types) -> Result<VariableType> {
     })
 }
 
-fn type_element<'a, 'input>(node: Node<'a, 'input>) -> Option<Node<'a, 'input>> {
-    node.children().find(|child| BaseType::from_name(child.tag_name().name()).is_some())
+fn type_element<'a, N: Element<'a>>(node: N) -> Option<N> {
+    node.children().find(|child| BaseType::from_name(child.name()).is_some())
 }
