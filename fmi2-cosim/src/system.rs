@@ -4,16 +4,13 @@
 //! [`System::master`] makes the master that runs it.
 
 use std::fmt;
-use std::num::NonZero;
-use std::path::Path;
 use std::sync::Arc;
-use std::thread;
 
 use crate::master::{self, Coupling, Draft, Master, MasterError, drafts};
 use crate::settings::{self, Setting, SettingError};
 use crate::signal::Signal;
 use crate::wiring::{Terminal, Wire, Wiring};
-use fmi2_import::{Fmu, FmuError, Value, Variable};
+use fmi2_import::{Fmu, Value, Variable};
 
 /// Components, their connections, settings, and the options of a run.
 #[derive(Clone)]
@@ -89,31 +86,6 @@ pub struct RunOptions {
     pub coupling: Option<Coupling>,
     /// Time in s between two recorded rows; 0 for every step.
     pub interval: Option<f64>,
-}
-
-/// Unpacks FMUs on all processors, each as often as it is named.
-///
-/// # Errors
-/// When one cannot be used. If several cannot, the error is that of the first one.
-///
-/// # Panics
-/// When unpacking does.
-pub fn unpack_all<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Fmu>, FmuError> {
-    let paths: Vec<&Path> = paths.iter().map(AsRef::as_ref).collect();
-    let workers = thread::available_parallelism().map_or(1, NonZero::get);
-    let mut opened = Vec::with_capacity(paths.len());
-    for some in paths.chunks(workers) {
-        let [first, others @ ..] = some else { continue };
-        thread::scope(|scope| {
-            let others: Vec<_> = others.iter().map(|path| scope.spawn(move || Fmu::unpack(path))).collect();
-            opened.push(Fmu::unpack(first)?);
-            for other in others {
-                opened.push(other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?);
-            }
-            Ok::<_, FmuError>(())
-        })?;
-    }
-    Ok(opened)
 }
 
 /// Whether this value can be passed to an FMU as relative tolerance.

@@ -225,6 +225,8 @@ fn resolved(value: &str) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write;
+
     use super::*;
     use crate::document;
 
@@ -240,7 +242,7 @@ mod tests {
     /// Everything of an element.
     fn shown<'a>(element: impl Element<'a>, text: &mut String) {
         let attributes = ["b", "c-1", "_e", "x", "xb", "bx"].map(|name| element.attribute(name));
-        *text += &format!("{} {} {attributes:?} [", element.name(), element.line());
+        write!(text, "{} {} {attributes:?} [", element.name(), element.line()).unwrap();
         element.children().filter(|child| !child.name().is_empty()).for_each(|child| shown(child, text));
         *text += "]";
     }

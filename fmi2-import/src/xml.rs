@@ -94,7 +94,7 @@ pub fn child<'a, N: Element<'a>>(node: N, name: &str) -> Option<N> {
 
 /// All elements inside the child `list`; empty if that child is missing.
 pub fn listed<'a, 'input>(node: Node<'a, 'input>, list: &str) -> impl Iterator<Item = Node<'a, 'input>> {
-    child(node, list).into_iter().flat_map(|list| list.children()).filter(Node::is_element)
+    child(node, list).into_iter().flat_map(Element::children).filter(Node::is_element)
 }
 
 /// The elements of this name inside the child `list`; empty if that child is missing.

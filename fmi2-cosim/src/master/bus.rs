@@ -147,12 +147,11 @@ impl Buses {
         let port = &mut self.real.ports[component];
         let mut tap = Tap { wired: Vec::new(), others: Vec::new() };
         for (reference, column) in outputs {
-            match port.offered[..port.signals].iter().position(|offered| *offered == reference) {
-                Some(index) => tap.wired.push((port.first_signal + index, column)),
-                None => {
-                    port.offered.push(reference);
-                    tap.others.push(column);
-                }
+            if let Some(index) = port.offered[..port.signals].iter().position(|offered| *offered == reference) {
+                tap.wired.push((port.first_signal + index, column));
+            } else {
+                port.offered.push(reference);
+                tap.others.push(column);
             }
         }
         if !tap.others.is_empty() {

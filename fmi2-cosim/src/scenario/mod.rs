@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 use crate::files::read_text;
 use crate::settings::Setting;
 use crate::signal::Signal;
-use crate::system::{Located, RunOptions, System, unpack_all};
+use crate::system::{Located, RunOptions, System};
 use fmi2_import::{Causality, Fmu, FmuError, Variable};
 
 /// A scenario as its file describes it.
@@ -137,7 +137,7 @@ impl Scenario {
     /// # Errors
     /// When one is missing or cannot be used.
     pub fn system(&self, fmus: &Path) -> Result<System, ScenarioError> {
-        self.system_of(&unpack_all(&self.paths(fmus)?)?)
+        self.system_of(&Fmu::unpack_all(&self.paths(fmus)?)?)
     }
 
     /// Where its FMUs are: each where the file says, relative to the file's folder, or else in the folder `fmus`.

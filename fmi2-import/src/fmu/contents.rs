@@ -30,20 +30,11 @@ pub(super) fn of_archive(path: &Path, error: ArchiveError) -> FmuError {
 
 /// The description in it.
 pub(super) fn description(path: &Path, archive: &mut Archive) -> Result<ModelDescription, FmuError> {
-    parsed(path, &document(path, archive)?)
-}
-
-/// The description in it as a document.
-pub(super) fn document(path: &Path, archive: &mut Archive) -> Result<Vec<u8>, FmuError> {
-    archive.read("modelDescription.xml").map_err(|error| match error {
+    let document = archive.read("modelDescription.xml").map_err(|error| match error {
         ArchiveError::NotFound => FmuError::NoDescription { path: path.to_owned() },
         other => of_archive(path, other),
-    })
-}
-
-/// The description that a document is.
-pub(super) fn parsed(path: &Path, document: &[u8]) -> Result<ModelDescription, FmuError> {
-    ModelDescription::from_bytes(document).map_err(|source| FmuError::Description { path: path.to_owned(), source })
+    })?;
+    ModelDescription::from_bytes(&document).map_err(|source| FmuError::Description { path: path.to_owned(), source })
 }
 
 /// Where the files of an FMU are unpacked.
@@ -79,12 +70,7 @@ pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<Unpacked, F
     };
     let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
     let libraries: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
-    let libraries: Vec<&str> = libraries.iter().map(String::as_str).collect();
-    if archive.files_in(&libraries).is_empty() {
-        // The FMU will be refused.
-        return Ok(Unpacked { folder, is_alone: false });
-    }
-    let parts: Vec<&str> = libraries.into_iter().chain(["resources/"]).collect();
+    let parts: Vec<&str> = libraries.iter().map(String::as_str).chain(["resources/"]).collect();
     let files = archive.files_in(&parts);
     if let [only] = &files[..]
         && !archive.has("resources/")

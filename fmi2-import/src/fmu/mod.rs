@@ -1,13 +1,12 @@
 //! An `.fmu` file: a zip archive with a description and, per platform, a library.
 
 mod contents;
+mod several;
 mod uri;
 
 use std::fs::File;
-use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::thread;
+use std::sync::{Arc, OnceLock};
 
 use object::ReadCache;
 
@@ -16,7 +15,7 @@ use crate::description::ModelDescription;
 use crate::error::{CallError, FmuError};
 use crate::instance::Instance;
 use crate::library::Functions;
-use contents::{archive, candidates, description, document, of_archive, parsed, unpacked};
+use contents::{archive, candidates, description, of_archive, unpacked};
 use uri::file_uri;
 
 /// An unpacked FMU. Cheap to clone; the unpacked files are removed with the last clone. [`Fmu::load`] or the first instance
@@ -137,12 +136,9 @@ impl Fmu {
     pub fn unpack(path: impl AsRef<Path>) -> Result<Self, FmuError> {
         let path = path.as_ref();
         let mut archive = archive(path)?;
-        let document = document(path, &mut archive)?;
-        // Reading the description takes as long as unpacking the library.
-        let (description, unpacked) = side_by_side(|| parsed(path, &document), || unpacked(path, &mut archive));
-        let description = description?;
+        let description = description(path, &mut archive)?;
         let candidates = candidates(path, &archive, &description)?;
-        let files = unpacked?;
+        let files = unpacked(path, &mut archive)?;
         let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
 
         // Folders with older names may have libraries for other processors.
@@ -231,20 +227,6 @@ impl Fmu {
         let loaded = self.loaded().map_err(|source| CallError::Load(Box::new(source)))?;
         Instance::new(Arc::clone(loaded), name)
     }
-}
-
-/// Does two pieces of work, on two threads if there is another one.
-fn side_by_side<A: Send, B>(one: impl FnOnce() -> A + Send, other: impl FnOnce() -> B) -> (A, B) {
-    let one = Mutex::new(Some(one));
-    // Whoever comes first.
-    let begin = || one.lock().unwrap_or_else(PoisonError::into_inner).take().map(|one| one());
-    thread::scope(|scope| {
-        let thread = thread::Builder::new().spawn_scoped(scope, begin);
-        let other = other();
-        let elsewhere = thread.ok().and_then(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
-        let Some(one) = elsewhere.or_else(begin) else { unreachable!("it was begun here or there") };
-        (one, other)
-    })
 }
 
 impl std::fmt::Debug for Fmu {

@@ -10,7 +10,8 @@ use fmi2_cosim::files::has_extension;
 use fmi2_cosim::scenario::{Scenario, ScenarioError};
 use fmi2_cosim::ssp::Package;
 use fmi2_cosim::ssp::package::{is_ssp, split_variant};
-use fmi2_cosim::system::{System, SystemError, unpack_all};
+use fmi2_cosim::system::{System, SystemError};
+use fmi2_import::Fmu;
 
 /// Reads the description and unpacks the FMUs. `words` are the user's arguments without an option, `fmus` is the folder of
 /// the packaged FMUs.
@@ -82,7 +83,7 @@ fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
         let message = format!("{} is a system of its own; it runs alone, without other files", package.display());
         return Err(Failure::usage(message));
     }
-    Ok(System::of_fmus(&unpack_all(files)?))
+    Ok(System::of_fmus(&Fmu::unpack_all(files)?))
 }
 
 /// The files that a run reads, which must stay as they are.

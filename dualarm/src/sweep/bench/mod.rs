@@ -19,7 +19,8 @@ use fmi2_cosim::record::FileSink;
 use fmi2_cosim::run::Run;
 use fmi2_cosim::ssp::Package;
 use fmi2_cosim::ssp::package::{is_ssp, split_variant};
-use fmi2_cosim::system::{Located, System, unpack_all};
+use fmi2_cosim::system::{Located, System};
+use fmi2_import::Fmu;
 use setup::{case, check, track, wanted};
 
 /// The FMUs of a study and how they run.
@@ -55,7 +56,7 @@ impl Bench {
                     let beside = study.path(path);
                     if beside.exists() { beside } else { fmus.join(path) }
                 };
-                let opened = unpack_all(&paths.iter().map(found).collect::<Vec<_>>())?;
+                let opened = Fmu::unpack_all(&paths.iter().map(found).collect::<Vec<_>>())?;
                 systems.push(System::of_fmus(&opened));
             }
             Source::Named(name) if is_ssp(Path::new(name)) => {

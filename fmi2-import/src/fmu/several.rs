@@ -1,0 +1,101 @@
+//! Several FMUs are unpacked at once.
+
+use std::io;
+use std::panic::resume_unwind;
+use std::path::Path;
+use std::thread::{self, JoinHandle};
+
+use super::Fmu;
+use crate::error::FmuError;
+
+/// So many FMUs are unpacked at the same time.
+const AT_ONCE: usize = 8;
+
+impl Fmu {
+    /// Unpacks FMUs, several at a time, each as often as it is named.
+    ///
+    /// # Errors
+    /// When one cannot be used. If several cannot, the error is that of the first one.
+    ///
+    /// # Panics
+    /// When unpacking does.
+    pub fn unpack_all<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Self>, FmuError> {
+        let mut unpacked = Vec::with_capacity(paths.len());
+        for some in paths.chunks(AT_ONCE) {
+            let [first, others @ ..] = some else { continue };
+            let others: Vec<_> = others.iter().map(|path| (path, begin(path.as_ref()))).collect();
+            let first = Self::unpack(first);
+            let others = others.into_iter().map(|(path, begun)| match begun {
+                Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
+                // Without a thread it is done here.
+                Err(_) => Self::unpack(path),
+            });
+            // No thread is left alone, whatever happens to others.
+            let others: Vec<_> = others.collect();
+            unpacked.push(first?);
+            for other in others {
+                unpacked.push(other?);
+            }
+        }
+        Ok(unpacked)
+    }
+}
+
+/// Begins to unpack an FMU on another processor.
+fn begin(path: &Path) -> io::Result<JoinHandle<Result<Fmu, FmuError>>> {
+    let path = path.to_owned();
+    #[cfg(target_os = "linux")]
+    let thread = elsewhere::spawn(move || Fmu::unpack(path));
+    #[cfg(not(target_os = "linux"))]
+    let thread = thread::Builder::new().spawn(move || Fmu::unpack(path));
+    thread
+}
+
+/// Some kernels (seen on Linux 6.18 in a virtual machine) begin a thread on the processor of its maker and look for an idle one only
+/// milliseconds later, when this work would be done.
+#[cfg(target_os = "linux")]
+mod elsewhere {
+    use std::os::unix::thread::JoinHandleExt;
+
+    use super::{JoinHandle, io, thread};
+
+    /// Starts a thread on any processor but the present one, which it may use later.
+    pub fn spawn<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> io::Result<JoinHandle<T>> {
+        let allowed = allowed();
+        let begin = move || {
+            if let Some(allowed) = &allowed {
+                // SAFETY: reads a set of the stated size; 0 is this thread.
+                unsafe { libc::sched_setaffinity(0, size_of_val(allowed), allowed) };
+            }
+            work()
+        };
+        let thread = thread::Builder::new().spawn(begin)?;
+        if let Some(others) = allowed.and_then(others) {
+            // If the thread was faster, it stays on the others.
+            // SAFETY: a thread that was not joined, and a set of the stated size.
+            unsafe { libc::pthread_setaffinity_np(thread.as_pthread_t(), size_of_val(&others), &raw const others) };
+        }
+        Ok(thread)
+    }
+
+    /// The processors that this thread may use.
+    fn allowed() -> Option<libc::cpu_set_t> {
+        // SAFETY: a set of no processors is all zeros; it is written to by the call, whose size is stated.
+        unsafe {
+            let mut set: libc::cpu_set_t = std::mem::zeroed();
+            (libc::sched_getaffinity(0, size_of_val(&set), &raw mut set) == 0).then_some(set)
+        }
+    }
+
+    /// All of them but the present one; `None` if there are no others.
+    fn others(mut set: libc::cpu_set_t) -> Option<libc::cpu_set_t> {
+        // SAFETY: asks for a number.
+        let present = usize::try_from(unsafe { libc::sched_getcpu() }).ok()?;
+        // SAFETY: the functions check the range of the number.
+        let count = unsafe {
+            libc::CPU_CLR(present, &mut set);
+            libc::CPU_COUNT(&set)
+        };
+        (count > 0).then_some(set)
+    }
+}
