@@ -2,117 +2,175 @@
 
 use std::collections::HashMap;
 
+use crate::picture::Color;
+
 /// A palette has places for as many colours.
 const PLACES: usize = 256;
 /// A picture of more colours is no chart.
-const MOST: usize = 1 << 13;
+pub(crate) const MOST: usize = 1 << 13;
 /// So many of them are for the most frequent colours, if there are more than places.
 const FREQUENT: usize = 160;
 /// The square of how far a colour may lie from its place.
-const NEAR: u32 = 32 * 32;
+const NEAR: f32 = 32.0 * 32.0;
+/// So many pixels are looked at together: most are alike.
+const TOGETHER: usize = 16;
 
 /// A picture of few colours.
 pub(crate) struct Indexed {
     /// Red, green and blue of one colour after the other.
     pub(crate) palette: Vec<u8>,
-    /// Neighbouring pixels of one colour, row by row: its place in the palette, and how many they are.
-    runs: Vec<(u16, u32)>,
+    /// The rows as PNG has them: a zero, then the place of each pixel in the palette.
+    pub(crate) rows: Vec<u8>,
 }
 
-/// Red, green, blue and opacity of a pixel.
-type Pixel = [u8; 4];
-
 impl Indexed {
-    /// The pixels of a picture; nothing if it is transparent somewhere, or has more colours than a palette can stand for.
+    /// A picture with so many pixels in a row, each the place of its colour; nothing if it has more colours than a palette can stand
+    /// for. The rows are written to memory that may have been used before.
     ///
     /// Edges of curves that cross have hundreds of colours, each of a few pixels. Of more than 256 colours the most frequent ones are
     /// kept, then those that are farthest from all kept ones; the others become the nearest of these.
-    pub(crate) fn of(pixels: &[Pixel]) -> Option<Self> {
-        let (runs, colors) = runs(pixels)?;
-        let mut order: Vec<usize> = (0..colors.len()).collect();
-        // Of equally frequent ones the first comes first.
-        order.sort_by_key(|&color| std::cmp::Reverse(colors[color].1));
-        let frequent = if order.len() > PLACES { FREQUENT } else { order.len() };
-        let mut palette = Vec::with_capacity(3 * PLACES);
-        // For each colour the nearest place so far, and how far it is.
-        let mut nearest = vec![(u32::MAX, 0_u16); colors.len()];
-        for place in 0..u16::try_from(order.len().min(PLACES)).ok()? {
-            let farthest = || (0..colors.len()).max_by_key(|&color| nearest[color].0);
-            let kept = if usize::from(place) < frequent { order[usize::from(place)] } else { farthest()? };
-            let kept = colors[kept].0;
-            palette.extend(kept);
-            for (near, (color, _)) in nearest.iter_mut().zip(&colors) {
-                *near = (*near).min((distance(*color, kept), place));
+    pub(crate) fn of(columns: usize, pixels: &[u16], colors: &[Color], mut rows: Vec<u8>) -> Option<Self> {
+        rows.clear();
+        rows.try_reserve_exact(pixels.len() + pixels.len() / columns.max(1)).ok()?;
+        let distinct = distinct(columns, pixels);
+        if colors.len() <= PLACES {
+            #[allow(clippy::cast_possible_truncation)] // fewer than 256
+            write(&mut rows, &distinct, |rows, row| rows.extend(row.iter().map(|place| *place as u8)));
+            return Some(Self { palette: colors.concat(), rows });
+        }
+        let (palette, places) = reduced(&counted(&distinct, colors))?;
+        write(&mut rows, &distinct, |rows, row| {
+            let (groups, rest) = row.as_chunks::<TOGETHER>();
+            let place = |color: &u16| places[usize::from(*color)];
+            for group in groups {
+                let group =
+                    if are_alike(group) { [place(&group[0]); TOGETHER] } else { group.map(|color| place(&color)) };
+                rows.extend_from_slice(&group);
             }
-        }
-        if nearest.iter().any(|(distance, _)| *distance > NEAR) {
-            return None;
-        }
-        let runs = runs.into_iter().map(|(color, length)| (nearest[usize::from(color)].1, length)).collect();
-        Some(Self { palette, runs })
+            rows.extend(rest.iter().map(place));
+        });
+        Some(Self { palette, rows })
     }
 
-    /// Runs of pixels: their place in the palette, and how many they are.
-    #[allow(clippy::cast_possible_truncation)] // a palette has 256 places
-    pub(crate) fn runs(&self) -> impl Iterator<Item = (u8, usize)> {
-        self.runs.iter().map(|(place, length)| (*place as u8, *length as usize))
-    }
-}
-
-/// Runs of pixels of one colour, and all colours with the number of their pixels.
-#[allow(clippy::type_complexity)] // two lists, each used once
-fn runs(pixels: &[Pixel]) -> Option<(Vec<(u16, u32)>, Vec<([u8; 3], u64)>)> {
-    let mut runs = Vec::new();
-    let mut colors: Vec<([u8; 3], u64)> = Vec::new();
-    let mut known: HashMap<Pixel, u16> = HashMap::new();
-    // Where a colour was found last: most colours come again soon.
-    let mut recent = [([0; 4], 0_u16); 1 << 8];
-    let mut rest = pixels;
-    while let Some(&pixel) = rest.first() {
-        let word = u32::from_ne_bytes(pixel);
-        let length = run(rest, word);
-        rest = &rest[length..];
-        let [red, green, blue, opacity] = pixel;
-        if opacity != u8::MAX {
-            return None;
-        }
-        let slot = &mut recent[usize::from(red.wrapping_mul(31) ^ green.wrapping_mul(7) ^ blue)];
-        if slot.0 != pixel {
-            let color = *known.entry(pixel).or_insert_with(|| {
-                colors.push(([red, green, blue], 0));
+    /// The same of a picture of red, green, blue and opacity; nothing also if it is transparent somewhere.
+    pub(crate) fn of_pixels(columns: usize, pixels: &[[u8; 4]]) -> Option<Self> {
+        let mut colors: Vec<Color> = Vec::new();
+        let mut known: HashMap<[u8; 4], u16> = HashMap::new();
+        let mut last = None;
+        let mut place = |pixel: [u8; 4]| {
+            let [red, green, blue, opacity] = pixel;
+            let place = *known.entry(pixel).or_insert_with(|| {
+                colors.push([red, green, blue]);
                 u16::try_from(colors.len() - 1).unwrap_or(u16::MAX)
             });
-            if colors.len() > MOST {
-                return None;
+            (opacity == u8::MAX && usize::from(place) < MOST).then_some(place)
+        };
+        let places = pixels.iter().map(|pixel| match last {
+            Some((same, place)) if same == *pixel => Some(place),
+            _ => {
+                let place = place(*pixel)?;
+                last = Some((*pixel, place));
+                Some(place)
             }
-            *slot = (pixel, color);
+        });
+        let places: Vec<u16> = places.collect::<Option<_>>()?;
+        Self::of(columns, &places, &colors, Vec::new())
+    }
+}
+
+/// The rows, and how many after each are equal to it, itself among them.
+fn distinct(columns: usize, pixels: &[u16]) -> Vec<(&[u16], u32)> {
+    let mut distinct: Vec<(&[u16], u32)> = Vec::new();
+    for row in pixels.chunks(columns.max(1)) {
+        match distinct.last_mut() {
+            Some((last, count)) if *last == row => *count += 1,
+            _ => distinct.push((row, 1)),
         }
-        colors[usize::from(slot.1)].1 += length as u64;
-        runs.push((slot.1, u32::try_from(length).ok()?));
     }
-    Some((runs, colors))
+    distinct
 }
 
-/// How many pixels at the beginning are this one.
-fn run(pixels: &[Pixel], word: u32) -> usize {
-    const FEW: usize = 4;
-    const TOGETHER: usize = 16;
-    let is_other = |pixel: &Pixel| u32::from_ne_bytes(*pixel) != word;
-    // Most runs end at once; those that do not are long, and many pixels are looked at together.
-    if let Some(length) = pixels.iter().take(FEW).position(is_other) {
-        return length;
+/// Writes rows, each after a zero.
+fn write(rows: &mut Vec<u8>, distinct: &[(&[u16], u32)], write: impl Fn(&mut Vec<u8>, &[u16])) {
+    for (row, count) in distinct {
+        let begin = rows.len();
+        rows.push(0);
+        write(rows, row);
+        let end = rows.len();
+        for _ in 1..*count {
+            rows.extend_from_within(begin..end);
+        }
     }
-    let (groups, _) = pixels.as_chunks::<TOGETHER>();
-    let differ =
-        |group: &[Pixel; TOGETHER]| group.iter().fold(0, |all, pixel| all | (u32::from_ne_bytes(*pixel) ^ word));
-    let alike = TOGETHER * groups.iter().position(|group| differ(group) != 0).unwrap_or(groups.len());
-    let rest = &pixels[alike..];
-    alike + rest.iter().position(is_other).unwrap_or(rest.len())
 }
 
-/// The square of the distance of two colours.
-fn distance(one: [u8; 3], other: [u8; 3]) -> u32 {
-    (0..3).map(|part| u32::from(one[part].abs_diff(other[part])).pow(2)).sum()
+/// The colours, and how many pixels have them.
+fn counted(distinct: &[(&[u16], u32)], colors: &[Color]) -> Vec<(Color, u32)> {
+    let mut counted: Vec<(Color, u32)> = colors.iter().map(|color| (*color, 0)).collect();
+    for (row, times) in distinct {
+        let (groups, rest) = row.as_chunks::<TOGETHER>();
+        let mut count = |color: u16, pixels: u32| counted[usize::from(color)].1 += times * pixels;
+        for group in groups {
+            if are_alike(group) {
+                count(group[0], 16);
+            } else {
+                for color in group {
+                    count(*color, 1);
+                }
+            }
+        }
+        for color in rest {
+            count(*color, 1);
+        }
+    }
+    counted
+}
+
+fn are_alike(group: &[u16; TOGETHER]) -> bool {
+    group.iter().fold(0, |all, color| all | (color ^ group[0])) == 0
+}
+
+/// A palette of 256 colours, and the place in it of each of these.
+fn reduced(colors: &[(Color, u32)]) -> Option<(Vec<u8>, Vec<u8>)> {
+    let mut order: Vec<usize> = (0..colors.len()).collect();
+    // Of equally frequent ones the first comes first.
+    order.sort_by_key(|&color| std::cmp::Reverse(colors[color].1));
+    let mut palette = Vec::with_capacity(3 * PLACES);
+    // Side by side, so that several are looked at together; whole numbers up to 2²⁴ are exact.
+    let parts: [Vec<f32>; 3] =
+        std::array::from_fn(|part| colors.iter().map(|(color, _)| f32::from(color[part])).collect());
+    // For each colour the nearest place so far, and how far it is.
+    let (mut nearest, mut distances) = (vec![0_u32; colors.len()], vec![f32::INFINITY; colors.len()]);
+    for place in 0..=u8::MAX {
+        let kept = if usize::from(place) < FREQUENT { order[usize::from(place)] } else { farthest(&distances)? };
+        palette.extend(colors[kept].0);
+        let [red, green, blue] = colors[kept].0.map(f32::from);
+        let [reds, greens, blues] = [&parts[0], &parts[1], &parts[2]];
+        let near = nearest.iter_mut().zip(&mut distances);
+        for (((near, shortest), red_here), (green_here, blue_here)) in near.zip(reds).zip(greens.iter().zip(blues)) {
+            let [red, green, blue] = [red_here - red, green_here - green, blue_here - blue];
+            let distance = red * red + green * green + blue * blue;
+            *near = if distance < *shortest { u32::from(place) } else { *near };
+            *shortest = if distance < *shortest { distance } else { *shortest };
+        }
+    }
+    #[allow(clippy::cast_possible_truncation)] // places are below 256
+    let places = || nearest.iter().map(|place| *place as u8).collect();
+    distances.iter().all(|distance| *distance <= NEAR).then(|| (palette, places()))
+}
+
+/// Where the largest of these numbers is; the last of equal ones.
+fn farthest(distances: &[f32]) -> Option<usize> {
+    // Side by side, so that one comparison needs not wait for the one before.
+    const LANES: usize = 8;
+    let (groups, rest) = distances.as_chunks::<LANES>();
+    let mut largest = [0.0_f32; LANES];
+    for group in groups {
+        for (largest, distance) in largest.iter_mut().zip(group) {
+            *largest = if distance > largest { *distance } else { *largest };
+        }
+    }
+    let largest = largest.iter().chain(rest).copied().fold(0.0, f32::max);
+    distances.iter().rposition(|distance| *distance == largest)
 }
 
 #[cfg(test)]
@@ -121,11 +179,14 @@ mod tests {
 
     fn pixels(indexed: &Indexed) -> Vec<[u8; 3]> {
         let color = |place: u8| std::array::from_fn(|part| indexed.palette[3 * usize::from(place) + part]);
-        indexed.runs().flat_map(|(place, length)| vec![color(place); length]).collect()
+        let rows = indexed.rows.chunks(COLUMNS + 1);
+        rows.flat_map(|row| row[1..].iter().map(|place| color(*place)).collect::<Vec<_>>()).collect()
     }
 
+    const COLUMNS: usize = 500;
+
     /// Pixels of these colours.
-    fn picture(count: u32, color: impl Fn(u32) -> [u32; 3]) -> Vec<Pixel> {
+    fn picture(count: u32, color: impl Fn(u32) -> [u32; 3]) -> Vec<[u8; 4]> {
         let pixel = |index| {
             let [red, green, blue] = color(index).map(|part| u8::try_from(part).unwrap());
             [red, green, blue, 255]
@@ -136,7 +197,7 @@ mod tests {
     #[test]
     fn few_colours_stay_as_they_are() {
         let picture = picture(100_000, |index| [index / 777, 7, 9]);
-        let indexed = Indexed::of(&picture).unwrap();
+        let indexed = Indexed::of_pixels(COLUMNS, &picture).unwrap();
         assert_eq!(indexed.palette.len(), 3 * 129);
         assert!(pixels(&indexed).iter().zip(&picture).all(|(color, pixel)| color[..] == pixel[..3]));
     }
@@ -145,11 +206,11 @@ mod tests {
     fn rare_colours_become_frequent_ones_beside_them() {
         // A ramp of 128 colours, and once each 500 others that are up to ten levels greener.
         let picture = picture(90_000, |index| [index % 128, if index < 500 { 1 + index / 50 } else { 0 }, 0]);
-        let indexed = Indexed::of(&picture).unwrap();
+        let indexed = Indexed::of_pixels(COLUMNS, &picture).unwrap();
         assert_eq!(indexed.palette.len(), 3 * 256);
         let shown = pixels(&indexed);
         let far =
-            |(color, pixel): (&[u8; 3], &Pixel)| (0..3).map(|part| color[part].abs_diff(pixel[part])).max().unwrap();
+            |(color, pixel): (&[u8; 3], &[u8; 4])| (0..3).map(|part| color[part].abs_diff(pixel[part])).max().unwrap();
         let far: Vec<u8> = shown.iter().zip(&picture).map(far).collect();
         assert!(far[500..].iter().all(|far| *far == 0), "the frequent ones are kept");
         assert!(far[..500].iter().all(|far| *far <= 3), "128 places are left for ten rows of 50");
@@ -158,8 +219,14 @@ mod tests {
 
     #[test]
     fn what_is_no_chart_has_no_palette() {
-        assert!(Indexed::of(&[[1, 2, 3, 255], [0, 0, 0, 0]]).is_none(), "transparent");
-        assert!(Indexed::of(&picture(4096, |x| [1, 16, 256].map(|step| x / step % 16 * 17))).is_none(), "all over");
-        assert!(Indexed::of(&picture(10_000, |x| [x % 100, x / 100, 0])).is_none(), "very many of them");
+        assert!(Indexed::of_pixels(2, &[[1, 2, 3, 255], [0, 0, 0, 0]]).is_none(), "transparent");
+        assert!(
+            Indexed::of_pixels(COLUMNS, &picture(4096, |x| [1, 16, 256].map(|step| x / step % 16 * 17))).is_none(),
+            "all over"
+        );
+        assert!(
+            Indexed::of_pixels(COLUMNS, &picture(10_000, |x| [x % 100, x / 100, 0])).is_none(),
+            "very many of them"
+        );
     }
 }

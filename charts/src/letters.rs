@@ -8,7 +8,7 @@ use std::collections::hash_map::Entry;
 use std::fmt::Write;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use harfrust::{Direction, ShapeOptions, ShaperData, UnicodeBuffer};
+use harfrust::{Direction, Script, ShapeOptions, ShapePlan, ShaperData, UnicodeBuffer};
 use resvg::tiny_skia::{Path, PathBuilder, PathSegment, Transform};
 use roxmltree::Node;
 use skrifa::instance::{LocationRef, Size};
@@ -215,6 +215,8 @@ struct Shaped {
     units: f64,
     /// Glyphs that were drawn before.
     glyphs: Mutex<HashMap<GlyphId, Option<Path>>>,
+    /// What the font does with texts of a script: to find that out takes ten times as long as to shape one.
+    plans: Mutex<HashMap<Script, Arc<ShapePlan>>>,
 }
 
 impl Shaped {
@@ -226,6 +228,7 @@ impl Shaped {
             units: f64::from(font.metrics(Size::unscaled(), LocationRef::default()).units_per_em),
             font,
             glyphs: Mutex::default(),
+            plans: Mutex::default(),
         }
     }
 
@@ -271,7 +274,11 @@ fn shape(letters: &str, bold: bool) -> Option<Outline> {
     buffer.push_str(letters);
     buffer.set_direction(Direction::LeftToRight);
     buffer.guess_segment_properties();
-    let shaped = face.data.shaper(&face.font).build().shape(buffer, ShapeOptions::new());
+    let shaper = face.data.shaper(&face.font).build();
+    let (direction, script) = (buffer.direction(), buffer.script());
+    let plan = || Arc::new(ShapePlan::new(&shaper, direction, Some(script), None, &[]));
+    let plan = Arc::clone(face.plans.lock().unwrap_or_else(PoisonError::into_inner).entry(script).or_insert_with(plan));
+    let shaped = shaper.shape(buffer, ShapeOptions::new().plan(Some(&plan)));
     let mut path = PathBuilder::new();
     let mut width = 0;
     for (info, position) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {

@@ -6,12 +6,16 @@
 
 #![forbid(unsafe_code)]
 
+mod cells;
 pub mod chart;
+mod deflate;
 mod direct;
 mod flat;
 mod indexed;
 mod letters;
 pub mod pack;
 pub mod pdf;
+mod picture;
 pub mod raster;
+mod stroke;
 pub mod text;

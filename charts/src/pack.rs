@@ -1,29 +1,32 @@
 //! Columns of numbers as a short text.
 //!
 //! Each column is rounded to a whole number of quanta above its smallest value. The differences of these numbers from row
-//! to row are written as zigzag LEB128 (small differences take few bytes), all columns one after the other, then zlib and
-//! base64. A value that is not a finite number is written as −1. `unpack.js` of the pages is the counterpart.
-
-use std::io::Write;
+//! to row, or the differences of those where they are shorter (a smooth curve goes on as it went), are written as zigzag LEB128 (small
+//! numbers take few bytes), all columns one after the other, then zlib and base64. A value that is not a finite number is written as −1.
+//! A column that is equal to an earlier one is only named. `unpack.js` of the pages is the counterpart.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+
+use crate::deflate::{FARTHEST, Stream, Token, add_match};
 
 /// Quanta between the smallest and the largest value of a column. The error of a value is at most half a quantum: less than
 /// a millionth of the column's range.
 pub const LEVELS: u32 = 1 << 20;
 
-/// Of nine: columns become a thirtieth smaller beyond it, at nearly twice the work.
-const EFFORT: u32 = 2;
-
 /// Stands for a value that is no finite number.
 const GAP: i32 = -1;
+/// The largest number: differences of differences are four times as large.
+const MOST: i32 = 1 << 29;
 
 /// Columns in the order they were added.
 pub struct Packer {
-    encoder: ZlibEncoder<Vec<u8>>,
+    stream: Stream,
+    /// Where numbers, their differences, bytes and tokens of a column are found.
+    numbers: Vec<i32>,
+    differences: [Vec<u32>; 2],
+    bytes: Vec<u8>,
+    tokens: Vec<Token>,
 }
 
 /// How a column's whole numbers become values: `low + number · quantum`.
@@ -33,60 +36,155 @@ pub struct Scale {
     pub low: f64,
     /// Distance of two neighbouring values.
     pub quantum: f64,
+    /// What is written: 1 for the differences of numbers, 2 for the differences of differences.
+    pub order: u8,
 }
 
 impl Packer {
     /// No columns yet.
     #[must_use]
     pub fn new() -> Self {
-        Self { encoder: ZlibEncoder::new(Vec::new(), Compression::new(EFFORT)) }
+        Self {
+            stream: Stream::new(),
+            numbers: Vec::new(),
+            differences: [Vec::new(), Vec::new()],
+            bytes: Vec::new(),
+            tokens: Vec::new(),
+        }
     }
 
     /// Adds a column.
-    ///
-    /// # Panics
-    /// Never: writing to memory cannot fail.
     pub fn add(&mut self, values: &[f64]) -> Scale {
         let (low, high) = range(values);
-        let scale = Scale { low, quantum: if high > low { (high - low) / f64::from(LEVELS) } else { 0.0 } };
-        self.add_with(scale, values);
-        scale
+        self.add_with(low, if high > low { (high - low) / f64::from(LEVELS) } else { 0.0 }, values)
     }
 
-    /// Adds a column with a scale of the caller, with which every value is fewer than 2³⁰ quanta above the lowest one.
-    ///
-    /// # Panics
-    /// Never: writing to memory cannot fail.
-    pub fn add_with(&mut self, scale: Scale, values: &[f64]) {
-        let Scale { low, quantum } = scale;
-        let mut bytes = Vec::with_capacity(2 * values.len());
-        let mut before = 0;
-        for value in values {
-            #[allow(clippy::cast_possible_truncation)] // 0 to 2³⁰
-            let number = match value {
-                value if !value.is_finite() => GAP,
-                value if quantum > 0.0 => ((value - low) / quantum + 0.5) as i32,
-                _ => 0,
-            };
-            leb128(zigzag(number - before), &mut bytes);
-            before = number;
-        }
-        self.encoder.write_all(&bytes).expect("writing to memory cannot fail");
+    /// Adds a column with its lowest value and a quantum of the caller, of which every value is at most
+    /// 2²⁹ above the lowest one.
+    pub fn add_with(&mut self, low: f64, quantum: f64, values: &[f64]) -> Scale {
+        self.numbers.clear();
+        self.numbers.extend(values.iter().map(|value| number(*value, low, quantum)));
+        let [first, second] = &mut self.differences;
+        differences(&self.numbers, first, second);
+        let (order, shorter) = if size(second) < size(first) { (2, second) } else { (1, first) };
+        let bytes = leb128(shorter, &mut self.bytes);
+        runs(bytes, &mut self.tokens);
+        // All matches are from one byte before.
+        self.stream.add(bytes, &self.tokens, FARTHEST);
+        Scale { low, quantum, order }
     }
 
     /// All columns as one text.
-    ///
-    /// # Panics
-    /// Never: writing to memory cannot fail.
     #[must_use]
     pub fn finish(self) -> String {
-        STANDARD.encode(self.encoder.finish().expect("writing to memory cannot fail"))
+        STANDARD.encode(self.stream.finish())
     }
 }
 
 impl Default for Packer {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+/// The earlier one of these columns that is equal to the one at a place, to the bit.
+///
+/// # Panics
+/// When there is none at this place.
+#[must_use]
+pub fn same(columns: &[&[f64]], place: usize) -> Option<usize> {
+    let (earlier, this) = (&columns[..place], columns[place]);
+    let bits = |value: Option<&f64>| value.map(|value| value.to_bits());
+    // Most differ in the middle or at the end.
+    let is_like = |other: &[f64]| {
+        [this.len() / 2, this.len().saturating_sub(1)].iter().all(|row| bits(other.get(*row)) == bits(this.get(*row)))
+    };
+    let is_same = |other: &&[f64]| {
+        is_like(other) && other.len() == this.len() && other.iter().zip(this).all(|(a, b)| a.to_bits() == b.to_bits())
+    };
+    earlier.iter().position(is_same)
+}
+
+/// A value as a number of quanta.
+#[inline]
+fn number(value: f64, low: f64, quantum: f64) -> i32 {
+    #[allow(clippy::cast_possible_truncation)] // a conversion that is not possible gives an end of i32
+    let number = ((value - low) / quantum + 0.5) as i32;
+    if !value.is_finite() {
+        GAP
+    } else if quantum > 0.0 {
+        number.clamp(GAP, MOST)
+    } else {
+        0
+    }
+}
+
+/// 0, −1, 1, −2, 2 … as 0, 1, 2, 3, 4 …
+fn zigzag(number: i32) -> u32 {
+    ((number << 1) ^ (number >> 31)).cast_unsigned()
+}
+
+/// Differences from number to number, and of these, the first ones from 0; zigzag.
+fn differences(numbers: &[i32], first: &mut Vec<u32>, second: &mut Vec<u32>) {
+    first.clear();
+    second.clear();
+    let [one, two, ..] = numbers else {
+        first.extend(numbers.iter().copied().map(zigzag));
+        second.extend_from_slice(first);
+        return;
+    };
+    first.extend([zigzag(*one), zigzag(two - one)]);
+    second.extend([zigzag(*one), zigzag(two - one - one)]);
+    // No number is so large that anything here would overflow; without checks for that, several are found at once.
+    let [here, once, twice] = [2, 1, 0].map(|before| &numbers[before..numbers.len() - 2 + before]);
+    let all = here.iter().zip(once);
+    first.extend(all.clone().map(|(here, once)| zigzag(here.wrapping_sub(*once))));
+    let bend = |here: i32, once: i32, twice: i32| here.wrapping_sub(once).wrapping_sub(once.wrapping_sub(twice));
+    second.extend(all.zip(twice).map(|((here, once), twice)| zigzag(bend(*here, *once, *twice))));
+}
+
+/// About how long numbers are when they are compressed, by a part of them.
+fn size(numbers: &[u32]) -> u64 {
+    numbers.iter().step_by(4).map(|number| u64::from(u32::BITS - number.leading_zeros())).sum()
+}
+
+/// Seven bits per byte, the lowest first; the highest bit marks that more bytes follow.
+fn leb128<'a>(numbers: &[u32], bytes: &'a mut Vec<u8>) -> &'a [u8] {
+    const LONGEST: usize = 5;
+    if bytes.len() < LONGEST * numbers.len() {
+        bytes.resize(LONGEST * numbers.len(), 0);
+    }
+    let mut at = 0;
+    for number in numbers {
+        let mut number = *number;
+        while number >= 0x80 {
+            let [low, ..] = number.to_le_bytes();
+            bytes[at] = low | 0x80;
+            number >>= 7;
+            at += 1;
+        }
+        let [low, ..] = number.to_le_bytes();
+        bytes[at] = low;
+        at += 1;
+    }
+    &bytes[..at]
+}
+
+/// The bytes as literals and repetitions of the byte before.
+fn runs(bytes: &[u8], tokens: &mut Vec<Token>) {
+    tokens.clear();
+    tokens.reserve(bytes.len());
+    let mut rest = bytes;
+    while let Some((byte, others)) = rest.split_first() {
+        tokens.push(Token::Literal(*byte));
+        rest = others;
+        // Most often not even the next one.
+        if rest.first() == Some(byte) {
+            let length = rest.iter().take_while(|other| *other == byte).count();
+            let left = add_match(tokens, length, false);
+            tokens.extend(std::iter::repeat_n(Token::Literal(*byte), left));
+            rest = &rest[length..];
+        }
     }
 }
 
@@ -114,24 +212,6 @@ fn range(values: &[f64]) -> (f64, f64) {
     (if low.is_finite() { low } else { 0.0 }, high)
 }
 
-/// 0, −1, 1, −2, 2 … as 0, 1, 2, 3, 4 …
-fn zigzag(number: i32) -> u32 {
-    ((number << 1) ^ (number >> 31)).cast_unsigned()
-}
-
-/// Seven bits per byte, the lowest first; the highest bit marks that more bytes follow.
-fn leb128(mut number: u32, bytes: &mut Vec<u8>) {
-    loop {
-        let [low, ..] = number.to_le_bytes();
-        number >>= 7;
-        if number == 0 {
-            bytes.push(low);
-            return;
-        }
-        bytes.push(low | 0x80);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,6 +225,7 @@ mod tests {
         let mut number = 0_i64;
         let columns = scales.iter().map(|scale| {
             number = 0;
+            let mut slope = 0;
             let column = (0..rows).map(|_| {
                 let (mut code, mut shift) = (0_i64, 0);
                 loop {
@@ -155,7 +236,9 @@ mod tests {
                         break;
                     }
                 }
-                number += if code % 2 == 0 { code / 2 } else { -(code + 1) / 2 };
+                let code = if code % 2 == 0 { code / 2 } else { -(code + 1) / 2 };
+                slope = if scale.order == 2 { slope + code } else { code };
+                number += slope;
                 if number < 0 {
                     return f64::NAN;
                 }
@@ -193,18 +276,60 @@ mod tests {
         assert_eq!((columns[0][0], columns[0][2]), (1.0, 2.0));
         assert!(columns[0][1].is_nan() && columns[0][3].is_nan(), "a gap in the curve");
         let mut packer = Packer::new();
-        assert_eq!(packer.add(&[f64::NAN]), Scale { low: 0.0, quantum: 0.0 });
+        assert_eq!(packer.add(&[f64::NAN]), Scale { low: 0.0, quantum: 0.0, order: 1 });
     }
 
     #[test]
     fn small_differences_take_one_byte() {
         let mut bytes = Vec::new();
-        for number in [0, -1, 1, -64, 63] {
-            leb128(zigzag(number), &mut bytes);
+        assert_eq!(leb128(&[0, -1, 1, -64, 63].map(zigzag), &mut bytes), [0, 1, 2, 127, 126]);
+        assert_eq!(leb128(&[zigzag(i32::MIN)], &mut bytes), [0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
+    }
+
+    #[test]
+    fn smooth_columns_take_a_fraction_of_what_their_differences_would() {
+        let size = |columns: &[Vec<f64>]| {
+            let mut packer = Packer::new();
+            let scales: Vec<Scale> = columns.iter().map(|column| packer.add(column)).collect();
+            let text = packer.finish();
+            assert_eq!(unpack(&text, 8000, &scales).len(), columns.len());
+            (text.len(), scales[0].order)
+        };
+        let smooth = (0..8000).map(|row| (f64::from(row) * 2e-3).sin()).collect();
+        assert!(matches!(size(&[smooth]), (..4000, 2)), "half a byte a row");
+        // Differences of chance are worse when they are taken twice.
+        let mut state = 1_u32;
+        let mut chance = |_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8)
+        };
+        assert_eq!(size(&[(0..8000).map(&mut chance).collect()]).1, 1);
+        let (one, _) = size(&[vec![0.5; 8000]]);
+        assert!(one < 150, "{one}");
+    }
+
+    #[test]
+    fn the_largest_numbers_are_packed_and_what_is_beyond_is_cut_off() {
+        let most = f64::from(MOST);
+        let values = [0.0, most, 0.0, f64::NAN, most, most, 0.0, 1.0, 9.0 * most, -5.0 * most];
+        let mut packer = Packer::new();
+        let scale = packer.add_with(0.0, 1.0, &values);
+        let column = &unpack(&packer.finish(), values.len(), &[scale])[0];
+        assert_eq!(column[..3], values[..3]);
+        assert_eq!(column[4..9], [most, most, 0.0, 1.0, most]);
+        assert!(column[3].is_nan() && column[9].is_nan());
+        for few in [&values[..0], &values[..1], &values[..2]] {
+            let mut packer = Packer::new();
+            let scale = packer.add_with(0.0, 1.0, few);
+            assert_eq!(unpack(&packer.finish(), few.len(), &[scale])[0], few);
         }
-        assert_eq!(bytes, [0, 1, 2, 127, 126]);
-        bytes.clear();
-        leb128(zigzag(i32::MIN), &mut bytes);
-        assert_eq!(bytes, [0xFF, 0xFF, 0xFF, 0xFF, 0x0F]);
+    }
+
+    #[test]
+    fn equal_columns_are_found() {
+        let (a, b, c) = ([0.0, 1.0, f64::NAN], [0.5, 1.0, f64::NAN], [0.0, 1.0]);
+        let columns: [&[f64]; 6] = [&a, &b, &c, &b, &[], &a];
+        assert_eq!([0, 1, 2, 3, 4, 5].map(|place| same(&columns, place)), [None, None, None, Some(1), None, Some(0)]);
+        assert_eq!(same(&[&[0.0], &[-0.0]], 1), None);
     }
 }

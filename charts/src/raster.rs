@@ -1,9 +1,11 @@
 //! The very same SVG as PNG, with the embedded font.
 
+use std::cell::RefCell;
 use std::fmt::Write as _;
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{self, Tree};
+use roxmltree::Document;
 
 use crate::indexed::Indexed;
 use crate::{direct, flat, letters};
@@ -16,9 +18,9 @@ pub const SCALE: f32 = 2.0;
 /// # Errors
 /// When the SVG is not valid, or too large for memory.
 pub fn to_png(svg: &str) -> Result<Vec<u8>, String> {
-    let document = roxmltree::Document::parse(svg).map_err(|error| error.to_string())?;
-    if let Some(pixmap) = direct::draw(&document, SCALE) {
-        return encode(pixmap).map_err(|error| error.to_string());
+    let document = Document::parse(svg).map_err(|error| error.to_string())?;
+    if let Some(png) = MEMORY.with_borrow_mut(|memory| of_chart(&document, memory)) {
+        return png.map_err(|error| error.to_string());
     }
     drop(document);
     let tree = parse(&without_layers(svg))?;
@@ -47,18 +49,43 @@ fn without_layers(svg: &str) -> String {
     plain + rest
 }
 
+/// Memory for pixels, and for rows of a PNG.
+type Memory = (Vec<u16>, Vec<u8>);
+
+thread_local! {
+    /// A comparison draws a dozen figures on each thread. If each had new memory, the system would have to clear it.
+    static MEMORY: RefCell<Memory> = const { RefCell::new((Vec::new(), Vec::new())) };
+}
+
+/// A document that consists of what charts consist of.
+fn of_chart(document: &Document, (pixels, rows): &mut Memory) -> Option<Result<Vec<u8>, png::EncodingError>> {
+    let picture = direct::draw(document, SCALE, std::mem::take(pixels))?;
+    let (columns, height) = (picture.columns, picture.rows);
+    let indexed;
+    (indexed, *pixels) = picture.indexed(std::mem::take(rows));
+    let indexed = indexed?;
+    let png = file(columns, height, &indexed);
+    *rows = indexed.rows;
+    Some(png)
+}
+
 /// The pixels as PNG: with a palette, if one can stand for their colours.
 fn encode(pixmap: Pixmap) -> Result<Vec<u8>, png::EncodingError> {
-    let Some(indexed) = Indexed::of(pixmap.data().as_chunks().0) else { return pixmap.encode_png() };
-    let (width, height) = (pixmap.width(), pixmap.height());
+    let (width, height) = (pixmap.width() as usize, pixmap.height() as usize);
+    let Some(indexed) = Indexed::of_pixels(width, pixmap.data().as_chunks().0) else { return pixmap.encode_png() };
     drop(pixmap);
+    file(width, height, &indexed)
+}
+
+fn file(width: usize, height: usize, indexed: &Indexed) -> Result<Vec<u8>, png::EncodingError> {
     let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, width, height);
+    let length = |length: usize| u32::try_from(length).unwrap_or(u32::MAX);
+    let mut encoder = png::Encoder::new(&mut file, length(width), length(height));
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_color(png::ColorType::Indexed);
     encoder.set_palette(&indexed.palette);
     let mut writer = encoder.write_header()?;
-    writer.write_chunk(png::chunk::IDAT, &flat::compressed(width as usize, indexed.runs()))?;
+    writer.write_chunk(png::chunk::IDAT, &flat::compressed(&indexed.rows, width + 1))?;
     writer.finish()?;
     Ok(file)
 }

@@ -45,7 +45,7 @@ fn outcome(scenario: grasp::Controller, pole: f64) -> PaperRun {
     }
     let limit = |high: f64| Some(Limits { low: -high, high });
     let metrics = Metrics::of(&table, [limit(2.0), limit(2.0), limit(0.3)]).unwrap();
-    PaperRun { scenario, signals: signals(table), metrics, models: vec![plant()] }
+    PaperRun { scenario, signals: signals(table, Vec::new()), metrics, models: vec![plant()] }
 }
 
 /// The true values that Fig. 6 states.

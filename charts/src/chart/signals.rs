@@ -28,6 +28,16 @@ impl Signals {
         signals
     }
 
+    /// And further ones, which already are in single precision.
+    #[must_use]
+    pub fn and(mut self, columns: impl IntoIterator<Item = (String, Vec<f32>)>) -> Self {
+        for (name, values) in columns {
+            let last = values.last().copied().map(f64::from);
+            self.columns.push(Signal { name, values, last });
+        }
+        self
+    }
+
     /// A function of its own, which is compiled here and not by the caller.
     #[allow(clippy::cast_possible_truncation)] // as the type says
     fn add(&mut self, name: String, values: &[f64]) {

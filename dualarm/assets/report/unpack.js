@@ -1,4 +1,4 @@
-// Columns of numbers out of the text that pack.rs makes: base64, zlib, zigzag LEB128 differences, quanta.
+// Columns of numbers out of the text that pack.rs makes: base64, zlib, zigzag LEB128 differences (of order 1 or 2), quanta.
 
 /** All columns by name, each a Float64Array with one value per row. */
 async function unpack({ rows, columns, packed }) {
@@ -13,11 +13,17 @@ async function unpack({ rows, columns, packed }) {
     }
   };
   const unpacked = new Map();
-  for (const { name, low, quantum } of columns) {
+  for (const { name, same, low, quantum, order } of columns) {
+    if (same !== undefined) {
+      unpacked.set(name, unpacked.get(same).slice());
+      continue;
+    }
     const values = new Float64Array(rows);
     let number = 0;
+    let slope = 0;
     for (let row = 0; row < rows; row++) {
-      number += next();
+      slope = order === 2 ? slope + next() : next();
+      number += slope;
       values[row] = number < 0 ? NaN : low + number * quantum;
     }
     unpacked.set(name, values);

@@ -14,7 +14,7 @@ use fmi2_cosim::master::{Master, MasterError};
 use fmi2_cosim::record::{CsvSink, Every, Follow};
 use fmi2_cosim::scenario::ScenarioError;
 use fmi2_import::Fmu;
-use grasp_merit::metrics::Metrics;
+use grasp_merit::metrics::{self, Metrics};
 
 /// The results of a run, the rows of the page, and the components.
 pub struct Made {
@@ -44,7 +44,10 @@ pub fn simulate(
     let models = vec![ModelParameters::of(master.instance(0))?, ModelParameters::of(master.instance(place))?];
     let columns = master.record(|_| true);
     // Signals that are drawn and judged are recorded at every step, all others only as often as page and CSV file need them.
-    let mut drawn = Follow::new(&columns, |name| figures::SIGNALS.contains(&name)).with_room(points(grid));
+    // Pictures need no more than single precision.
+    let mut drawn = Follow::new(&columns, |name| metrics::SIGNALS.contains(&name))
+        .and_coarsely(&columns, |name| figures::SIGNALS.contains(&name))
+        .with_room(points(grid));
     master.follow(&drawn.columns(columns.len()));
     let mut shown = Rows::new(grid, &columns);
     let csv = NewFile::create(setup.out.join(format!("{}.csv", controller.key)))?;
@@ -55,10 +58,10 @@ pub fn simulate(
     }
     results.add(all.sink.into_file()?)?;
     let rows = Packed::of(&shown.into_table(), &models);
-    let table = drawn.into_table();
+    let (table, singles) = drawn.into_parts();
     let metrics = Metrics::of(&table, limits)
         .map_err(|source| ComparisonError::Metrics { controller: controller.fmu, source })?;
-    let run = PaperRun { scenario: *controller, signals: figures::signals(table), metrics, models };
+    let run = PaperRun { scenario: *controller, signals: figures::signals(table, singles), metrics, models };
     Ok(Made { run, rows, master })
 }
 

@@ -1,4 +1,4 @@
-//! Sinks that pass on a part of a run: [some columns](Pick), [some columns at every step](Follow), [some rows](Every).
+//! Sinks that pass on a part of a run: [some columns](Pick), [some rows](Every).
 
 use std::io;
 
@@ -7,7 +7,8 @@ use super::{Column, Sink, Table};
 /// Keeps only some columns.
 #[derive(Debug)]
 pub struct Pick {
-    indices: Vec<usize>,
+    /// Their places among all columns.
+    pub(super) indices: Vec<usize>,
     /// The picked columns.
     pub table: Table,
 }
@@ -25,59 +26,6 @@ impl Sink for Pick {
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.table.push(time, values, &self.indices);
         Ok(())
-    }
-}
-
-/// Keeps some columns at every communication point of a run that [follows](crate::master::Master::follow) them, and wants nothing
-/// else to be read.
-#[derive(Debug)]
-pub struct Follow {
-    picked: Pick,
-}
-
-impl Follow {
-    /// Those of `columns` that `wanted` accepts.
-    pub fn new(columns: &[Column], wanted: impl Fn(&str) -> bool) -> Self {
-        Self { picked: Pick::new(columns, wanted) }
-    }
-
-    /// The same, with room for so many communication points from the beginning.
-    #[must_use]
-    pub fn with_room(mut self, points: usize) -> Self {
-        self.picked.table = self.picked.table.with_room(points);
-        self
-    }
-
-    /// Which of so many columns it keeps, as [`Master::follow`](crate::master::Master::follow) wants to know.
-    #[must_use]
-    pub fn columns(&self, count: usize) -> Vec<bool> {
-        (0..count).map(|index| self.picked.indices.contains(&index)).collect()
-    }
-
-    /// What was kept.
-    #[must_use]
-    pub fn table(&self) -> &Table {
-        &self.picked.table
-    }
-
-    /// What was kept.
-    #[must_use]
-    pub fn into_table(self) -> Table {
-        self.picked.table
-    }
-}
-
-impl Sink for Follow {
-    fn wants(&mut self, _: f64) -> bool {
-        false
-    }
-
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.picked.row(time, values)
-    }
-
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.picked.row(time, values)
     }
 }
 

@@ -5,6 +5,7 @@ mod csv;
 mod digits;
 mod file;
 mod filters;
+mod follow;
 mod parquet;
 mod points;
 mod read;
@@ -14,7 +15,8 @@ use std::io;
 
 pub use csv::CsvSink;
 pub use file::FileSink;
-pub use filters::{Every, Follow, Pick, Schedule};
+pub use filters::{Every, Pick, Schedule};
+pub use follow::{Follow, Singles};
 pub use parquet::ParquetSink;
 pub use points::Points;
 pub use read::{ReadError, read};

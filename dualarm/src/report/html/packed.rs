@@ -1,6 +1,6 @@
 //! The rows of a run as a page holds them: packed to a short text, with what its scripts need to know of them.
 
-use charts::pack::{Packer, Scale};
+use charts::pack::{self, Packer, Scale};
 use serde_json::{Value, json};
 
 use crate::report::parameters::ModelParameters;
@@ -47,14 +47,16 @@ fn data(rows: &Table) -> Value {
     let (first, last) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(0.0));
     let shortest = times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0);
     // A thousandth of a step, unless that would be too many of them.
-    let quantum = (1e-3 * shortest.fold(last - first, f64::min)).max((last - first) / f64::from(1 << 30));
-    let time_scale = Scale { low: first, quantum };
+    let quantum = (1e-3 * shortest.fold(last - first, f64::min)).max((last - first) / f64::from(1 << 29));
     let mut packer = Packer::new();
-    packer.add_with(time_scale, times);
-    let mut columns = vec![column("time", Some("s"), time_scale)];
+    let mut columns = vec![column("time", Some("s"), packer.add_with(first, quantum, times))];
+    let values: Vec<&[f64]> = (0..rows.columns().len()).map(|index| rows.column_at(index)).collect();
     for (index, signal) in rows.columns().iter().enumerate() {
-        let scale = packer.add(rows.column_at(index));
-        columns.push(column(&signal.name, signal.unit.as_deref(), scale));
+        let unit = signal.unit.as_deref();
+        columns.push(match pack::same(&values, index) {
+            Some(earlier) => json!({ "name": signal.name, "unit": unit, "same": rows.columns()[earlier].name }),
+            None => column(&signal.name, unit, packer.add(values[index])),
+        });
     }
     json!({ "rows": times.len(), "columns": columns, "packed": packer.finish() })
 }
@@ -109,7 +111,7 @@ fn line(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
 }
 
 fn column(name: &str, unit: Option<&str>, scale: Scale) -> Value {
-    json!({ "name": name, "unit": unit, "low": scale.low, "quantum": scale.quantum })
+    json!({ "name": name, "unit": unit, "low": scale.low, "quantum": scale.quantum, "order": scale.order })
 }
 
 #[cfg(test)]
