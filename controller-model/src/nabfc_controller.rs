@@ -5,11 +5,12 @@ use grasp_control::continuous::{
     Continuous, Decision, Direction, NABFC_INDICATORS, Regimes, nabfc_state_variables, nabfc_states,
 };
 use grasp_control::laws::encoders::{Actuation, Encoders};
-use grasp_control::laws::nabfc::{Estimates, Gains, Nabfc, ObjectGains, PostureGains, RbfLayout, Surfaces};
-use grasp_control::laws::root_strain::{self, Learner, NetworkGains, RootStrain, RootStrainGains};
+use grasp_control::laws::nabfc::{Estimates, Gains, Nabfc, RbfLayout, Surfaces};
+use grasp_control::laws::root_strain::{Learner, RootStrain, RootStrainGains};
 use grasp_control::{Arms, CommandJacobian, Commands, Inputs, InvalidParameter, Law, StepError, inner};
 use serde::{Deserialize, Serialize};
 
+use super::gains::{chosen, declare};
 use super::{Controller, FmuLaw, Rates};
 
 /// `NabfcController.fmu`.
@@ -66,20 +67,11 @@ pub struct Settings {
 
 impl Settings {
     fn gains(&self) -> Gains {
-        match self.preset {
-            Preset::Parameters => self.gains,
-            Preset::Fast => Gains::fast(),
-            Preset::Certified => Gains::default(),
-        }
+        chosen(self.preset, self.gains)
     }
 
     fn root_strain(&self) -> RootStrainGains {
-        let gains = match self.preset {
-            Preset::Parameters => self.root_strain,
-            Preset::Fast => RootStrainGains::fast(),
-            Preset::Certified => RootStrainGains::certified(),
-        };
-        RootStrainGains { learner: self.learner.into(), ..gains }
+        RootStrainGains { learner: self.learner.into(), ..chosen(self.preset, self.root_strain) }
     }
 }
 
@@ -241,12 +233,7 @@ impl FmuLaw for NabfcLaw {
     fn declare_settings(variables: &mut Variables<NabfcController>) {
         variables.parameter("law", |m| &mut m.settings.choice).description("Which law commands the grasp");
         variables.parameter("preset", |m| &mut m.settings.preset).description("Where the gains come from");
-        variables.parameters(ObjectGains::PARAMETERS, |m| &mut m.settings.gains.object).tunable();
-        variables.parameter_family(PostureGains::PARAMETERS, |m| &mut m.settings.gains.posture).tunable();
-        variables.parameters(Gains::PARAMETERS, |m| &mut m.settings.gains).tunable();
-        variables.parameter_family(PostureGains::FIXED, |m| &mut m.settings.gains.posture);
-        variables.parameters(ObjectGains::FIXED, |m| &mut m.settings.gains.object);
-        variables.parameters(RbfLayout::PARAMETERS, |m| &mut m.settings.gains.rbf);
+        declare(variables, |m| &mut m.settings.gains, |_| {});
         let (posture, object) = (RbfLayout::NODES_POSTURE, RbfLayout::RINGS_OBJECT);
         variables
             .parameter("rbf_nodes_posture", |m| &mut m.settings.gains.rbf.nodes_posture)
@@ -256,17 +243,15 @@ impl FmuLaw for NabfcLaw {
             .parameter("rbf_rings_object", |m| &mut m.settings.gains.rbf.rings_object)
             .range(f64::from(*object.start()), f64::from(*object.end()))
             .description("Nodes of the object network on each side of the centre along each of its seven axes");
-        variables.parameters(root_strain::ObjectGains::PARAMETERS, |m| &mut m.settings.root_strain.object).tunable();
-        variables.parameter_family(root_strain::HubGains::PARAMETERS, |m| &mut m.settings.root_strain.hub).tunable();
-        variables.parameters(root_strain::MassGains::PARAMETERS, |m| &mut m.settings.root_strain.mass).tunable();
-        variables.parameters(root_strain::InertiaGains::PARAMETERS, |m| &mut m.settings.root_strain.inertia).tunable();
-        variables.parameters(root_strain::FilterGains::PARAMETERS, |m| &mut m.settings.root_strain.filter).tunable();
-        variables.parameters(RootStrainGains::PARAMETERS, |m| &mut m.settings.root_strain).tunable();
-        variables
-            .parameter("r_learner", |m| &mut m.settings.learner)
-            .description("Root-strain law: what learns the disturbances");
-        variables.parameters(NetworkGains::PARAMETERS, |m| &mut m.settings.root_strain.networks).tunable();
-        variables.parameters(root_strain::MassGains::FIXED, |m| &mut m.settings.root_strain.mass);
+        declare(
+            variables,
+            |m| &mut m.settings.root_strain,
+            |variables| {
+                variables
+                    .parameter("r_learner", |m| &mut m.settings.learner)
+                    .description("Root-strain law: what learns the disturbances");
+            },
+        );
         variables
             .parameter("rate_source", |m| &mut m.settings.rates)
             .description("Where the rates of angles, position and strain come from");

@@ -3,10 +3,10 @@
 use grasp_control::laws::encoders::Encoders;
 use grasp_control::laws::pd::{Pd, PdGains};
 use grasp_control::laws::pds::Limits;
-use grasp_control::{Arms, InvalidParameter, Parameter};
+use grasp_control::{Arms, InvalidParameter};
 
 use super::Controller;
-use super::gains::{GainLaw, GainSource};
+use super::gains::GainLaw;
 
 /// `PdController.fmu`.
 pub type PdController = Controller<Encoders<Pd>>;
@@ -22,24 +22,12 @@ fmi2_export::enumeration! {
     }
 }
 
-impl GainSource<PdGains> for Preset {
-    fn gains(self, parameters: PdGains) -> PdGains {
-        match self {
-            Self::Parameters => parameters,
-            Self::Paper => PdGains::default(),
-            Self::Tuned => PdGains::tuned(),
-            Self::Pid => PdGains::pid(),
-        }
-    }
-}
-
 impl GainLaw for Pd {
     type Gains = PdGains;
     type Preset = Preset;
 
     const NAME: &'static str = "PdController";
     const DESCRIPTION: &'static str = "PD control of the dual-arm grasp, eqs. (97) and (98)";
-    const GAINS: &'static [Parameter<PdGains>] = PdGains::PARAMETERS;
 
     fn new(arms: Arms, gains: PdGains, limits: Limits) -> Result<Self, InvalidParameter> {
         Self::new(arms, gains, limits)

@@ -2,10 +2,10 @@
 
 use grasp_control::laws::encoders::Encoders;
 use grasp_control::laws::pds::{Limits, Pds, PdsGains};
-use grasp_control::{Arms, InvalidParameter, Parameter};
+use grasp_control::{Arms, InvalidParameter};
 
 use super::Controller;
-use super::gains::{GainLaw, GainSource};
+use super::gains::GainLaw;
 
 /// `PdsController.fmu`.
 pub type PdsController = Controller<Encoders<Pds>>;
@@ -20,23 +20,12 @@ fmi2_export::enumeration! {
     }
 }
 
-impl GainSource<PdsGains> for Preset {
-    fn gains(self, parameters: PdsGains) -> PdsGains {
-        match self {
-            Self::Parameters => parameters,
-            Self::Paper => PdsGains::default(),
-            Self::Tuned => PdsGains::tuned(),
-        }
-    }
-}
-
 impl GainLaw for Pds {
     type Gains = PdsGains;
     type Preset = Preset;
 
     const NAME: &'static str = "PdsController";
     const DESCRIPTION: &'static str = "PD control with strain feedback (PDS) of the dual-arm grasp, eqs. (95) and (96)";
-    const GAINS: &'static [Parameter<PdsGains>] = PdsGains::PARAMETERS;
 
     fn new(arms: Arms, gains: PdsGains, limits: Limits) -> Result<Self, InvalidParameter> {
         Self::new(arms, gains, limits)

@@ -3,10 +3,11 @@
 use crate::law::{LawError, SampledLaw};
 use crate::settings::Settings;
 use grasp_control::blocks::observer::RateSource;
+use grasp_control::laws::GainSet;
 use grasp_control::laws::encoders::Encoders;
 use grasp_control::laws::nabfc::Nabfc;
-use grasp_control::laws::pd::{Pd, PdGains};
-use grasp_control::laws::pds::{Pds, PdsGains};
+use grasp_control::laws::pd::Pd;
+use grasp_control::laws::pds::Pds;
 use grasp_control::laws::root_strain::RootStrain;
 use grasp_control::{Arms, Inputs, InvalidParameter, Law, Measurements};
 
@@ -32,6 +33,14 @@ pub enum ControllerError {
     /// A parameter is out of its range.
     #[error(transparent)]
     Invalid(#[from] InvalidParameter),
+}
+
+/// The gains of a preset, or these `parameters`.
+fn chosen<G: GainSet>(preset: &str, parameters: G) -> Result<G, ControllerError> {
+    if preset == "parameters" {
+        return Ok(parameters);
+    }
+    G::preset(preset).ok_or_else(|| ControllerError::Unknown(preset.to_owned(), "preset"))
 }
 
 impl Controller {
@@ -83,12 +92,7 @@ impl Controller {
                 }
             }
             "PdsController" => {
-                let mut gains = match preset {
-                    "parameters" => settings.pds,
-                    "paper" => PdsGains::default(),
-                    "tuned" => PdsGains::tuned(),
-                    other => return Err(unknown(other, "preset")),
-                };
+                let mut gains = chosen(preset, settings.pds)?;
                 scale(settings.gain_factor, [&mut gains.kp, &mut gains.kv, &mut gains.ki]);
                 for all in [&mut gains.kp_arm, &mut gains.kv_arm, &mut gains.ks_arm, &mut gains.ki_arm] {
                     scale(settings.gain_factor, all);
@@ -96,13 +100,7 @@ impl Controller {
                 Self::Pds(Encoders::new(Pds::new(arms, gains, (&actuation).into())?, source, actuation)?)
             }
             "PdController" => {
-                let mut gains = match preset {
-                    "parameters" => settings.pd,
-                    "paper" => PdGains::default(),
-                    "tuned" => PdGains::tuned(),
-                    "pid" => PdGains::pid(),
-                    other => return Err(unknown(other, "preset")),
-                };
+                let mut gains = chosen(preset, settings.pd)?;
                 scale(settings.gain_factor, [&mut gains.kp, &mut gains.kv, &mut gains.ki]);
                 for all in [&mut gains.kp_arm, &mut gains.kv_arm, &mut gains.ki_arm] {
                     scale(settings.gain_factor, all);

@@ -3,13 +3,12 @@
 use crate::Grasp;
 use crate::printed;
 use crate::root_strain::{Disturbance, Estimator, Port};
+use grasp_control::laws::GainSet;
 use grasp_control::laws::encoders::Actuation;
-use grasp_control::laws::nabfc::{Gains, ObjectGains, PostureGains};
+use grasp_control::laws::nabfc::Gains;
 use grasp_control::laws::pd::PdGains;
 use grasp_control::laws::pds::PdsGains;
-use grasp_control::laws::root_strain::{
-    FilterGains, HubGains, InertiaGains, MassGains, ObjectGains as RootObjectGains, RootStrainGains, Scaled,
-};
+use grasp_control::laws::root_strain::{RootStrainGains, Scaled};
 use grasp_control::{Arms, InvalidParameter, Parameter, References, Targets};
 use grasp_plant::{Admissible, Arm, Parameters, Start};
 use std::fmt;
@@ -98,12 +97,11 @@ impl Settings {
     /// # Errors
     /// An unknown name.
     pub fn set_preset(&mut self, name: &str) -> Result<(), SettingError> {
-        (self.paper, self.root_strain) = match name {
-            "parameters" => (Gains::default(), RootStrainGains::default()),
-            "fast" => (Gains::fast(), RootStrainGains::fast()),
-            "certified" => (Gains::default(), RootStrainGains::certified()),
-            _ => return Err(SettingError::Unknown(name.to_owned())),
+        let gains = match name {
+            "parameters" => Some((Gains::default(), RootStrainGains::default())),
+            _ => Gains::preset(name).zip(RootStrainGains::preset(name)),
         };
+        (self.paper, self.root_strain) = gains.ok_or_else(|| SettingError::Unknown(name.to_owned()))?;
         Ok(())
     }
 
@@ -115,8 +113,7 @@ impl Settings {
         let one = std::slice::from_mut::<Parameters>;
         // PD and PDS have gains of the same names.
         let found = (|| {
-            let pd = set_in(PdGains::PARAMETERS, std::slice::from_mut(&mut self.pd), name, value)?;
-            let pds = set_in(PdsGains::PARAMETERS, std::slice::from_mut(&mut self.pds), name, value)?;
+            let (pd, pds) = (self.pd.set(name, value)?, self.pds.set(name, value)?);
             Ok(pd
                 || pds
                 || set_in(&Parameters::COMMON, one(&mut self.plant), name, value)?
@@ -124,23 +121,8 @@ impl Settings {
                 || set_in(&Start::ANGLES, std::slice::from_mut(&mut self.plant.start), name, value)?
                 || set_in(&Start::OBJECT, std::slice::from_mut(&mut self.plant.start), name, value)?
                 || set_in(Actuation::PARAMETERS, std::slice::from_mut(&mut self.actuation), name, value)?
-                || set_in(Gains::PARAMETERS, std::slice::from_mut(&mut self.paper), name, value)?
-                || set_in(ObjectGains::FIXED, std::slice::from_mut(&mut self.paper.object), name, value)?
-                || set_in(PostureGains::FIXED, &mut self.paper.posture, name, value)?
-                || set_in(ObjectGains::PARAMETERS, std::slice::from_mut(&mut self.paper.object), name, value)?
-                || set_in(PostureGains::PARAMETERS, &mut self.paper.posture, name, value)?
-                || set_in(
-                    RootObjectGains::PARAMETERS,
-                    std::slice::from_mut(&mut self.root_strain.object),
-                    name,
-                    value,
-                )?
-                || set_in(HubGains::PARAMETERS, &mut self.root_strain.hub, name, value)?
-                || set_in(MassGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
-                || set_in(MassGains::FIXED, std::slice::from_mut(&mut self.root_strain.mass), name, value)?
-                || set_in(InertiaGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.inertia), name, value)?
-                || set_in(FilterGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain.filter), name, value)?
-                || set_in(RootStrainGains::PARAMETERS, std::slice::from_mut(&mut self.root_strain), name, value)?)
+                || self.paper.set(name, value)?
+                || self.root_strain.set(name, value)?)
         })();
         match found {
             Err(error) => return Err(SettingError::Invalid(error)),

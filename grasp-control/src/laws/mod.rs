@@ -1,10 +1,13 @@
 //! The control laws, one module each.
 
 pub mod encoders;
+mod gain_set;
 pub mod nabfc;
 pub mod pd;
 pub mod pds;
 pub mod root_strain;
+
+pub use gain_set::{Changes, GainSet, Tables};
 
 use parameter_table::Range;
 

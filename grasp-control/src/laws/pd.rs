@@ -2,12 +2,12 @@
 
 mod continuous;
 
-use super::GAIN;
+use super::{Changes, GAIN, GainSet, Tables};
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::laws::pds::{Pds, PdsGains};
 use crate::signals::{Commands, Inputs};
 use crate::target::Arms;
-use parameter_table::{InvalidParameter, Parameter, check, parameter};
+use parameter_table::{InvalidParameter, Parameter, parameter};
 use serde::{Deserialize, Serialize};
 
 pub use crate::laws::pds::Limits;
@@ -58,7 +58,7 @@ impl PdGains {
     /// # Errors
     /// The first parameter that is not finite or not in its range.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        check(Self::PARAMETERS, self)
+        self.check()
     }
 
     /// The preset *tuned*: what `dualarm tune` found, with the objective and the budget of NABFC's gains (`scenarios/tuned/pd.toml`).
@@ -76,6 +76,21 @@ impl PdGains {
     fn with_strain(self) -> PdsGains {
         let Self { kp, kv, ki, kp_arm, kv_arm, ki_arm } = self;
         PdsGains { kp, kv, ki, kp_arm, kv_arm, ks_arm: [0.0; 2], ki_arm }
+    }
+}
+
+impl GainSet for PdGains {
+    fn tables(to: &mut impl Tables<Self>) {
+        to.one(Changes::Always, Self::PARAMETERS, |gains| gains);
+    }
+
+    fn preset(name: &str) -> Option<Self> {
+        Some(match name {
+            "paper" => Self::default(),
+            "tuned" => Self::tuned(),
+            "pid" => Self::pid(),
+            _ => return None,
+        })
     }
 }
 

@@ -2,12 +2,12 @@
 
 mod continuous;
 
-use super::GAIN;
 use super::encoders::Actuation;
+use super::{Changes, GAIN, GainSet, Tables};
 use crate::law::{CommandJacobian, Law, StepError};
 use crate::signals::{Commands, INPUTS, Inputs, column};
 use crate::target::Arms;
-use parameter_table::{InvalidParameter, Parameter, check, parameter};
+use parameter_table::{InvalidParameter, Parameter, parameter};
 use serde::{Deserialize, Serialize};
 
 /// Gains of the PDS law; index 0 of an array is arm 1.
@@ -60,7 +60,7 @@ impl PdsGains {
     /// # Errors
     /// The first parameter that is not finite or not in its range.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        check(Self::PARAMETERS, self)
+        self.check()
     }
 
     /// The preset *tuned*: what `dualarm tune` found, with the objective and the budget of NABFC's gains
@@ -76,6 +76,20 @@ impl PdsGains {
             ks_arm: [45.05; 2],
             ki_arm: [0.0; 2],
         }
+    }
+}
+
+impl GainSet for PdsGains {
+    fn tables(to: &mut impl Tables<Self>) {
+        to.one(Changes::Always, Self::PARAMETERS, |gains| gains);
+    }
+
+    fn preset(name: &str) -> Option<Self> {
+        Some(match name {
+            "paper" => Self::default(),
+            "tuned" => Self::tuned(),
+            _ => return None,
+        })
     }
 }
 

@@ -1,9 +1,9 @@
 //! The parameters by name, with unit and range: what is declared and what is checked.
 
 use super::{FilterGains, HubGains, InertiaGains, MassGains, NetworkGains, ObjectGains, RootStrainGains};
-use crate::laws::GAIN;
 use crate::laws::encoders::POLES;
-use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
+use crate::laws::{Changes, GAIN, GainSet, Tables};
+use parameter_table::{Admissible, InvalidParameter, Parameter, Range, parameter};
 
 /// A share of an inertia.
 const SHARE: Range = Range::new(0.0, 1.0);
@@ -250,15 +250,30 @@ impl RootStrainGains {
     /// # Errors
     /// The first parameter that is not a number in its range; a largest mass below the smallest.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        check(ObjectGains::PARAMETERS, &self.object)?;
-        check_family(HubGains::PARAMETERS, &self.hub)?;
-        check(MassGains::PARAMETERS, &self.mass)?;
-        check(MassGains::FIXED, &self.mass)?;
-        check(InertiaGains::PARAMETERS, &self.inertia)?;
-        check(FilterGains::PARAMETERS, &self.filter)?;
-        check(NetworkGains::PARAMETERS, &self.networks)?;
-        check(Self::PARAMETERS, self)?;
+        self.check()?;
         let least = Range::new(self.mass.smallest, MASS.max);
         Admissible::Within(least).check("r_mass_max", self.mass.largest)
+    }
+}
+
+impl GainSet for RootStrainGains {
+    fn tables(to: &mut impl Tables<Self>) {
+        to.one(Changes::Always, ObjectGains::PARAMETERS, |gains| &mut gains.object);
+        to.per_arm(Changes::Always, HubGains::PARAMETERS, |gains| &mut gains.hub);
+        to.one(Changes::Always, MassGains::PARAMETERS, |gains| &mut gains.mass);
+        to.one(Changes::Always, InertiaGains::PARAMETERS, |gains| &mut gains.inertia);
+        to.one(Changes::Always, FilterGains::PARAMETERS, |gains| &mut gains.filter);
+        to.one(Changes::Always, Self::PARAMETERS, |gains| gains);
+        to.learner();
+        to.one(Changes::Always, NetworkGains::PARAMETERS, |gains| &mut gains.networks);
+        to.one(Changes::AtStart, MassGains::FIXED, |gains| &mut gains.mass);
+    }
+
+    fn preset(name: &str) -> Option<Self> {
+        Some(match name {
+            "fast" => Self::fast(),
+            "certified" => Self::certified(),
+            _ => return None,
+        })
     }
 }

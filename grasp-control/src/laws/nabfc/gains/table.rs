@@ -2,8 +2,8 @@
 
 use super::{Gains, ObjectGains, PostureGains, RbfLayout};
 use crate::blocks::rbf::WIDTHS;
-use crate::laws::{DIVISOR, GAIN};
-use parameter_table::{Admissible, InvalidParameter, Parameter, Range, check, check_family, parameter};
+use crate::laws::{Changes, DIVISOR, GAIN, GainSet, Tables};
+use parameter_table::{Admissible, InvalidParameter, Parameter, Range, parameter};
 use std::ops::RangeInclusive;
 
 /// Admissible widths of the Gaussians.
@@ -134,8 +134,7 @@ impl RbfLayout {
         &ROWS
     };
 
-    fn validate(&self) -> Result<(), InvalidParameter> {
-        check(Self::PARAMETERS, self)?;
+    fn validate_counts(&self) -> Result<(), InvalidParameter> {
         for (name, value, range) in [
             ("rbf_nodes_posture", self.nodes_posture, Self::NODES_POSTURE),
             ("rbf_rings_object", self.rings_object, Self::RINGS_OBJECT),
@@ -168,11 +167,27 @@ impl Gains {
     /// # Errors
     /// The first parameter that is not a number in its range.
     pub fn validate(&self) -> Result<(), InvalidParameter> {
-        check(ObjectGains::PARAMETERS, &self.object)?;
-        check_family(PostureGains::PARAMETERS, &self.posture)?;
-        check(Self::PARAMETERS, self)?;
-        check_family(PostureGains::FIXED, &self.posture)?;
-        check(ObjectGains::FIXED, &self.object)?;
-        self.rbf.validate()
+        self.check()?;
+        self.rbf.validate_counts()
+    }
+}
+
+impl GainSet for Gains {
+    fn tables(to: &mut impl Tables<Self>) {
+        to.one(Changes::Always, ObjectGains::PARAMETERS, |gains| &mut gains.object);
+        to.per_arm(Changes::Always, PostureGains::PARAMETERS, |gains| &mut gains.posture);
+        to.one(Changes::Always, Self::PARAMETERS, |gains| gains);
+        to.per_arm(Changes::AtStart, PostureGains::FIXED, |gains| &mut gains.posture);
+        to.one(Changes::AtStart, ObjectGains::FIXED, |gains| &mut gains.object);
+        to.one(Changes::AtStart, RbfLayout::PARAMETERS, |gains| &mut gains.rbf);
+    }
+
+    /// The paper's law has no certificate, so *certified* are its start values.
+    fn preset(name: &str) -> Option<Self> {
+        Some(match name {
+            "fast" => Self::fast(),
+            "certified" => Self::default(),
+            _ => return None,
+        })
     }
 }
