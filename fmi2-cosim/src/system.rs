@@ -144,11 +144,8 @@ impl System {
     /// # Errors
     /// When an FMU refuses, connections are ambiguous, or there is no such variable.
     pub fn master(&self, coupling: Coupling) -> Result<Master, SystemError> {
-        let Wiring { wires, remarks } = match &self.connections {
-            Connections::ByName => master::wires_by_name(&self.components)?,
-            Connections::Explicit(wires) => Wiring { wires: wires.clone(), remarks: Vec::new() },
-        };
-        self.check(&drafts(&self.components, &wires))?;
+        let Wiring { wires, remarks } = self.wiring()?;
+        self.check_with(&wires)?;
         let mut master = Master::with_wires(&self.components, wires, coupling)?;
         master.remark(remarks);
         if let Some(tolerance) = self.experiment.tolerance {
@@ -169,8 +166,23 @@ impl System {
         Ok(master)
     }
 
-    /// Checks, from the descriptions alone, that all settings can be applied.
-    fn check(&self, drafts: &[Draft]) -> Result<(), SystemError> {
+    /// Checks, from the descriptions alone, what [`System::master`] checks before any code of an FMU runs.
+    ///
+    /// # Errors
+    /// When connections are ambiguous, or a setting cannot be applied.
+    pub fn check(&self) -> Result<(), SystemError> {
+        self.check_with(&self.wiring()?.wires)
+    }
+
+    fn wiring(&self) -> Result<Wiring, SystemError> {
+        Ok(match &self.connections {
+            Connections::ByName => master::wires_by_name(&self.components)?,
+            Connections::Explicit(wires) => Wiring { wires: wires.clone(), remarks: Vec::new() },
+        })
+    }
+
+    fn check_with(&self, wires: &[Wire]) -> Result<(), SystemError> {
+        let drafts = &drafts(&self.components, wires)[..];
         for Located { item: (Terminal { component, variable }, value), place } in &self.values {
             settings::check_one((*component, *variable), value, drafts).map_err(failure(place.as_ref()))?;
         }

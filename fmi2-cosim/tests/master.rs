@@ -289,7 +289,11 @@ fn only_free_inputs_can_be_driven_and_a_setting_ends_that() {
     let steps = |values: [f64; 2]| Signal::new(Shape::Steps, vec![(0.0, values[0]), (0.55, values[1])]).unwrap();
     let ramp = Signal::new(Shape::Linear, vec![(0.0, 0.0), (1.0, 1.0)]).unwrap();
     for (target, signal, expected) in [
-        ("Lag.u", steps([0.0, 1.0]), "Lag.u cannot be set: it is an input that Gain.u drives"),
+        (
+            "Lag.u",
+            steps([0.0, 1.0]),
+            "Lag.u cannot be set: it is an input that Gain.u drives, which would replace the value; leave it out",
+        ),
         ("K", steps([0.0, 1.0]), "Gain.K cannot be set: only inputs can change over time, and it is none"),
         ("referense", steps([0.0, 1.0]), "there is no variable \"referense\" in Lag or Gain; did you mean reference?"),
     ] {
@@ -331,7 +335,11 @@ fn settings_say_what_is_wrong_with_them() {
         ("Gian.K", "1", "there is no component \"Gian\"; the components are Lag, Gain; did you mean Gain.K?"),
         ("Plant.K", "1", "there is no component \"Plant\"; the components are Lag, Gain"),
         ("y", "1", "Lag.y cannot be set: it is an output that the FMU computes"),
-        ("Gain.y", "1", "Gain.y cannot be set: it is an input that Lag.y drives"),
+        (
+            "Gain.y",
+            "1",
+            "Gain.y cannot be set: it is an input that Lag.y drives, which would replace the value; leave it out",
+        ),
         ("trouble_at", "soon", "Lag.trouble_at needs a number in s, not \"soon\""),
         ("trouble_at", "NaN", "Lag.trouble_at needs a number in s, not \"NaN\""),
         ("trouble", "loud", "Lag.trouble needs one of warning, discard, error, fatal, not \"loud\""),

@@ -105,15 +105,19 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         coupling: arguments.coupling.into(),
         instruments: arguments.instruments.profiles(),
     };
+    let chosen = arguments.matrix.chosen()?;
     arguments.job.package(quiet)?;
     let begin = Instant::now();
     let progress = Progress::new(quiet);
     // If a comparison is interrupted, the previous results stay complete.
     let results = FileSet::new();
     let lab = Lab::new(setup.fmus);
+    if let Some(chosen) = &chosen {
+        chosen.check(&lab)?;
+    }
     let mut runs =
         if arguments.matrix.is_alone() { None } else { Some(Runs::simulate(&setup, &lab, &results, &progress)?) };
-    let matrix = matrix::run(&arguments.matrix, &lab, quiet)?;
+    let matrix = chosen.map(|chosen| chosen.run(&lab, quiet)).transpose()?;
     if let Some(matrix) = &matrix {
         comparison::files::write_matrices(matrix, setup.out, &results)?;
     }
@@ -131,12 +135,11 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let runs = runs.map(Runs::finish).transpose()?.unwrap_or_default();
     let seconds = begin.elapsed().as_secs_f64();
     if arguments.json {
-        return print_json(&setup, &runs, matrix.as_ref(), &report, seconds);
-    }
-    if !quiet {
+        print_json(&setup, &runs, matrix.as_ref(), &report, seconds)?;
+    } else if !quiet {
         print_tables(arguments, &runs, matrix.as_ref(), figures, seconds);
     }
-    Ok(())
+    matrix.as_ref().map_or(Ok(()), matrix::complete)
 }
 
 fn print_json(

@@ -61,26 +61,65 @@ fn unique<'a>(what: &str, mut keys: impl Iterator<Item = &'a str>) -> Result<(),
     }
 }
 
-/// Runs the cells, unless the user skips them. If no cases are named, those of grasps that can open form a matrix of their
-/// own.
-pub fn run(choice: &MatrixChoice, lab: &Lab, quiet: bool) -> Result<Option<Matrices>, Failure> {
-    if choice.no_matrix {
-        return Ok(None);
-    }
-    let closed = run_cases(choice, cases(&choice.cases)?, lab, quiet)?;
-    let contact = if choice.cases.is_empty() { Some(run_cases(choice, Case::contact()?, lab, quiet)?) } else { None };
-    Ok(Some(Matrices { closed, contact }))
+/// What the user chose, found and not yet run.
+pub struct Chosen {
+    cases: Vec<Case>,
+    /// If no cases are named, those of grasps that can open: they form a matrix of their own.
+    contact: Option<Vec<Case>>,
+    contenders: Vec<Contender>,
 }
 
-fn run_cases(choice: &MatrixChoice, cases: Vec<Case>, lab: &Lab, quiet: bool) -> Result<Matrix, Failure> {
-    unique("cases", cases.iter().map(|case| case.key.as_str()))?;
-    let mut contenders = if choice.controllers.is_empty() {
-        Contender::all()?
-    } else {
-        choice.controllers.iter().map(|name| Contender::find(name)).collect::<Result<_, _>>()?
-    };
-    unique("controllers", contenders.iter().map(|contender: &Contender| contender.key.as_str()))?;
-    Contender::distinguish(&mut contenders);
+impl MatrixChoice {
+    /// Reads the files of cases and controllers; `None` if the user wants no matrix.
+    pub fn chosen(&self) -> Result<Option<Chosen>, Failure> {
+        if self.no_matrix {
+            return Ok(None);
+        }
+        let cases = cases(&self.cases)?;
+        unique("cases", cases.iter().map(|case| case.key.as_str()))?;
+        let mut contenders = if self.controllers.is_empty() {
+            Contender::all()?
+        } else {
+            self.controllers.iter().map(|name| Contender::find(name)).collect::<Result<_, _>>()?
+        };
+        unique("controllers", contenders.iter().map(|contender: &Contender| contender.key.as_str()))?;
+        Contender::distinguish(&mut contenders);
+        let contact = if self.cases.is_empty() { Some(Case::contact()?) } else { None };
+        Ok(Some(Chosen { cases, contact, contenders }))
+    }
+}
+
+impl Chosen {
+    /// Checks that everything can run, as far as that is known before.
+    pub fn check(&self, lab: &Lab) -> Result<(), Failure> {
+        for cases in [Some(&self.cases), self.contact.as_ref()].into_iter().flatten() {
+            Matrix::check(lab, cases, &self.contenders)?;
+        }
+        Ok(())
+    }
+
+    /// Runs the cells.
+    pub fn run(self, lab: &Lab, quiet: bool) -> Result<Matrices, Failure> {
+        let Self { cases, contact, contenders } = self;
+        let contact_contenders = contact.as_ref().map(|_| contenders.clone()).unwrap_or_default();
+        let closed = run_cases(cases, contenders, lab, quiet)?;
+        let contact = contact.map(|cases| run_cases(cases, contact_contenders, lab, quiet)).transpose()?;
+        Ok(Matrices { closed, contact })
+    }
+}
+
+/// The failure of a comparison with rows or columns in which nothing ran.
+pub fn complete(matrices: &Matrices) -> Result<(), Failure> {
+    let failed: Vec<&str> =
+        [Some(&matrices.closed), matrices.contact.as_ref()].into_iter().flatten().flat_map(Matrix::failed).collect();
+    if failed.is_empty() {
+        return Ok(());
+    }
+    let failed = failed.join(", ");
+    Err(Failure::failed(format!("every run failed of {failed}: see the warnings. All other results are written")))
+}
+
+fn run_cases(cases: Vec<Case>, contenders: Vec<Contender>, lab: &Lab, quiet: bool) -> Result<Matrix, Failure> {
     let bar = Progress::new(quiet).bar("matrix", (cases.len() * contenders.len()) as u64);
     let matrix = Matrix::run(lab, cases, contenders, &|| bar.inc(1))?;
     bar.finish_and_clear();
@@ -107,6 +146,7 @@ impl From<CellError> for Failure {
     fn from(error: CellError) -> Self {
         match error {
             CellError::Scenario(error) => error.into(),
+            CellError::Never(_) | CellError::NoController(_) => Self::usage(error),
             _ => Self::failed(error),
         }
     }

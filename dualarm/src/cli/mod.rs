@@ -35,7 +35,6 @@ use crate::build::PackageError;
 use crate::build::crosscheck::ReleaseError;
 use crate::grasp::NoFunctions;
 use crate::grasp::systems::ComposeError;
-use crate::tune::TuneError;
 use crate::verify::VerifyError;
 use fmi2_cosim::files::WriteError;
 use fmi2_cosim::master::MasterError;
@@ -142,7 +141,6 @@ failures![
     PackageError,
     ReleaseError,
     SspError,
-    TuneError,
     VerifyError,
     WriteError,
 ];

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use crate::grasp::matrix::{Case, Cell, CellError, Contender, Lab, parallel};
+use crate::grasp::matrix::{Case, Cell, CellError, Contender, Lab, Matrix, parallel};
 use dimension::{Dimension, DimensionError};
 use fmi2_cosim::settings::Setting;
 use journal::Journal;
@@ -123,10 +123,11 @@ impl Task {
     /// Checks that the controller can run with its start values.
     ///
     /// # Errors
-    /// The reason why it cannot run in each of the cases.
+    /// The reason why it cannot run in one of the cases, if it is known before, or fails in each of them.
     pub fn check(&self, lab: &Lab) -> Result<(), TuneError> {
         let start: Vec<f64> = self.dimensions.iter().map(|dimension| dimension.start).collect();
         let contender = self.with(&start);
+        Matrix::check(lab, &self.cases, std::slice::from_ref(&contender))?;
         let mut failure = None;
         for case in &self.cases {
             match lab.cell(case, &contender) {

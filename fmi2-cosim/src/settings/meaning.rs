@@ -74,7 +74,7 @@ pub(crate) fn meant<T: Target>(
 fn obstacle_to_setting<T: Target>(target: &T, index: usize) -> Option<String> {
     let variable = &target.description().variables[index];
     if let Some(source) = target.driven_by(index) {
-        return Some(format!("it is an input that {source} drives"));
+        return Some(driven(source));
     }
     if variable.is_settable() {
         return None;
@@ -90,7 +90,7 @@ fn obstacle_to_setting<T: Target>(target: &T, index: usize) -> Option<String> {
 pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &Signal) -> Option<String> {
     let variable = &target.description().variables[index];
     if let Some(source) = target.driven_by(index) {
-        return Some(format!("it is an input that {source} drives"));
+        return Some(driven(source));
     }
     if variable.causality != Causality::Input {
         return Some("only inputs can change over time, and it is none".into());
@@ -112,6 +112,10 @@ pub(crate) fn obstacle_to_driving<T: Target>(target: &T, index: usize, signal: &
         }
         _ => None,
     }
+}
+
+fn driven(source: &str) -> String {
+    format!("it is an input that {source} drives, which would replace the value; leave it out")
 }
 
 /// The error for a name that no component has.

@@ -15,7 +15,7 @@ use super::{Failure, json, matrix, numbers, print, report};
 use crate::grasp::matrix::{self as cells, Case, CellError, Contender, Lab};
 use crate::tune::dimension::{Dimension, DimensionError};
 use crate::tune::start::Start;
-use crate::tune::{Goal, Limits, Objective, Task, preset};
+use crate::tune::{Goal, Limits, Objective, Task, TuneError, preset};
 use fmi2_cosim::files::FileSet;
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::settings::Setting;
@@ -272,6 +272,16 @@ fn command(arguments: &Arguments, task: &Task) -> Vec<String> {
         word.retain(|letter| !['"', '\\'].contains(&letter));
     }
     words
+}
+
+impl From<TuneError> for Failure {
+    fn from(error: TuneError) -> Self {
+        match error {
+            TuneError::Cell(error) => error.into(),
+            TuneError::Dimension(error) => error.into(),
+            error => Self::failed(error),
+        }
+    }
 }
 
 impl From<DimensionError> for Failure {

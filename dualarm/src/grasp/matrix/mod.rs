@@ -50,6 +50,57 @@ pub struct Matrices {
 }
 
 impl Matrix {
+    /// Checks, from the FMUs' descriptions alone, that each case can run with one of the controllers at least, and each controller
+    /// in one of several cases. What a case sets for a law that only some of the controllers have, fails in the cells of the others.
+    ///
+    /// # Errors
+    /// The reason why one of them cannot run at all.
+    pub fn check(lab: &Lab, cases: &[Case], contenders: &[Contender]) -> Result<(), CellError> {
+        let width = contenders.len();
+        let mut reasons = Vec::with_capacity(cases.len() * width);
+        for checked in
+            parallel(workers(), cases.len() * width, |job| lab.check(&cases[job / width], &contenders[job % width]))
+        {
+            reasons.push(match checked {
+                Ok(()) => None,
+                Err(CellError::Run(reason)) => Some(reason),
+                Err(error) => return Err(error),
+            });
+        }
+        for (case, row) in cases.iter().zip(reasons.chunks(width.max(1))) {
+            if let (Some(Some(reason)), true) = (row.first(), row.iter().all(Option::is_some)) {
+                let who = match contenders {
+                    [one] => format!("{} cannot run in the case {}", one.key, case.key),
+                    _ => format!("no controller can run in the case {}", case.key),
+                };
+                return Err(CellError::Never(format!("{who}: {reason}")));
+            }
+        }
+        for (place, contender) in contenders.iter().enumerate().filter(|_| cases.len() > 1) {
+            let mut column = reasons.iter().skip(place).step_by(width);
+            if column.clone().all(Option::is_some)
+                && let Some(Some(reason)) = column.next()
+            {
+                return Err(CellError::Never(format!("{} can run in no case: {reason}", contender.key)));
+            }
+        }
+        Ok(())
+    }
+
+    /// What did not run at all: cases in which the run of every controller failed, and controllers that failed in each of several
+    /// cases.
+    #[must_use]
+    pub fn failed(&self) -> Vec<&str> {
+        let cases = self.cases.iter().zip(&self.cells).filter(|(_, row)| row.iter().all(Result::is_err));
+        let several = self.cases.len() > 1;
+        let is_lost = |place: usize| several && self.cells.iter().all(|row| row[place].is_err());
+        let contenders = self.contenders.iter().enumerate().filter(|(place, _)| is_lost(*place));
+        cases
+            .map(|(case, _)| case.key.as_str())
+            .chain(contenders.map(|(_, contender)| contender.key.as_str()))
+            .collect()
+    }
+
     /// Runs all cells on `workers` threads; `done` is called for each finished cell.
     ///
     /// # Errors

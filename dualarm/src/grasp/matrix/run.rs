@@ -11,8 +11,9 @@ use crate::grasp::actuator_limits;
 use crate::grasp::instruments::{self, INSTRUMENTS};
 use crate::grasp::scenarios::{is_controller, says_which_law};
 use fmi2_cosim::grid::TimeGrid;
-use fmi2_cosim::master::Master;
+use fmi2_cosim::master::{Master, check_steps};
 use fmi2_cosim::record::{Column, Sink, Table};
+use fmi2_cosim::run;
 use fmi2_cosim::scenario::ScenarioError;
 use fmi2_cosim::system::System;
 use fmi2_import::{Fmu, FmuError, Value};
@@ -70,6 +71,9 @@ pub enum CellError {
     /// The run failed.
     #[error("{0}")]
     Run(String),
+    /// A case cannot run with any controller, or a controller in no case.
+    #[error("{0}")]
+    Never(String),
 }
 
 /// Where runs are made: a folder of FMUs, each of which is opened once.
@@ -110,6 +114,18 @@ impl Lab {
     pub fn cell(&self, case: &Case, contender: &Contender) -> Result<Cell, CellError> {
         let (system, controller) = self.system(case, contender)?;
         cell(&system, &controller, contender.step).map_err(CellError::Run)
+    }
+
+    /// Checks, from the FMUs' descriptions alone, that a cell can run.
+    ///
+    /// # Errors
+    /// As [`Lab::cell`], but for what happens in a run.
+    pub fn check(&self, case: &Case, contender: &Contender) -> Result<(), CellError> {
+        let (system, _) = self.system(case, contender)?;
+        let grid = grid(&system, contender.step).map_err(CellError::Run)?;
+        let descriptions = system.components.iter().map(|(name, fmu)| (name.as_str(), fmu.description()));
+        check_steps(descriptions, &grid).map_err(|error| CellError::Run(error.to_string()))?;
+        system.check().map_err(|error| CellError::Run(error.to_string()))
     }
 
     /// Runs a cell for callers that need its rows. Returns the sink and the instances in their final state. The sink gets the rows
@@ -161,7 +177,7 @@ fn grid(system: &System, step: Option<f64>) -> Result<TimeGrid, String> {
     let start = experiment.start.unwrap_or(0.0);
     let stop = experiment.stop.unwrap_or(start + STOP);
     let step = step.or(experiment.step).unwrap_or(STEP);
-    TimeGrid::new(start, stop, step).map_err(|error| error.to_string())
+    run::grid(start, stop, step).map_err(|error| error.to_string())
 }
 
 fn cell(system: &System, controller: &str, step: Option<f64>) -> Result<Cell, String> {

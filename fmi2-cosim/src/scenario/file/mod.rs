@@ -58,12 +58,12 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
     let name: Arc<str> = file.into();
     let place = |offset: usize| Some(SourceLine { file: Arc::clone(&name), line: lines.line(offset) });
     let mut settings = Vec::new();
-    for (name, value) in read.parameters {
+    for (name, value) in in_file_order(read.parameters) {
         let place = place(value.span().start);
         settings.push(Located { item: Setting::new(name, value.into_inner().0), place });
     }
     let (mut held, mut inputs) = (Vec::new(), Vec::new());
-    for (name, input) in read.inputs {
+    for (name, input) in in_file_order(read.inputs) {
         let place = place(input.span().start);
         match input.into_inner() {
             Input::Constant(value) => held.push(Located { item: Setting::new(name, value), place }),
@@ -81,6 +81,13 @@ pub(super) fn parse(file: &str, text: &str) -> Result<Scenario, ScenarioError> {
         inputs,
         folder: None,
     })
+}
+
+/// The keys of a table from the first line to the last: of `M` and `"Plant.M"`, which may mean one variable, the later one counts.
+fn in_file_order<T>(table: BTreeMap<String, Spanned<T>>) -> Vec<(String, Spanned<T>)> {
+    let mut keys: Vec<_> = table.into_iter().collect();
+    keys.sort_by_key(|(_, value)| value.span().start);
+    keys
 }
 
 impl ExperimentTable {
@@ -151,12 +158,12 @@ lambda1_ref.linear = [[0, -0.5], [1, -0.6]]
         assert_eq!(tolerance, Some(1e-6));
         assert_eq!(coupling, Some(Coupling::Jacobi));
         let settings: Vec<_> = scenario.settings.iter().map(|setting| setting.item.to_string()).collect();
-        assert_eq!(settings, ["M=1.5", "Plant.on=true", "actuator_model=raw", "order=8"]);
+        assert_eq!(settings, ["M=1.5", "order=8", "actuator_model=raw", "Plant.on=true"]);
         assert_eq!(scenario.held[0].item.to_string(), "u=0.25");
         assert_eq!(scenario.settings[0].place.as_ref().unwrap().to_string(), "x.toml:14");
         let values: Vec<_> =
             scenario.inputs.iter().map(|input| (input.item.0.as_str(), input.item.1.at(0.75))).collect();
-        assert_eq!(values, [("Plant.enable", 0.0), ("delta_F", 0.1), ("lambda1_ref", -0.575)]);
+        assert_eq!(values, [("delta_F", 0.1), ("Plant.enable", 0.0), ("lambda1_ref", -0.575)]);
     }
 
     #[test]
