@@ -1,6 +1,8 @@
 //! Zip archives, with limits so that a small file cannot fill memory or disk. The readers of FMUs and of SSP files share
 //! this module; it is not part of the stable interface.
 
+mod directory;
+
 use std::collections::HashMap;
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Write};
@@ -39,6 +41,9 @@ pub enum ArchiveError {
     /// An entry would land outside the folder it is unpacked to.
     #[error("it contains the entry \"{0}\", which points outside the archive; not unpacked")]
     UnsafeEntry(String),
+    /// Two entries have one name.
+    #[error("it contains the entry \"{0}\" twice, and only one of them could be used; not unpacked")]
+    SameName(String),
     /// Two entries are the same file.
     #[error("its entries \"{first}\" and \"{second}\" are the same file here; one of them would be lost")]
     Twice {
@@ -75,8 +80,8 @@ impl Archive {
     /// Opens a file.
     ///
     /// # Errors
-    /// When it cannot be read, is not a regular file or not a zip archive, has too many entries, or has an entry outside of
-    /// its folder.
+    /// When it cannot be read, is not a regular file or not a zip archive, has too many entries, has an entry outside of
+    /// its folder, or several for one file.
     pub fn open(path: &Path) -> Result<Self> {
         let file = plain_file(path)?;
         let length = file.metadata()?.len();
@@ -87,6 +92,9 @@ impl Archive {
         if zip.len() > MAX_ENTRIES {
             let what = format!("it has {} entries", zip.len());
             return Err(ArchiveError::Limit { what, limit: format!("{MAX_ENTRIES} at most") });
+        }
+        if let Some(name) = directory::named_twice(path, zip.central_directory_start(), zip.len())? {
+            return Err(ArchiveError::SameName(String::from_utf8_lossy(&name).into_owned()));
         }
         let mut indices = HashMap::with_capacity(zip.len());
         for index in 0..zip.len() {

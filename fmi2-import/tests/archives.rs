@@ -175,3 +175,33 @@ fn archives_that_grow_beyond_all_measure_are_refused() {
     archive(&path, &[("modelDescription.xml", &bomb)]);
     assert!(Fmu::read_description(&path).unwrap_err().to_string().contains("modelDescription.xml is too large"));
 }
+
+/// The zip reader would keep the last of them; which one is meant nobody can know.
+#[test]
+fn two_entries_of_one_name_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.fmu");
+    let lag = description("Lag");
+    let model = ("modelDescription.xml", lag.as_bytes());
+    // The writer refuses equal names, so they become equal in the bytes of headers and directory.
+    let open = |entries: &[(&str, &[u8])], before: &[u8]| {
+        archive(&path, entries);
+        let mut bytes = fs::read(&path).unwrap();
+        let places: Vec<_> = (0..bytes.len()).filter(|at| bytes[*at..].starts_with(b"~second")).collect();
+        for at in places {
+            bytes[at..at + 7].copy_from_slice(b"~former");
+        }
+        fs::write(&path, [before, &bytes].concat()).unwrap();
+        Fmu::read_description(&path).map_err(|error| error.to_string())
+    };
+    for before in [b"".as_slice(), b"#!/bin/sh\n"] {
+        let message = open(&[("resources/~former", b"1"), model, ("resources/~second", b"2")], before).unwrap_err();
+        assert!(message.contains("it contains the entry \"resources/~former\" twice"), "{message}");
+        assert!(message.contains("x.fmu"), "{message}");
+        open(&[("resources/~former", b"1"), model, ("resources/a", b"2")], before).unwrap();
+    }
+    let message = open(&[model, ("./modelDescription.xml", lag.as_bytes())], b"").unwrap_err();
+    assert!(message.contains("\"modelDescription.xml\" and \"./modelDescription.xml\" are the same file"), "{message}");
+    // A folder may be there several times.
+    open(&[model, ("resources~former/", b""), ("resources~second/", b"")], b"").unwrap();
+}
