@@ -74,6 +74,14 @@ def test_an_input_among_parameters_is_refused_wherever_a_scenario_is_read(tmp_pa
         assert f"{file}:6: delta_f1 is an input: it belongs under [inputs]" in done.stderr
 
 
+def test_pure_numbers_have_no_unit_in_sentences() -> None:
+    """Their unit is 1, which tables say and sentences do not."""
+    for value, reason in (("30", "NabfcController.r_brake must be from 0 to 20, not 30"), ("much", 'r_brake needs a number, not "much"')):
+        done = dualarm("simulate", "nabfc-fast", "--set", f"r_brake={value}")
+        assert (done.returncode, reason in done.stderr) == (2, True), done.stderr
+    assert "needs a number in rad/s" in dualarm("simulate", "nabfc-fast", "--set", "r_observer=much").stderr
+
+
 # --- Any FMU ---------------------------------------------------------------------------------------------------------
 
 

@@ -88,5 +88,6 @@ function isMoving(values) {
 /** A chart of a signal that is not known: under its name, in its own unit. */
 function plainChart(data, name) {
   const unit = data.runs.map((run) => run.units.get(name)).find((known) => known);
-  return { signal: name, title: name, unit: unit?.replaceAll(".", "·") };
+  // The unit of a pure number is 1.
+  return { signal: name, title: name, unit: unit === "1" ? undefined : unit?.replaceAll(".", "·") };
 }

@@ -44,7 +44,7 @@ fn outside(variable: &Variable, value: &Value) -> Option<String> {
         }
         _ => return None,
     };
-    let unit = variable.unit().map(|unit| format!(" {unit}")).unwrap_or_default();
+    let unit = variable.unit_in_text().map(|unit| format!(" {unit}")).unwrap_or_default();
     let is_outside = min.is_some_and(|min| number < min) || max.is_some_and(|max| number > max);
     is_outside.then(|| match (min.map(names::number), max.map(names::number)) {
         (Some(min), Some(max)) => format!("from {min} to {max}{unit}"),

@@ -136,7 +136,7 @@ impl Made<'_> {
         let settings = self.master.settings();
         let set: Vec<_> = settings
             .map(|setting| {
-                let unit = setting.variable.unit().map(|unit| format!(" {unit}")).unwrap_or_default();
+                let unit = setting.variable.unit_in_text().map(|unit| format!(" {unit}")).unwrap_or_default();
                 let value = setting.variable.with_name(setting.value.clone());
                 format!("{}.{} = {value}{unit}", setting.component, setting.variable.name)
             })

@@ -200,6 +200,12 @@ impl Variable {
         }
     }
 
+    /// The unit to be written behind a value: none behind a pure number, whose unit is `1`.
+    #[must_use]
+    pub fn unit_in_text(&self) -> Option<&str> {
+        self.unit().filter(|unit| *unit != "1")
+    }
+
     /// The items of an enumeration variable; empty for every other type, and without a declared type.
     #[must_use]
     pub fn items(&self) -> &[Item] {

@@ -67,7 +67,9 @@ impl Variable {
 
     fn mismatch(&self, value: String) -> Mismatch {
         let expected = match self.base_type() {
-            BaseType::Real => self.unit().map_or_else(|| "a number".into(), |unit| format!("a number in {unit}")),
+            BaseType::Real => {
+                self.unit_in_text().map_or_else(|| "a number".into(), |unit| format!("a number in {unit}"))
+            }
             BaseType::Integer => "an integer".into(),
             BaseType::Boolean => "true or false".into(),
             BaseType::String => "a text".into(),
