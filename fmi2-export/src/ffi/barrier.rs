@@ -1,7 +1,7 @@
 //! A memory barrier that every processor passes, and a number for each thread: what [`Guard`](super::guard::Guard) needs of the system.
 //! Where there is none of it, guards have no owners.
 
-pub use system::{barrier, can_bar, this_thread, wait_instead};
+pub use system::{barrier, can_bar, this_thread};
 
 /// Linux has the system call `membarrier` since version 4.14 (2017). Sandboxes may forbid it.
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -30,20 +30,16 @@ mod system {
     /// Whether there is such a barrier: 0 or 1 once it is known.
     static FOUND: AtomicU8 = AtomicU8::new(UNKNOWN);
 
-    /// Makes all processors that run a thread of this process pass a memory barrier; false if the system does not, or no longer.
-    pub fn barrier() -> bool {
+    /// Makes all processors that run a thread of this process pass a memory barrier. Where a sandbox has forbidden that since somebody
+    /// relied on it, waits: all processors see a store in far less time.
+    pub fn barrier() {
         let pass = || membarrier(PRIVATE_EXPEDITED) == 0;
         // A process has to say once that it uses it. That can take milliseconds, so not before it is needed.
         let has_passed = pass() || (membarrier(REGISTER_PRIVATE_EXPEDITED) == 0 && pass());
         if !has_passed {
             FOUND.store(0, Ordering::Relaxed);
+            std::thread::sleep(std::time::Duration::from_millis(10));
         }
-        has_passed
-    }
-
-    /// Waits, where a sandbox has forbidden the barrier since somebody relied on it: all processors see a store in far less time.
-    pub fn wait_instead() {
-        std::thread::sleep(std::time::Duration::from_millis(10));
     }
 
     /// Whether there is such a barrier.
@@ -77,12 +73,8 @@ mod system {
 
 #[cfg(not(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 mod system {
-    pub fn barrier() -> bool {
-        false
-    }
-
-    /// There is nobody to wait for: there are no owners.
-    pub fn wait_instead() {}
+    /// Nobody relies on it: there are no owners.
+    pub fn barrier() {}
 
     pub fn can_bar() -> bool {
         false
@@ -105,6 +97,9 @@ mod tests {
         assert_eq!(own, this_thread());
         let other = std::thread::scope(|scope| scope.spawn(this_thread).join().unwrap());
         assert_eq!(own != other, can_bar() || own != 0);
-        assert_eq!(barrier(), can_bar());
+        // A barrier that the system says it has is one: it is still there once it was used.
+        let could = can_bar();
+        barrier();
+        assert_eq!(can_bar(), could);
     }
 }

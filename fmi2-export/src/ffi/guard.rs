@@ -16,7 +16,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering, compiler_fence};
 
-use super::barrier::{barrier, can_bar, this_thread, wait_instead};
+use super::barrier::{barrier, can_bar, this_thread};
 
 /// An owner that is none. No thread has such a number, nor the next.
 const NOBODY: usize = usize::MAX;
@@ -64,6 +64,11 @@ impl Guard {
             losses: AtomicU8::new(0),
             last: AtomicUsize::new(NOBODY),
         }
+    }
+
+    /// Whether the call that has entered is the owner's.
+    pub fn is_by_owner(&self, entered: &Entered<'_>) -> bool {
+        !std::ptr::eq(entered.0, &raw const self.is_other_inside)
     }
 
     /// Begins a call; `None` if one is running already: from within it, or on another thread.
@@ -115,9 +120,7 @@ impl Guard {
         let entered = Entered(&self.is_other_inside);
         if self.owner.load(Ordering::Relaxed) != NOBODY {
             self.owner.store(UNCERTAIN, Ordering::Relaxed);
-            if !barrier() {
-                wait_instead();
-            }
+            barrier();
             self.losses.store(self.losses.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
             self.owner.store(NOBODY, Ordering::Relaxed);
         }

@@ -83,6 +83,16 @@ pub unsafe fn call_shortly(component: Component, run: impl FnOnce(&mut Instance)
 /// # Safety
 /// As [`occupy`].
 pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outcome) -> Status {
+    // SAFETY: the caller's promise.
+    unsafe { call_anyhow(component, |instance, _| run(instance)) }
+}
+
+/// As [`call`], where [`call_shortly`] comes first: tells whether the host's thread owns the instance, with which the short way has been tried.
+/// (In the call with which it becomes the owner it has not.)
+///
+/// # Safety
+/// As [`occupy`].
+pub unsafe fn call_anyhow(component: Component, run: impl FnOnce(&mut Instance, bool) -> Outcome) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     let Some((shared, entered)) = (unsafe { occupy(component) }) else { return Status::Error };
     // SAFETY: the only reference until the call has ended.
@@ -90,7 +100,8 @@ pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outc
     let status = if instance.library.is_lost() {
         refused(instance, lost())
     } else {
-        match catch_unwind(AssertUnwindSafe(|| run(instance))) {
+        let is_by_owner = shared.guard.is_by_owner(&entered);
+        match catch_unwind(AssertUnwindSafe(|| run(instance, is_by_owner))) {
             Ok(Ok(())) => Status::Ok,
             Ok(Err(refusal)) => refused(instance, refusal),
             Err(panic) => panicked(instance, panic),

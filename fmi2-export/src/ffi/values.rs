@@ -5,7 +5,7 @@ use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::arguments::{out, places, right_places, right_values, slice, strings, values};
-use super::instance::{call, call_shortly, panicked};
+use super::instance::{call, call_anyhow, call_shortly, panicked};
 use super::types::{Boolean, Component, ValueReference};
 use crate::status::{Refusal, Status};
 
@@ -28,9 +28,10 @@ pub unsafe fn get_real(component: Component, vr: *const ValueReference, count: u
 unsafe fn get_any_real(component: Component, vr: *const ValueReference, count: usize, value: *mut f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        call(component, |instance| {
+        call_anyhow(component, |instance, has_looked| {
             let (references, places) = places(vr, value, count)?;
-            instance.slave.get_real(references, places)
+            let slave = &mut instance.slave;
+            if has_looked { slave.get_each_real(references, places) } else { slave.get_real(references, places) }
         })
     }
 }
@@ -92,9 +93,10 @@ pub unsafe fn set_real(component: Component, vr: *const ValueReference, count: u
 unsafe fn set_any_real(component: Component, vr: *const ValueReference, count: usize, value: *const f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        call(component, |instance| {
+        call_anyhow(component, |instance, has_looked| {
             let (references, values) = values(vr, value, count)?;
-            instance.slave.set_real(references, values)
+            let slave = &mut instance.slave;
+            if has_looked { slave.set_each_real(references, values) } else { slave.set_real(references, values) }
         })
     }
 }

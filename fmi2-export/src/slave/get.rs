@@ -50,10 +50,12 @@ impl Slave {
     }
 
     pub fn get_real(&mut self, references: &[u32], mut values: Out<'_, f64>) -> Outcome {
+        if self.get_shortly(references, values.again()) { Ok(()) } else { self.get_each_real(references, values) }
+    }
+
+    /// As [`get_real`](Self::get_real), without looking for a short way.
+    pub fn get_each_real(&mut self, references: &[u32], values: Out<'_, f64>) -> Outcome {
         self.check(Call::Get, "fmi2GetReal")?;
-        if self.get_shortly(references, values.again()) {
-            return Ok(());
-        }
         let mut wanted = 0;
         for reference in references {
             wanted |= self.layout().evaluation(self.real(*reference)?);

@@ -45,10 +45,12 @@ impl Slave {
     }
 
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
+        if self.set_shortly(references, values) { Ok(()) } else { self.set_each_real(references, values) }
+    }
+
+    /// As [`set_real`](Self::set_real), without looking for a short way.
+    pub fn set_each_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check(Call::Set, "fmi2SetReal")?;
-        if self.set_shortly(references, values) {
-            return Ok(());
-        }
         let mut changed = Changed::default();
         let now = self.frame.phase.settable_bit();
         let reals = self.layout().reals.as_slice();
