@@ -22,39 +22,51 @@ ALWAYS four above(four x, double least) { return (four)((four_bits)x & (x > all(
 ALWAYS four choose(four_bits which, four yes, four no) {
     return (four)(((four_bits)yes & which) | ((four_bits)no & ~which));
 }
+#ifdef __AVX__
+ALWAYS four within(four x, double limit) { return __builtin_ia32_minpd256(__builtin_ia32_maxpd256(x, all(-limit)), all(limit)); }
+#else
 ALWAYS four within(four x, double limit) {
     x = choose(x < all(-limit), all(-limit), x);
     return choose(x > all(limit), all(limit), x);
 }
+#endif
 ALWAYS four magnitude(four x) { return (four)((four_bits)x & ~(four_bits)all(-0.0)); }
 ALWAYS double sum(four x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 ALWAYS double clamp(double x, double limit) { return x < -limit ? -limit : x > limit ? limit : x; }
 
 /* ---- exponentials, four at a time ---- */
 
-struct parts { four power, rest; };
-
-ALWAYS struct parts parts(four x) {
+/* tanh x from e^y - 1 with y = -2|x|. */
+ALWAYS four tanh4(four x) {
     const double round = 0x1.8p52;
-    x = within(x, 708.0);
-    four shifted = x * 1.4426950408889634 + round;
+    four y = within(-2.0 * magnitude(x), 708.0);
+    four shifted = y * 1.4426950408889634 + round;
     four k = shifted - round;
-    four r = (x - k * 6.931471803691238e-1) - k * 1.9082149292705877e-10;
+    four r = (y - k * 6.931471803691238e-1) - k * 1.9082149292705877e-10;
     four r2 = r * r, r4 = r2 * r2;
     four even = (0.5 + r2 * (1.0 / 24)) + r4 * ((1.0 / 720 + r2 * (1.0 / 40320)) + r4 * (1.0 / 3628800 + r2 * (1.0 / 479001600)));
     four odd = (1.0 / 6 + r2 * (1.0 / 120)) + r4 * ((1.0 / 5040 + r2 * (1.0 / 362880)) + r4 * (1.0 / 39916800 + r2 * (1.0 / 6227020800.0)));
     four power = (four)(((four_bits)shifted << 52) + (four_bits)all(1.0));
-    return (struct parts){power, r + r2 * (even + r * odd)};
-}
-ALWAYS four exp4(four x) {
-    struct parts p = parts(x);
-    return p.power + p.power * p.rest;
-}
-ALWAYS four tanh4(four x) {
-    struct parts p = parts(-2.0 * magnitude(x));
-    four rest = (p.power - 1.0) + p.power * p.rest;
+    four rest = (power - 1.0) + power * (r + r2 * (even + r * odd));
     four size = magnitude(rest / (2.0 + rest));
     return (four)((four_bits)size | ((four_bits)x & (four_bits)all(-0.0)));
+}
+
+struct powers { four up, down; };
+
+/* 2^x and 2^-x, |x| <= 1020: with x = k + r, 2^r - 1 is the sum of an even and an odd polynomial, 2^-r - 1 their difference. */
+ALWAYS struct powers powers(four x) {
+    const double round = 0x1.8p52;
+    four shifted = x + round;
+    four r = x - (shifted - round);
+    four r2 = r * r, r4 = r2 * r2;
+    four even = r2 * ((0.24022650695910075 + r2 * 0.009618129107618665) +
+                      r4 * ((0.00015403530424776529 + r2 * 1.3215451633221434e-06) + r4 * 7.070977866508138e-09));
+    four odd = (0.6931471805599453 + r2 * 0.05550410866482158) + r4 * ((0.0013333558146423213 + r2 * 1.5252733820795803e-05) +
+                                                        r4 * (1.0178067267449427e-07 + r2 * 4.45410341058704e-10));
+    four_bits k = (four_bits)shifted << 52, one = (four_bits)all(1.0);
+    odd *= r;
+    return (struct powers){(1.0 + (even + odd)) * (four)(one + k), (1.0 + (even - odd)) * (four)(one - k)};
 }
 
 /* ---- plant ---- */
@@ -150,7 +162,7 @@ void plant_step(struct plant *p, double h) {
 
 /* ---- controller, the paper's law ---- */
 
-enum { NODES = 5, ROW = 7 };
+enum { NODES = 5, ROW = 6 };
 
 /* decay and weights of dx/dt = a phi - a sigma x: held, and sampled at two points. */
 struct law { double decay, held, sampled[2]; };
@@ -171,24 +183,26 @@ static struct law law(double gain, double leakage, double h) {
 
 /* Gains of a loop: switching, k, slope (sum of two), virtual control, width of tanh. */
 struct loop {
-    double xi, k, slope, c, width, inertia, bound;
+    double xi, k, slope, c, steep, inertia, bound;
     struct law weights, bounds, inertias;
 };
 
-/* Height of the Gaussians, reach, 1/b^2 and spacing/b^2. */
-struct axis { double height[NODES], reach, sharpness, step; };
+/* Heights of the Gaussians beside the middle and beyond, where there is an axis; reach, and in powers of two 1/b^2 and 2 spacing/b^2. */
+struct axis { four near[2], far[2]; double reach, least, sharpness, step; };
 
 struct hub {
     struct loop loop;
     double scale[3];
-    four w[NODES][ROW], inner[ROW];
-    double outer[NODES], s, tanh, regressor, e, output;
+    four w[NODES][ROW], w_line, inner[ROW], outer;
+    double w_middle, common, s, tanh, regressor, e, output;
 };
 
+/* A star's activations without the factor that is common to all: on the axes that stay, and on those that the shear rates move. */
 struct object {
     struct loop loop;
-    double scale[7], compliance[2];
-    four w[9], y[2][9], still;
+    four by_rate[2];
+    double scale[7], compliance[2], origin;
+    four w_still[4], w_moving[4], still[4], moving[3][4];
     double s, tanh;
 };
 
@@ -200,15 +214,16 @@ struct paper {
     double target[3], lambda, sat, filter[2], follow[3], bandwidth;
 };
 
-static struct axis axis(double width) {
-    struct axis a = {{0}, 1 + 1.01 * width * sqrt(-log(1e-30)), 1 / (width * width), 0.5 / (width * width)};
-    for (int i = 0; i < NODES; i++) a.height[i] = exp(-pow((i - 2) * 0.5, 2) * a.sharpness);
-    return a;
+static struct axis axis(double width, double farthest) {
+    double sharpness = 1 / (width * width), near = exp(-0.25 * sharpness), far = exp(-sharpness);
+    four three = {1, 1, 1, 0};
+    return (struct axis){{all(near), near * three}, {all(far), far * three}, farthest + 8.4 * width, exp(-pow(farthest / width + 8.4, 2)),
+                         1.4426950408889634 * sharpness, 1.4426950408889634 * sharpness};
 }
 
 static struct loop loop(const double **g, double h) {
     const double *v = *g;
-    struct loop l = {v[0], v[1], v[2] + v[3], v[3], v[4], v[11], 0, law(v[5], v[6], h), law(v[7], v[8], h), law(v[9], v[10], h)};
+    struct loop l = {v[0], v[1], v[2] + v[3], v[3], 1 / v[4], v[11], 0, law(v[5], v[6], h), law(v[7], v[8], h), law(v[9], v[10], h)};
     *g += 12;
     return l;
 }
@@ -220,8 +235,8 @@ void *paper_new(struct paper *p, double h, const double *g) {
     for (int i = 0; i < 2; i++) p->hub[i].loop = loop(&g, h);
     p->sat = *g++;
     p->bandwidth = *g++;
-    p->grid = axis(*g++);
-    p->star = axis(*g++);
+    p->grid = axis(*g++, sqrt(3));
+    p->star = axis(*g++, 1);
     const int which[7] = {0, 1, 2, 3, 3, 4, 4};
     for (int i = 0; i < 7; i++) p->object.scale[i] = 1 / g[which[i]];
     for (int i = 0; i < 2; i++)
@@ -230,6 +245,10 @@ void *paper_new(struct paper *p, double h, const double *g) {
     double ei1 = g[0], ei2 = g[1], l = g[2], width = g[3], theta = g[5];
     p->lambda = g[4];
     p->object.compliance[0] = 1 / ei1, p->object.compliance[1] = 1 / ei2;
+    for (int i = 0; i < 2; i++) {
+        const double *scale = p->object.scale;
+        p->object.by_rate[i] = p->object.compliance[i] * (four){-scale[2], i ? 0 : scale[5], i ? scale[6] : 0, 1};
+    }
     p->target[0] = theta;
     p->target[1] = theta + l * l / 3 * (ei1 + ei2) / (ei1 * ei2) * p->lambda;
     p->target[2] = l * theta + l * l * l / (3 * ei1) * p->lambda + 0.5 * width;
@@ -237,45 +256,47 @@ void *paper_new(struct paper *p, double h, const double *g) {
     return p;
 }
 
-/* exp(-(x - c)^2/b^2)/exp(-x^2/b^2) of the nodes, from exp(x step/b^2). */
-ALWAYS void ratios(const struct axis *a, four half, four ratio[NODES]) {
-    four up = half * half, down = 1.0 / up;
-    ratio[0] = down * down * a->height[0], ratio[1] = down * a->height[1], ratio[2] = all(1);
-    ratio[3] = up * a->height[3], ratio[4] = up * up * a->height[4];
+/* exp(-(x - c)^2/b^2)/exp(-x^2/b^2) of the nodes but for the middle, from exp(2x spacing/b^2). */
+ALWAYS void ratios(const struct axis *a, int last, struct powers e, four ratio[4]) {
+    ratio[0] = a->far[last] * e.down * e.down;
+    ratio[1] = a->near[last] * e.down;
+    ratio[2] = a->near[last] * e.up;
+    ratio[3] = a->far[last] * e.up * e.up;
 }
 
-ALWAYS void fill_grid(struct hub *hub, const struct axis *a, four scale, four half) {
-    four ratio[NODES];
-    double first[NODES], second[NODES], *inner = (double *)hub->inner;
-    ratios(a, half, ratio);
-    for (int i = 0; i < NODES; i++) {
-        four value = above(scale * ratio[i], 1e-30);
-        hub->outer[i] = value[0], first[i] = value[1], second[i] = value[2];
-    }
-    for (int i = 0; i < NODES; i++)
-        for (int j = 0; j < NODES; j++) inner[NODES * i + j] = first[i] * second[j];
-}
-
-ALWAYS void fill_star(four y[9], const struct axis *a, four still, four moving) {
-    double common = moving[3] > 1e-200 ? moving[3] : 0;
-    four ratio[NODES], scale[2] = {all(common), {common, common, common, 0}}, half[2] = {still, moving};
-    y[0] = (four){common > 1e-30 ? common : 0, 0, 0, 0};
-    for (int group = 0; group < 2; group++) {
-        ratios(a, half[group], ratio);
-        for (int i = 0; i < NODES; i++)
-            if (i != 2) y[1 + 2 * (i > 2 ? i - 1 : i) + group] = above(scale[group] * ratio[i], 1e-30);
-    }
-}
-
-/* s Y of the object: the axes that the shear rates move are in the second four. */
-ALWAYS four moving_exponents(const struct object *o, const struct axis *a, four still, double z_dot, const double rate[2], double *regressor) {
-    double w1 = rate[0] * o->compliance[0], w2 = rate[1] * o->compliance[1];
-    *regressor = o->loop.slope * z_dot + (w1 + w2);
-    four x = {(-o->loop.c * z_dot - (w1 + w2)) * o->scale[2], w1 * o->scale[5], w2 * o->scale[6], 0};
-    x = within(x, a->reach);
+/* Exponents 2x spacing/b^2 and, in the lane after three axes, -|x|^2/b^2. */
+ALWAYS four with_common(const struct axis *a, four x, double square) {
     four exponent = x * a->step;
-    exponent[3] = -sum(still * still + x * x) * a->sharpness;
+    double common = -square * a->sharpness;
+    exponent[3] = common < -1020 ? -1020 : common;
     return exponent;
+}
+
+ALWAYS void fill_grid(struct hub *hub, const struct axis *a, struct powers e) {
+    four r[4];
+    ratios(a, 1, e, r);
+    double common = e.up[3] > a->least ? e.up[3] : 0;
+    /* Nodes 0, 1, 3, 4 of each axis side by side. */
+    four lo = __builtin_shuffle(r[0], r[1], (four_bits){0, 4, 2, 6}), hi = __builtin_shuffle(r[0], r[1], (four_bits){1, 5, 3, 7});
+    four lo2 = __builtin_shuffle(r[2], r[3], (four_bits){0, 4, 2, 6}), hi2 = __builtin_shuffle(r[2], r[3], (four_bits){1, 5, 3, 7});
+    four first = __builtin_shuffle(lo, lo2, (four_bits){0, 1, 4, 5});
+    four second = __builtin_shuffle(hi, hi2, (four_bits){0, 1, 4, 5});
+    four third = __builtin_shuffle(lo, lo2, (four_bits){2, 3, 6, 7});
+    four outer = first * common;
+    hub->outer = outer;
+    hub->common = common;
+    for (int i = 0; i < 4; i++) hub->inner[i] = second[i] * third;
+    hub->inner[4] = third;
+    hub->inner[5] = second;
+}
+
+/* The axes that the shear rates move, and the regressor. */
+ALWAYS four moving_exponents(const struct object *o, const struct axis *a, double still, four base, const double rate[2], double *regressor) {
+    four x = base + (rate[0] * o->by_rate[0] + rate[1] * o->by_rate[1]);
+    *regressor = x[3];
+    x = within(x, a->reach);
+    four square = x * x;
+    return with_common(a, x, still + ((square[0] + square[1]) + square[2]));
 }
 
 void paper_step(struct paper *p, double h) {
@@ -292,46 +313,62 @@ void paper_step(struct paper *p, double h) {
         hub->s = hub->loop.slope * hub->e + in[2 + i];
         hub->regressor = in[2 + i] * hub->loop.slope;
     }
-    four t = tanh4((four){o->s / o->loop.width, p->hub[0].s / p->hub[0].loop.width, p->hub[1].s / p->hub[1].loop.width, 0});
-    o->tanh = t[0], p->hub[0].tanh = t[1], p->hub[1].tanh = t[2];
-    four still = within((four){z * o->scale[0], o->s * o->scale[1], w1 * o->scale[3], w2 * o->scale[4]}, p->star.reach);
-    four moving[3];
-    for (int i = 0; i < 3; i++) moving[i] = exp4(moving_exponents(o, &p->star, still, z_dot, rate[i], &regressor[i]));
-    four still_e = exp4(still * p->star.step);
     for (int i = 0; i < 2; i++) {
         struct hub *hub = &p->hub[i];
         four x = within((four){hub->e * hub->scale[0], hub->s * hub->scale[1], -hub->loop.c * in[2 + i] * hub->scale[2], 0}, p->grid.reach);
-        fill_grid(hub, &p->grid, exp4(x * x * -p->grid.sharpness), exp4(x * p->grid.step));
+        fill_grid(hub, &p->grid, powers(with_common(&p->grid, x, sum(x * x))));
     }
-    fill_star(o->y[0], &p->star, still_e, moving[0]);
-    fill_star(o->y[1], &p->star, still_e, moving[1]);
+    four t = tanh4((four){o->s * o->loop.steep, p->hub[0].s * p->hub[0].loop.steep, p->hub[1].s * p->hub[1].loop.steep, 0});
+    o->tanh = t[0], p->hub[0].tanh = t[1], p->hub[1].tanh = t[2];
+    four still = within((four){z * o->scale[0], o->s * o->scale[1], w1 * o->scale[3], w2 * o->scale[4]}, p->star.reach);
+    double square = sum(still * still), common[3];
+    four base = {-o->loop.c * z_dot * o->scale[2], 0, 0, o->loop.slope * z_dot};
+    ratios(&p->star, 0, powers(still * p->star.step), o->still);
+    for (int i = 0; i < 3; i++) {
+        struct powers e = powers(moving_exponents(o, &p->star, square, base, rate[i], &regressor[i]));
+        common[i] = e.up[3] > p->star.least ? e.up[3] : 0;
+        ratios(&p->star, 1, e, o->moving[i]);
+    }
     for (int i = 0; i < 2; i++) {
         struct hub *hub = &p->hub[i];
         struct loop *l = &hub->loop;
-        four decay = all(l->weights.decay), sums = all(0);
+        double decay = l->weights.decay, gain = l->weights.held * hub->s;
+        hub->w_line = decay * hub->w_line + gain * hub->outer;
+        hub->w_middle = decay * hub->w_middle + gain * hub->common;
+        four sums = hub->w_line * hub->outer;
         for (int row = 0; row < NODES; row++) {
-            four by = all(l->weights.held * hub->s * hub->outer[row]), of_row = all(0);
+            double factor = row < 4 ? hub->outer[row] : hub->common;
+            four by = all(gain * factor), of_row = all(0);
             for (int j = 0; j < ROW; j++) {
-                hub->w[row][j] = decay * hub->w[row][j] + by * hub->inner[j];
-                of_row += hub->w[row][j] * hub->inner[j];
+                four w = decay * hub->w[row][j] + by * hub->inner[j];
+                hub->w[row][j] = w;
+                of_row += w * hub->inner[j];
             }
-            sums += hub->outer[row] * of_row;
+            sums += factor * of_row;
         }
-        hub->output = sum(sums);
+        hub->output = sum(sums) + hub->w_middle * hub->common;
         l->bound = l->bounds.decay * l->bound + l->bounds.held * (hub->s * hub->tanh);
         l->inertia = l->inertias.decay * l->inertia + l->inertias.held * (hub->s * hub->regressor);
         p->out[i] = -l->xi * clamp(hub->s, p->sat) - l->k * hub->s - hub->e - l->inertia * hub->regressor + in[6 + i] - hub->output -
                     l->bound * hub->tanh;
     }
     struct loop *l = &o->loop;
-    four first = all(l->weights.sampled[0] * o->s), second = all(l->weights.sampled[1] * o->s), sums = all(0);
-    for (int j = 0; j < 9; j++) o->w[j] = l->weights.decay * o->w[j] + first * o->y[0][j] + second * o->y[1][j];
+    double first = l->weights.sampled[0] * o->s * common[0], second = l->weights.sampled[1] * o->s * common[1];
+    o->origin = l->weights.decay * o->origin + (first + second);
+    four of_still = all(0), of_moving = all(0);
+    for (int j = 0; j < 4; j++) {
+        four w = l->weights.decay * o->w_still[j] + (first + second) * o->still[j];
+        o->w_still[j] = w;
+        of_still += w * o->still[j];
+        w = l->weights.decay * o->w_moving[j] + (first * o->moving[0][j] + second * o->moving[1][j]);
+        o->w_moving[j] = w;
+        of_moving += w * o->moving[2][j];
+    }
+    double output = common[2] * (o->origin + sum(of_still + of_moving));
     l->bound = l->bounds.decay * l->bound + (l->bounds.sampled[0] + l->bounds.sampled[1]) * (o->s * o->tanh);
     l->inertia = l->inertias.decay * l->inertia + l->inertias.sampled[0] * (o->s * regressor[0]) + l->inertias.sampled[1] * (o->s * regressor[1]);
     p->filter[0] = rate[2][0], p->filter[1] = rate[2][1];
-    fill_star(o->y[0], &p->star, still_e, moving[2]);
-    for (int j = 0; j < 9; j++) sums += o->w[j] * o->y[0][j];
-    p->out[2] = -l->xi * clamp(o->s, p->sat) - l->k * o->s - z + in[8] + in[9] - sum(sums) - l->bound * o->tanh - l->inertia * regressor[2];
+    p->out[2] = -l->xi * clamp(o->s, p->sat) - l->k * o->s - z + in[8] + in[9] - output - l->bound * o->tanh - l->inertia * regressor[2];
 }
 
 /* ---- access by value reference, as an importer asks for it ---- */

@@ -49,35 +49,65 @@ static CONSTANTS: Constants = Constants {
     ],
 };
 
-impl Constants {
-    /// The numbers, from a place that the compiler does not see, each time another one for all it knows: or it would take them
-    /// from memory once for all exponentials, and then has to put them somewhere.
-    #[cfg(target_arch = "x86_64")]
-    // What is pointed to is not touched.
-    #[allow(clippy::pointers_in_nomem_asm_block)]
-    #[inline(always)]
-    fn get() -> &'static Self {
-        let mut place: *const Self = &CONSTANTS;
-        // SAFETY: no instruction at all; the pointer stays what it is. Unlike `black_box`, memory stays what it is, too, and
-        // the compiler may take numbers from there whenever it needs them.
-        unsafe {
-            std::arch::asm!("/* {0} */", inout(reg) place, options(nomem, nostack, preserves_flags));
-            &*place
-        }
-    }
+/// As [`Constants`], for powers of two.
+#[repr(align(32))]
+struct Base2 {
+    round: Lanes,
+    one: Lanes,
+    /// (2^r + 2^−r)/2 − 1, divided by r², by powers of r².
+    even: [Lanes; 5],
+    /// (2^r − 2^−r)/2r by powers of r².
+    odd: [Lanes; 6],
+}
 
-    /// As above.
-    #[cfg(not(target_arch = "x86_64"))]
-    #[inline(always)]
-    fn get() -> &'static Self {
-        std::hint::black_box(&CONSTANTS)
+/// Interpolated at Chebyshev's nodes of 0 ≤ r² ≤ ¼, the first ones as they are: 2^r has an error below 3·10⁻¹⁷.
+static BASE_2: Base2 = Base2 {
+    round: CONSTANTS.round,
+    one: four(1.0),
+    even: [
+        four(0.240_226_506_959_100_75),
+        four(9.618_129_107_618_665e-3),
+        four(1.540_353_042_447_765_3e-4),
+        four(1.321_545_163_322_143_4e-6),
+        four(7.070_977_866_508_138e-9),
+    ],
+    odd: [
+        four(std::f64::consts::LN_2),
+        four(5.550_410_866_482_158e-2),
+        four(1.333_355_814_642_321_3e-3),
+        four(1.525_273_382_079_580_3e-5),
+        four(1.017_806_726_744_942_7e-7),
+        four(4.454_103_410_587_04e-10),
+    ],
+};
+
+/// Numbers from a place that the compiler does not see, each time another one for all it knows: or it would take them from memory
+/// once for all exponentials, and then has to put them somewhere.
+#[cfg(target_arch = "x86_64")]
+// What is pointed to is not touched.
+#[allow(clippy::pointers_in_nomem_asm_block)]
+#[inline(always)]
+fn hidden<T>(numbers: &'static T) -> &'static T {
+    let mut place: *const T = numbers;
+    // SAFETY: no instruction at all; the pointer stays what it is. Unlike `black_box`, memory stays what it is, too, and the compiler
+    // may take numbers from there whenever it needs them.
+    unsafe {
+        std::arch::asm!("/* {0} */", inout(reg) place, options(nomem, nostack, preserves_flags));
+        &*place
     }
+}
+
+/// As above.
+#[cfg(not(target_arch = "x86_64"))]
+#[inline(always)]
+fn hidden<T>(numbers: &'static T) -> &'static T {
+    std::hint::black_box(numbers)
 }
 
 /// (2^k, e^r − 1) with x = k ln 2 + r and |r| ≤ ½ ln 2.
 #[inline(always)]
 fn parts<V: Number>(x: V) -> (V, V) {
-    let Constants { log2_e, round, ln_2, series } = Constants::get();
+    let Constants { log2_e, round, ln_2, series } = hidden(&CONSTANTS);
     let c = |j: usize| V::constant(&series[j]);
     let x = x.within(LIMIT);
     let shifted = x * V::constant(log2_e) + V::constant(round);
@@ -104,25 +134,55 @@ fn exp_m1_of<V: Number>(x: V) -> V {
     (power - V::splat(1.0)) + power * rest
 }
 
-/// e^x of several fours, for |x| ≤ 708.
+/// The largest exponent of [`powers`]: 2^1020 and 2^−1020 are normal numbers.
+pub(crate) const LARGEST: f64 = 1020.0;
+
+/// 2^x and 2^−x for |x| ≤ [`LARGEST`], with errors of about one unit in the last place.
+///
+/// With x = k + r and |r| ≤ ½, 2^r − 1 is the sum of an even and an odd polynomial, and 2^−r − 1 their difference.
 #[inline(always)]
-pub(crate) fn exp_of_all<V: Four, const N: usize>(x: [V; N]) -> [Lanes; N] {
-    let mut all = [[0.0; LANES]; N];
+fn powers_of<V: Four>(x: V) -> [V; 2] {
+    let Base2 { round, one, even, odd } = hidden(&BASE_2);
+    let (e, o) = (|j: usize| V::constant(&even[j]), |j: usize| V::constant(&odd[j]));
+    let shifted = x + V::constant(round);
+    let r = x - (shifted - V::constant(round));
+    let r2 = r * r;
+    let r4 = r2 * r2;
+    let even = r2 * ((e(0) + r2 * e(1)) + r4 * ((e(2) + r2 * e(3)) + r4 * e(4)));
+    let odd = r * ((o(0) + r2 * o(1)) + r4 * ((o(2) + r2 * o(3)) + r4 * (o(4) + r2 * o(5))));
+    let [up, down] = shifted.powers_of_two();
+    let one = V::constant(one);
+    [(one + (even + odd)) * up, (one + (even - odd)) * down]
+}
+
+/// 2^x and 2^−x of several fours, for |x| ≤ [`LARGEST`].
+#[inline(always)]
+pub(crate) fn powers<V: Four, const N: usize>(x: [V; N]) -> [[V; 2]; N] {
+    let mut all = [[V::splat(0.0); 2]; N];
     // Independent of each other, so the processor works on several at a time. No closure: it would not see the wide registers.
-    for (result, x) in all.iter_mut().zip(x) {
-        *result = if V::IS_WIDE { exp_of(x).lanes() } else { x.lanes() };
+    if V::IS_WIDE {
+        for (result, x) in all.iter_mut().zip(x) {
+            *result = powers_of(x);
+        }
+        return all;
     }
-    if !V::IS_WIDE {
-        exp_of_each(&mut all);
+    let mut lanes = [[[0.0; LANES]; 2]; N];
+    for (lanes, x) in lanes.iter_mut().zip(x) {
+        lanes[0] = x.lanes();
+    }
+    powers_of_each(&mut lanes);
+    for (result, lanes) in all.iter_mut().zip(&lanes) {
+        *result = [V::load(&lanes[0]), V::load(&lanes[1])];
     }
     all
 }
 
-/// As [`exp_of_all`], code that is there once: two registers for each four leave none for a second four.
+/// As [`powers`], code that is there once: two registers for each four leave none for a second four.
 #[inline(never)]
-fn exp_of_each(all: &mut [Lanes]) {
+fn powers_of_each(all: &mut [[Lanes; 2]]) {
     for lanes in all {
-        *lanes = exp_of(Narrow::load(lanes)).lanes();
+        let [up, down] = powers_of(Narrow::load(&lanes[0]));
+        *lanes = [up.lanes(), down.lanes()];
     }
 }
 
@@ -183,6 +243,22 @@ mod tests {
         }
     }
 
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+
+        /// x ln 2 is rounded for the reference, which costs it up to half a unit for each unit of x ln 2.
+        #[test]
+        fn powers_agree_with_the_system(x in -LARGEST..LARGEST, small in -2.0..2.0, whole in -1020..=1020_i32) {
+            let [[up, down]] = powers([Narrow::load(&[x, small, f64::from(whole), LARGEST])]);
+            for (lane, exponent) in [x, small].into_iter().enumerate() {
+                prop_assert!(ulps(up.lanes()[lane], exponent.exp2()) <= 2.0, "2^{exponent:e}");
+                prop_assert!(ulps(down.lanes()[lane], (-exponent).exp2()) <= 2.0, "2^-{exponent:e}");
+            }
+            prop_assert_eq!((up.lanes()[2], down.lanes()[2]), (2.0_f64.powi(whole), 2.0_f64.powi(-whole)));
+            prop_assert_eq!((up.last(), down.last()), (2.0_f64.powi(1020), 2.0_f64.powi(-1020)));
+        }
+    }
+
     #[test]
     fn limits_are_exact() {
         assert_eq!((exp(0.0), exp_m1(0.0)), (1.0, 0.0));
@@ -200,6 +276,10 @@ mod tests {
                     std::array::from_fn(|lane| (f64::from(4 * i) + lane as f64).sin() * 1.3_f64.powi(i % 40 - 15));
                 let found = [exp_of(V::load(&x)), exp_m1_of(V::load(&x)), tanh_of(V::load(&x))].map(V::lanes);
                 let expected = [x.map(exp), x.map(exp_m1), x.map(tanh)];
+                assert_eq!(found.map(|lanes| lanes.map(f64::to_bits)), expected.map(|lanes| lanes.map(f64::to_bits)));
+                let of = |x: Lanes| x.map(|x| x.clamp(-LARGEST, LARGEST));
+                let found = powers_of(V::load(&of(x))).map(V::lanes);
+                let [expected] = powers([Narrow::load(&of(x))]).map(|both| both.map(Narrow::lanes));
                 assert_eq!(found.map(|lanes| lanes.map(f64::to_bits)), expected.map(|lanes| lanes.map(f64::to_bits)));
             }
         }

@@ -60,6 +60,18 @@ pub(crate) trait Four: Number {
     fn lanes(self) -> Lanes;
     /// Zero where it is not larger than `least`, and where it is no number.
     fn above(self, least: f64) -> Self;
+    /// 2^k and 2^−k where the lowest bits of this are those of the integer k.
+    fn powers_of_two(self) -> [Self; 2];
+    /// The last lane.
+    fn last(self) -> f64;
+    /// With another number in the last lane.
+    fn with_last(self, value: f64) -> Self;
+    /// The same, which the compiler then has in one register and stores at once: from two halves in memory that are on their way to the
+    /// cache, a processor cannot read it back, and waits.
+    #[must_use]
+    fn whole(self) -> Self;
+    /// The first lanes of four rows, the second ones, …
+    fn columns(rows: [Self; LANES]) -> [Self; LANES];
 }
 
 impl Number for f64 {

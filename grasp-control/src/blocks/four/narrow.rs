@@ -3,8 +3,8 @@
 use super::{Add, Div, Four, Lanes, Mul, Number, Sub};
 use std::arch::x86_64::{
     __m128d, _mm_add_epi64, _mm_add_pd, _mm_and_pd, _mm_andnot_pd, _mm_castpd_si128, _mm_castsi128_pd, _mm_cmpgt_pd,
-    _mm_div_pd, _mm_loadu_pd, _mm_max_pd, _mm_min_pd, _mm_mul_pd, _mm_or_pd, _mm_set1_pd, _mm_slli_epi64,
-    _mm_storeu_pd, _mm_sub_pd,
+    _mm_cvtsd_f64, _mm_div_pd, _mm_loadu_pd, _mm_max_pd, _mm_min_pd, _mm_mul_pd, _mm_or_pd, _mm_set1_pd,
+    _mm_slli_epi64, _mm_storeu_pd, _mm_sub_epi64, _mm_sub_pd, _mm_unpackhi_pd, _mm_unpacklo_pd,
 };
 
 /// Four lanes in two registers.
@@ -132,5 +132,51 @@ impl Four for Narrow {
     fn above(self, least: f64) -> Self {
         // SAFETY: every x86-64 processor has SSE2.
         self.each(|x| unsafe { _mm_and_pd(x, _mm_cmpgt_pd(x, _mm_set1_pd(least))) })
+    }
+
+    #[inline(always)]
+    fn powers_of_two(self) -> [Self; 2] {
+        // SAFETY: every x86-64 processor has SSE2.
+        let exponent = self.each(|x| unsafe { _mm_castsi128_pd(_mm_slli_epi64::<52>(_mm_castpd_si128(x))) });
+        // SAFETY: every x86-64 processor has SSE2.
+        let up = exponent.each(|x| unsafe {
+            _mm_castsi128_pd(_mm_add_epi64(_mm_castpd_si128(_mm_set1_pd(1.0)), _mm_castpd_si128(x)))
+        });
+        // SAFETY: every x86-64 processor has SSE2.
+        let down = exponent.each(|x| unsafe {
+            _mm_castsi128_pd(_mm_sub_epi64(_mm_castpd_si128(_mm_set1_pd(1.0)), _mm_castpd_si128(x)))
+        });
+        [up, down]
+    }
+
+    #[inline(always)]
+    fn last(self) -> f64 {
+        // SAFETY: every x86-64 processor has SSE2.
+        unsafe { _mm_cvtsd_f64(_mm_unpackhi_pd(self.0[1], self.0[1])) }
+    }
+
+    #[inline(always)]
+    fn with_last(self, value: f64) -> Self {
+        // SAFETY: every x86-64 processor has SSE2.
+        Self([self.0[0], unsafe { _mm_unpacklo_pd(self.0[1], _mm_set1_pd(value)) }])
+    }
+
+    #[inline(always)]
+    fn whole(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn columns(rows: [Self; 4]) -> [Self; 4] {
+        let [a, b, c, d] = rows.map(|row| row.0);
+        // SAFETY: every x86-64 processor has SSE2.
+        unsafe {
+            [
+                Self([_mm_unpacklo_pd(a[0], b[0]), _mm_unpacklo_pd(c[0], d[0])]),
+                Self([_mm_unpackhi_pd(a[0], b[0]), _mm_unpackhi_pd(c[0], d[0])]),
+                Self([_mm_unpacklo_pd(a[1], b[1]), _mm_unpacklo_pd(c[1], d[1])]),
+                Self([_mm_unpackhi_pd(a[1], b[1]), _mm_unpackhi_pd(c[1], d[1])]),
+            ]
+        }
     }
 }

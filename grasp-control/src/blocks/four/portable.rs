@@ -87,4 +87,35 @@ impl Four for Portable {
     fn above(self, least: f64) -> Self {
         Self(self.0.map(|x| if x > least { x } else { 0.0 }))
     }
+
+    #[inline(always)]
+    fn powers_of_two(self) -> [Self; 2] {
+        let exponents = self.0.map(|x| x.to_bits() << 52);
+        let one = 1.0_f64.to_bits();
+        [
+            Self(exponents.map(|exponent| f64::from_bits(one.wrapping_add(exponent)))),
+            Self(exponents.map(|exponent| f64::from_bits(one.wrapping_sub(exponent)))),
+        ]
+    }
+
+    #[inline(always)]
+    fn last(self) -> f64 {
+        self.0[LANES - 1]
+    }
+
+    #[inline(always)]
+    fn with_last(self, value: f64) -> Self {
+        let [a, b, c, _] = self.0;
+        Self([a, b, c, value])
+    }
+
+    #[inline(always)]
+    fn whole(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
+    fn columns(rows: [Self; LANES]) -> [Self; LANES] {
+        std::array::from_fn(|lane| Self(rows.map(|row| row.0[lane])))
+    }
 }

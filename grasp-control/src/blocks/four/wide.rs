@@ -2,9 +2,21 @@
 
 use super::{Four, Lanes, Number, Wide};
 use std::arch::x86_64::{
-    _CMP_GT_OQ, _mm256_add_epi64, _mm256_and_pd, _mm256_andnot_pd, _mm256_blendv_pd, _mm256_castpd_si256,
-    _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_max_pd, _mm256_min_pd, _mm256_or_pd, _mm256_set1_pd, _mm256_slli_epi64,
+    __m256d, _CMP_GT_OQ, _mm256_add_epi64, _mm256_and_pd, _mm256_andnot_pd, _mm256_blend_pd, _mm256_blendv_pd,
+    _mm256_castpd_si256, _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_max_pd, _mm256_min_pd, _mm256_or_pd,
+    _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_slli_epi64, _mm256_sub_epi64, _mm256_unpackhi_pd,
+    _mm256_unpacklo_pd,
 };
+
+#[target_feature(enable = "avx2")]
+#[inline]
+fn whole(mut register: __m256d) -> __m256d {
+    // SAFETY: no instruction at all; the register stays what it is.
+    unsafe {
+        std::arch::asm!("/* {0} */", inout(ymm_reg) register, options(pure, nomem, nostack, preserves_flags));
+    }
+    register
+}
 
 impl Number for Wide {
     #[inline(always)]
@@ -94,6 +106,50 @@ impl Four for Wide {
         unsafe {
             let larger = _mm256_cmp_pd::<_CMP_GT_OQ>(self.register(), _mm256_set1_pd(least));
             Self::of(_mm256_and_pd(self.register(), larger))
+        }
+    }
+
+    #[inline(always)]
+    fn powers_of_two(self) -> [Self; 2] {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        unsafe {
+            let one = _mm256_castpd_si256(_mm256_set1_pd(1.0));
+            let exponent = _mm256_slli_epi64::<52>(_mm256_castpd_si256(self.register()));
+            [_mm256_add_epi64(one, exponent), _mm256_sub_epi64(one, exponent)]
+                .map(|bits| Self::of(_mm256_castsi256_pd(bits)))
+        }
+    }
+
+    #[inline(always)]
+    fn last(self) -> f64 {
+        self.lanes()[3]
+    }
+
+    #[inline(always)]
+    fn with_last(self, value: f64) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        Self::of(unsafe { _mm256_blend_pd::<0b1000>(self.register(), _mm256_set1_pd(value)) })
+    }
+
+    #[inline(always)]
+    fn whole(self) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        Self::of(unsafe { whole(self.register()) })
+    }
+
+    #[inline(always)]
+    fn columns(rows: [Self; 4]) -> [Self; 4] {
+        let [a, b, c, d] = rows.map(Self::register);
+        // SAFETY: the processor has AVX2, see `Wide`.
+        unsafe {
+            let (even, odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+            let (even2, odd2) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+            [
+                Self::of(_mm256_permute2f128_pd::<0x20>(even, even2)),
+                Self::of(_mm256_permute2f128_pd::<0x20>(odd, odd2)),
+                Self::of(_mm256_permute2f128_pd::<0x31>(even, even2)),
+                Self::of(_mm256_permute2f128_pd::<0x31>(odd, odd2)),
+            ]
         }
     }
 }

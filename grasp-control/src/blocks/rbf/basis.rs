@@ -1,33 +1,28 @@
 //! The basis: all Gaussians of a network at one point.
 //!
-//! First come the [exponents](Network::exponents), so that a law can take the exponentials of all its networks in one pass; then
-//! the activations are [filled in](Network::fill) from the exponentials.
+//! First come the exponents of a four of axes: if there are two fours, the [first](Network::first_exponents) are those that stay where
+//! only shear rates change; the [last](Network::last_exponents) come with what is common to all nodes. Then the activations are filled
+//! in from the powers. A law that knows its networks to be [plain](Network::is_plain) takes the powers of all in one pass.
 
 use super::Network;
-use super::axis::NEGLIGIBLE;
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL, USUAL_ROW, groups, lane};
-use crate::blocks::exponential::exp_of_all;
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL, USUAL_ARM, USUAL_ROW, USUAL_STAR, groups, lane};
+use crate::blocks::exponential::powers;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
 #[cfg(target_arch = "x86_64")]
 use crate::blocks::four::{Wide, has_wide_registers};
 
-/// Where the common factor of a star is smaller, all its activations are negligible.
-const NOTHING_IS_NEAR: f64 = 1e-200;
-
-/// Room for the nodes along an axis, in fours.
-const FACTORS: usize = MAX_PER_AXIS.next_multiple_of(LANES);
-
-/// The product of no axes.
-const ONE: [f64; FACTORS] = {
-    let mut factors = [0.0; FACTORS];
-    factors[0] = 1.0;
-    factors
-};
-
 impl<const D: usize> Network<D> {
+    /// The last four of the axes.
+    const LAST: usize = groups(D) - 1;
+
     /// Evaluates the basis at the normalised input `x`, unless it is evaluated there.
     pub fn activate(&mut self, x: [f64; D]) {
-        if self.point == x {
+        self.activate_lanes(&in_lanes(x));
+    }
+
+    /// As [`activate`](Self::activate), for the input in the lanes of its axes and zeros.
+    pub(crate) fn activate_lanes(&mut self, x: &[Lanes; GROUPS]) {
+        if self.point == *x {
             return;
         }
         #[cfg(target_arch = "x86_64")]
@@ -40,190 +35,187 @@ impl<const D: usize> Network<D> {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn activate_wide(&mut self, x: [f64; D]) {
+    fn activate_wide(&mut self, x: &[Lanes; GROUPS]) {
         self.activate_here::<Wide>(x);
     }
 
     #[inline(always)]
-    pub(super) fn activate_here<V: Four>(&mut self, x: [f64; D]) {
-        let exponents = self.exponents::<V>(x);
-        self.fill::<V>(x, &exp_of_all(exponents));
+    pub(super) fn activate_here<V: Four>(&mut self, x: &[Lanes; GROUPS]) {
+        if Self::LAST > 0 {
+            let exponents = self.first_exponents(V::load(&x[0]));
+            let [of_first] = powers([exponents]);
+            self.fill_first(of_first);
+        }
+        let last = V::load(&x[Self::LAST]);
+        let [of_last] = powers([self.last_exponents(last)]);
+        self.fill_last(last, of_last);
     }
 
-    /// What the exponentials that [`fill`](Self::fill) needs are of.
-    ///
-    /// A grid: −x²/b² of each axis, then xΔ/b². A star: xΔ/b² of each axis, and −‖x‖²/b² in the lane after the last.
+    /// Goes on from where it is evaluated to a point that differs along the last axes; the last lane of `last` does not count.
+    pub(crate) fn go_on(&mut self, last: Lanes) {
+        let mut x = self.point;
+        x[Self::LAST] = Narrow::load(&last).with_last(0.0).lanes();
+        self.activate_lanes(&x);
+    }
+
+    /// The exponents of two for the first four axes of two at `x`, which is kept.
     #[inline(always)]
-    pub(crate) fn exponents<V: Four>(&self, x: [f64; D]) -> [V; GROUPS] {
+    pub(crate) fn first_exponents<V: Four>(&mut self, x: V) -> V {
+        let (steps, squares) = self.axis.steps(x);
+        self.point[0] = x.lanes();
+        self.first_norm2 = sum(squares.lanes());
+        steps
+    }
+
+    /// The exponents of two for the last four axes at `x`, whose last lane does not count. In that lane is the exponent for
+    /// exp(−‖x‖²/b²).
+    #[inline(always)]
+    pub(crate) fn last_exponents<V: Four>(&self, x: V) -> V {
+        let (steps, squares) = self.axis.steps(x);
+        let [a, b, c, _] = squares.lanes();
+        let norm2 = self.first_norm2 + ((a + b) + c);
+        self.axis.with_common(steps, norm2)
+    }
+
+    /// Fills in a star's activations along the first four axes of two, without what is common to all.
+    fn fill_first<V: Four>(&mut self, powers: [V; 2]) {
+        self.kept = None;
+        if let Layout::Star(rings) = self.layout {
+            self.fill_arm(rings, 0, powers, 1.0);
+        }
+    }
+
+    /// Fills in the activations along the last four axes at `x`, and what is common to all.
+    #[inline(always)]
+    fn fill_last<V: Four>(&mut self, x: V, powers: [V; 2]) {
+        self.arrive(x);
+        let common = self.axis.relevant(powers[0].last());
         match self.layout {
-            Layout::Grid(_) => {
-                let x = self.axis.clamped(V::load(&in_lanes(x)[0]));
-                [self.axis.squares(x), self.axis.half_steps(x)]
+            Layout::Grid(USUAL) if D == 3 => {
+                let [a, b, _, c, d, ..] = self.axis.ratios(USUAL, 0, powers, common);
+                let factors = V::columns([a, b, c, d]);
+                self.fill_usual([self.axis.outer(factors[0], common), factors[1], factors[2]], common);
             }
-            Layout::Star(_) => {
-                let x = in_lanes(x);
-                let clamped = [self.axis.clamped(V::load(&x[0])), self.axis.clamped(V::load(&x[1]))];
-                let mut exponents = [self.axis.half_steps(clamped[0]), self.axis.half_steps(clamped[1])];
-                let last = groups(D) - 1;
-                exponents[last] = self.with_common(exponents[last], clamped);
-                exponents
+            Layout::Grid(n) => self.fill_grid(n, powers.map(V::lanes), common),
+            Layout::Star(rings) => {
+                self.outer[0][0] = common;
+                self.fill_arm(rings, Self::LAST, powers, common);
             }
         }
     }
 
-    /// The second half of a star's [`exponents`](Self::exponents), where only axes of the second four have moved.
+    /// The network is evaluated at `x` along the last axes.
     #[inline(always)]
-    pub(crate) fn moving_exponents<V: Four>(&self, x: [f64; D]) -> V {
-        let x = in_lanes(x);
-        let clamped = [self.axis.clamped(V::load(&x[0])), self.axis.clamped(V::load(&x[1]))];
-        self.with_common(self.axis.half_steps(clamped[1]), clamped)
-    }
-
-    /// Puts −‖x‖²/b² into its lane.
-    #[inline(always)]
-    fn with_common<V: Four>(&self, exponents: V, clamped: [V; GROUPS]) -> V {
-        let squares = (clamped[0] * clamped[0] + clamped[1] * clamped[1]).lanes();
-        let mut lanes = exponents.lanes();
-        lanes[D % LANES] = ((squares[0] + squares[1]) + (squares[2] + squares[3])) * -self.axis.sharpness;
-        V::load(&lanes)
-    }
-
-    /// Fills in the activations at `x` from the exponentials of its [`exponents`](Self::exponents).
-    #[inline(always)]
-    pub(crate) fn fill<V: Four>(&mut self, x: [f64; D], exponentials: &[Lanes; GROUPS]) {
-        self.point = x;
+    fn arrive<V: Four>(&mut self, x: V) {
+        self.point[Self::LAST] = x.with_last(0.0).lanes();
         self.output = None;
-        self.still = exponentials[0];
-        #[cfg(target_arch = "x86_64")]
-        if V::IS_WIDE {
-            // SAFETY: a wide register is in use.
-            return unsafe { self.fill_wide(exponentials) };
-        }
-        self.fill_narrow(exponentials);
     }
 
-    /// As [`fill`](Self::fill) for a star, from the second half of the exponentials; the first half is that of the last time.
-    /// What was there before is kept in `before`.
+    /// A star: the nodes along four axes, from −1 to 1, without the origin.
     #[inline(always)]
-    pub(crate) fn fill_moving<V: Four>(&mut self, x: [f64; D], moving: Lanes) {
-        std::mem::swap(&mut self.inner, &mut self.before);
-        let still = self.still;
-        self.fill::<V>(x, &[still, moving]);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn fill_wide(&mut self, exponentials: &[Lanes; GROUPS]) {
-        self.fill_here::<Wide>(exponentials);
-    }
-
-    #[inline(never)]
-    fn fill_narrow(&mut self, exponentials: &[Lanes; GROUPS]) {
-        self.fill_here::<Narrow>(exponentials);
-    }
-
-    #[inline(always)]
-    pub(super) fn fill_here<V: Four>(&mut self, exponentials: &[Lanes; GROUPS]) {
-        let exponentials = [V::load(&exponentials[0]), V::load(&exponentials[1])];
-        match self.layout {
-            // There are none: see `Layout`.
-            Layout::Grid(_) if groups(D) > 1 => {}
-            // The usual sizes: if it knows them, the compiler unrolls the rest.
-            Layout::Grid(USUAL) => self.fill_grid(USUAL, exponentials),
-            Layout::Star(2) => self.fill_star(2, exponentials),
-            Layout::Grid(n) => self.fill_grid(n, exponentials),
-            Layout::Star(rings) => self.fill_star(rings, exponentials),
-        }
-    }
-
-    /// Tensor product of all axes but the first, the last one running fastest; `n` nodes per axis.
-    #[inline(always)]
-    fn fill_grid<V: Four>(&mut self, n: usize, [scale, half_step]: [V; GROUPS]) {
-        let n = n.clamp(1, MAX_PER_AXIS);
-        let ratios = self.axis.ratios(n, half_step);
-        // Of each axis; filled up with zeros.
-        let mut values = [[0.0; FACTORS]; LANES];
-        for node in 0..n {
-            let of_axes = (scale * ratios[node]).above(NEGLIGIBLE).lanes();
-            for axis in 0..D.min(LANES) {
-                values[axis][node] = of_axes[axis];
-            }
-        }
-        self.outer.copy_from_slice(&values[0][..MAX_PER_AXIS]);
-        if D < 3 {
-            let inner = self.inner.as_flattened_mut();
-            let factors = if D == 2 { values[1] } else { ONE };
-            inner.copy_from_slice(&factors[..inner.len()]);
-            return;
-        }
-        if n == USUAL
-            && let Some(inner) = self.inner.first_chunk_mut::<USUAL_ROW>()
-        {
-            // Four by four, as they will be read: what is read back while parts of it are on their way to memory has to wait.
-            for group in 0..USUAL_ROW {
-                let (mut slow, mut fast) = ([0.0; LANES], [0.0; LANES]);
-                for lane in 0..LANES {
-                    let node = group * LANES + lane;
-                    if node < USUAL * USUAL {
-                        (slow[lane], fast[lane]) = (values[1][node / USUAL], values[2][node % USUAL]);
-                    }
-                }
-                inner[group] = (V::load(&slow) * V::load(&fast)).lanes();
-            }
-            return;
-        }
-        let inner = self.inner.as_flattened_mut();
-        let (slow, fast) = (values[1], values[2].as_chunks::<LANES>().0);
-        let row = n.div_ceil(LANES);
-        let needed = (n - 1) * n + row * LANES;
-        if needed > inner.len() {
-            // Two or six nodes per axis.
-            for (row, slow) in inner.chunks_exact_mut(n).zip(slow) {
-                for (place, fast) in row.iter_mut().zip(values[2]) {
-                    *place = slow * fast;
-                }
-            }
-            return;
-        }
-        let inner = &mut inner[..needed];
-        for node in 0..n {
-            // What is beyond a row is zero, until the next row takes its place.
-            for group in 0..row {
-                if let Some(place) = inner[node * n + group * LANES..].first_chunk_mut() {
-                    *place = (V::splat(slow[node]) * V::load(&fast[group])).lanes();
-                }
-            }
-        }
-    }
-
-    /// The origin, then the positions from −1 to 1 without the origin.
-    #[inline(always)]
-    fn fill_star<V: Four>(&mut self, rings: usize, exponentials: [V; GROUPS]) {
-        let groups = groups(D);
+    fn fill_arm<V: Four>(&mut self, rings: usize, group: usize, powers: [V; 2], common: f64) {
         let rings = rings.min(MAX_PER_AXIS / 2);
-        // One axis alone makes ‖x‖²/b² at most 370. So where it is 460, the other axes leave nothing of any node.
-        let common = exponentials[groups - 1].lanes()[D % LANES];
-        let common = if common > NOTHING_IS_NEAR { common } else { 0.0 };
-        let (origin, nodes) = self.inner.split_at_mut(1);
-        origin[0] = V::load(&[common, 0.0, 0.0, 0.0]).above(NEGLIGIBLE).lanes();
-        let nodes = &mut nodes[..2 * rings * groups];
-        for group in 0..groups {
-            // No axis, no node. A field and not constants: to assemble a vector of some `common` and some zeros, the
-            // compiler may choose an instruction that valgrind 3.19 does not know, and hosts run under valgrind, too.
-            let scale = V::load(&self.presence[group]) * V::splat(common);
-            let ratios = self.axis.ratios(2 * rings + 1, exponentials[group]);
-            for position in 0..rings {
-                nodes[position * groups + group] = (scale * ratios[position]).above(NEGLIGIBLE).lanes();
-                let right = (scale * ratios[rings + 1 + position]).above(NEGLIGIBLE);
-                nodes[(rings + position) * groups + group] = right.lanes();
+        let ratios = self.axis.ratios(2 * rings + 1, group, powers, common);
+        let nodes = &mut self.inner[1 + 2 * rings * group..][..2 * rings];
+        for position in 0..rings {
+            nodes[position] = ratios[position].lanes();
+            nodes[rings + position] = ratios[rings + 1 + position].lanes();
+        }
+    }
+
+    /// The usual grid, from the factors of each axis but those in its middle: products in the order of [`Layout::place`].
+    #[inline(always)]
+    fn fill_usual<V: Four>(&mut self, [outer, second, third]: [V; 3], common: f64) {
+        self.outer[0] = outer.lanes();
+        self.outer[1][0] = common;
+        let Some([products @ .., beside, last]) = self.inner.first_chunk_mut::<USUAL_ROW>() else { return };
+        let factors = second.lanes();
+        for (products, factor) in products.iter_mut().zip(factors) {
+            *products = (V::splat(factor) * third).lanes();
+        }
+        (*beside, *last) = (third.whole().lanes(), second.whole().lanes());
+    }
+
+    /// A usual grid whose Gaussians are not narrow, from the powers of its [`last_exponents`](Self::last_exponents) at `x`.
+    #[inline(always)]
+    pub(crate) fn fill_plain_grid<V: Four>(&mut self, x: V, powers: [V; 2]) {
+        self.arrive(x);
+        let common = self.axis.relevant(powers[0].last());
+        let [a, b, _, c, d, ..] = self.axis.plain_ratios(USUAL, 0, powers);
+        let [first, second, third, _] = V::columns([a, b, c, d]);
+        self.fill_usual([first * V::splat(common), second, third], common);
+    }
+
+    /// A usual star whose Gaussians are not narrow: its nodes along four axes.
+    #[inline(always)]
+    fn plain_arm<V: Four>(&self, group: usize, powers: [V; 2]) -> [Lanes; USUAL_ARM] {
+        let [a, b, _, c, d, ..] = self.axis.plain_ratios(USUAL_ARM + 1, group, powers);
+        [a.lanes(), b.lanes(), c.lanes(), d.lanes()]
+    }
+
+    /// Such a star along its first axes, from the powers of its [`first_exponents`](Self::first_exponents).
+    #[inline(always)]
+    pub(crate) fn fill_plain_first<V: Four>(&mut self, powers: [V; 2]) {
+        self.kept = None;
+        let arm = self.plain_arm(0, powers);
+        if let Some([_, still @ .., _, _, _, _]) = self.inner.first_chunk_mut::<USUAL_STAR>() {
+            *still = arm;
+        }
+    }
+
+    /// Such a star along its last axes at `x`, from the powers of its [`last_exponents`](Self::last_exponents).
+    #[inline(always)]
+    pub(crate) fn fill_plain_last<V: Four>(&mut self, x: V, powers: [V; 2]) {
+        self.arrive(x);
+        self.outer[0][0] = self.axis.relevant(powers[0].last());
+        let arm = self.plain_arm(1, powers);
+        if let Some([_, _, _, _, _, moving @ ..]) = self.inner.first_chunk_mut::<USUAL_STAR>() {
+            *moving = arm;
+        }
+    }
+
+    /// The same at two points that differ along the last axes; `x` is the second.
+    #[inline(always)]
+    pub(crate) fn fill_plain_both<V: Four>(&mut self, x: V, [first, second]: [[V; 2]; 2]) {
+        self.before_common = self.axis.relevant(first[0].last());
+        self.before = self.plain_arm(1, first);
+        self.fill_plain_last(x, second);
+    }
+
+    /// Any other grid: tensor product of all axes but the first, the last one running fastest; `n` nodes per axis. Not inlined, and one
+    /// number by one: there are few.
+    #[inline(never)]
+    fn fill_grid(&mut self, n: usize, powers: [Lanes; 2], common: f64) {
+        let n = n.clamp(1, MAX_PER_AXIS);
+        let powers = powers.map(|lanes| Narrow::load(&lanes));
+        let ratios = self.axis.ratios(n, 0, powers, common).map(Narrow::lanes);
+        let [second, third] = [1, 2].map(|axis| ratios.map(|of_axes| of_axes[axis]));
+        for (node, outer) in self.outer.as_flattened_mut()[..n].iter_mut().enumerate() {
+            let ratio = Narrow::load(&[ratios[node][0]; LANES]);
+            *outer = self.axis.outer(ratio, common).last();
+        }
+        let (second, third) = match D {
+            1 => (&[1.0][..], &[1.0][..]),
+            2 => (&[1.0][..], &second[..n]),
+            _ => (&second[..n], &third[..n]),
+        };
+        for (row, second) in self.inner.as_flattened_mut().chunks_mut(third.len()).zip(second) {
+            for (place, third) in row.iter_mut().zip(third) {
+                *place = second * third;
             }
         }
     }
 }
 
+/// What four lanes add up to.
+#[inline(always)]
+fn sum(lanes: Lanes) -> f64 {
+    (lanes[0] + lanes[1]) + (lanes[2] + lanes[3])
+}
+
 /// The components of a vector in the lanes of their axes, and zeros.
 #[inline(always)]
-fn in_lanes<const D: usize>(x: [f64; D]) -> [Lanes; GROUPS] {
+pub(super) fn in_lanes<const D: usize>(x: [f64; D]) -> [Lanes; GROUPS] {
     const { assert!(groups(D) <= GROUPS) };
     let mut lanes = [[0.0; LANES]; GROUPS];
     for axis in 0..D {

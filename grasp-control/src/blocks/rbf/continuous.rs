@@ -1,7 +1,7 @@
 //! Learning as differential equations: Ŵ˙ = a (φ Y − σ Ŵ), on its ball where that holds, and how it changes along a direction.
 
 use super::Network;
-use super::layout::{Layout, axis, groups};
+use super::layout::Layout;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::four::LANES;
 use crate::continuous::{Decision, Limit};
@@ -21,83 +21,53 @@ impl<const D: usize> Network<D> {
         self.layout.nodes(D)
     }
 
-    /// Calls `visit` with each node, the row of its weight and the lane in it; lane by lane where there are rows.
+    /// Calls `visit` with each node, the row of its weight and the lane in it.
     #[inline]
     fn places(&self, mut visit: impl FnMut(usize, usize, usize)) {
-        let nodes = self.nodes();
-        match self.layout {
-            Layout::Grid(rows) => {
-                let lanes = nodes / rows;
-                for lane in 0..lanes {
-                    for row in 0..rows {
-                        visit(row * lanes + lane, row, lane);
-                    }
-                }
-            }
-            Layout::Star(_) => {
-                for node in 0..nodes {
-                    let (row, lane) = self.layout.place(D, node);
-                    visit(node, row, lane);
-                }
-            }
+        for node in 0..self.nodes() {
+            let (row, lane) = self.layout.place(D, node);
+            visit(node, row, lane);
         }
     }
 
     /// Calls `visit` with each node, its weight and its activation.
     #[inline]
     fn each(&self, mut visit: impl FnMut(usize, f64, f64)) {
-        let (weights, inner, length) =
-            (self.weights.as_flattened(), self.inner.as_flattened(), LANES * self.inner.len());
-        self.places(|node, row, lane| visit(node, weights[row * length + lane], self.outer[row] * inner[lane]));
+        let (weights, length) = (self.weights.as_flattened(), LANES * self.inner.len());
+        self.places(|node, row, lane| visit(node, weights[row * length + lane], self.activation(row, lane)));
     }
 
     /// Calls `visit` with each node, its weight, its activation and the change of that for a change of the normalised input:
     /// dY = −2 Y Σ (x − c) dx/b².
     #[inline]
     fn each_change(&self, x: [f64; D], mut visit: impl FnMut(usize, f64, f64, f64)) {
-        let (weights, inner, length) =
-            (self.weights.as_flattened(), self.inner.as_flattened(), LANES * self.inner.len());
+        let (weights, length) = (self.weights.as_flattened(), LANES * self.inner.len());
         // Most directions that a solver asks for are single weights.
         let moves = x.iter().any(|dx| *dx != 0.0);
         let slope = 2.0 * self.axis.sharpness;
-        let common: f64 = self.point.iter().zip(x).map(|(point, dx)| -slope * point * dx).sum();
-        let (mut last, mut of_lane) = (usize::MAX, 0.0);
+        let common: f64 = self.input().iter().zip(x).map(|(point, dx)| -slope * point * dx).sum();
         self.places(|node, row, lane| {
-            let y = self.outer[row] * inner[lane];
+            let y = self.activation(row, lane);
             // A point so far out that the rest overflows activates nothing.
-            let dy = if moves && y != 0.0 {
-                if lane != last {
-                    (last, of_lane) = (lane, common + slope * self.lane_centre(lane, &x));
-                }
-                y * (of_lane + slope * self.row_centre(row, &x))
-            } else {
-                0.0
-            };
+            let dy = if moves && y != 0.0 { y * (common + slope * self.along_centre(node, &x)) } else { 0.0 };
             visit(node, weights[row * length + lane], y, dy);
         });
     }
 
-    /// c dx of the axis that a row stands for.
+    /// Σ c dx.
     #[inline]
-    fn row_centre(&self, row: usize, x: &[f64; D]) -> f64 {
-        if matches!(self.layout, Layout::Grid(_)) { x[0] * self.axis.centre(row) } else { 0.0 }
-    }
-
-    /// Σ c dx of the other axes, which a lane stands for.
-    #[inline]
-    fn lane_centre(&self, lane: usize, x: &[f64; D]) -> f64 {
+    fn along_centre(&self, node: usize, x: &[f64; D]) -> f64 {
         match self.layout {
             Layout::Grid(n) => {
-                let (mut index, mut sum) = (lane, 0.0);
-                for dx in x[1..].iter().rev() {
+                let (mut index, mut sum) = (node, 0.0);
+                for dx in x.iter().rev() {
                     sum += dx * self.axis.centre(index % n);
                     index /= n;
                 }
                 sum
             }
-            Layout::Star(rings) => lane.checked_sub(LANES).map_or(0.0, |index| {
-                let position = index / (LANES * groups(D));
-                let axis = axis(D, index % (LANES * groups(D)));
+            Layout::Star(rings) => node.checked_sub(1).map_or(0.0, |index| {
+                let (axis, position) = (index / (2 * rings), index % (2 * rings));
                 x[axis] * self.axis.centre(position + usize::from(position >= rings))
             }),
         }
@@ -116,7 +86,7 @@ impl<const D: usize> Network<D> {
         let mut weights = std::mem::take(&mut self.weights);
         self.places(|node, row, lane| weights.as_flattened_mut()[row * length + lane] = new[node]);
         self.weights = weights;
-        self.output = None;
+        (self.kept, self.output) = (None, None);
     }
 
     /// Ŵ˙ at the last activation, with the weights `held` on their ball or not.

@@ -22,8 +22,10 @@ fn products_wide(a: &[Lanes], b: &[Lanes]) -> Lanes {
 
 #[inline(always)]
 pub(super) fn products_here<V: Four>(a: &[Lanes], b: &[Lanes]) -> V {
-    let mut sums = V::splat(0.0);
-    for (a, b) in a.iter().zip(b) {
+    let mut pairs = a.iter().zip(b);
+    // The first product as it is, for each sum waits for the one before.
+    let mut sums = pairs.next().map_or_else(|| V::splat(0.0), |(a, b)| V::load(a) * V::load(b));
+    for (a, b) in pairs {
         sums = sums + V::load(a) * V::load(b);
     }
     sums
@@ -33,11 +35,11 @@ pub(super) fn products_here<V: Four>(a: &[Lanes], b: &[Lanes]) -> V {
 #[inline(always)]
 pub(super) fn adapt_row<V: Four>(w: &mut [Lanes], y: &[Lanes], decay: V, weight: V) -> V {
     let mut sums = V::splat(0.0);
-    for (w, y) in w.iter_mut().zip(y) {
+    for (i, (w, y)) in w.iter_mut().zip(y).enumerate() {
         let y = V::load(y);
         let new = decay * V::load(w) + weight * y;
         *w = new.lanes();
-        sums = sums + new * y;
+        sums = if i == 0 { new * y } else { sums + new * y };
     }
     sums
 }

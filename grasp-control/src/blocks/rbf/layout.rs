@@ -9,8 +9,18 @@ pub const MAX_PER_AXIS: usize = 9;
 /// Nodes per axis of a posture network by default.
 pub(super) const USUAL: usize = 5;
 
-/// Fours in a row of such a grid with three axes.
-pub(super) const USUAL_ROW: usize = (USUAL * USUAL).div_ceil(LANES);
+/// Fours in a row of such a grid with three axes: 24 of its 25 nodes. Of the one in the middle, of all rows, there is a [`TAIL`].
+pub(super) const USUAL_ROW: usize = (USUAL * USUAL - 1) / LANES;
+
+/// Nodes along an axis of the object's star by default, without the origin.
+pub(super) const USUAL_ARM: usize = 4;
+
+/// Fours of such a star with seven axes: the origin, four axes that stay, and the others.
+pub(super) const USUAL_STAR: usize = 1 + 2 * USUAL_ARM;
+
+/// Fours behind the rows of such a grid: its nodes in the middle of the second and third axis. There these axes have activations of 1
+/// beside what is common to all nodes, so those of the first axis stand for them.
+pub(super) const TAIL: usize = USUAL.div_ceil(LANES);
 
 /// Room for the axes of a network, in fours, with one lane to spare.
 pub(super) const GROUPS: usize = 2;
@@ -19,7 +29,7 @@ pub(super) const GROUPS: usize = 2;
 /// shear rates, so that a step, which sees the shear rates at two points, evaluates the first four only once.
 const OBJECT_AXES: [usize; 7] = [0, 1, 3, 4, 2, 5, 6];
 
-/// Fours of the axes of a network, with one lane to spare: there is the common factor of a star.
+/// Fours of the axes of a network. There is a lane to spare, the last one: there is what is common to all nodes.
 pub(super) const fn groups(dimensions: usize) -> usize {
     (dimensions + 1).div_ceil(LANES)
 }
@@ -64,6 +74,16 @@ impl Layout {
         }
     }
 
+    /// Whether it is a usual star with two fours of axes.
+    pub(super) const fn is_usual_star(self, dimensions: usize) -> bool {
+        groups(dimensions) == 2 && matches!(self, Self::Star(rings) if 2 * rings == USUAL_ARM)
+    }
+
+    /// Whether it is the usual grid, whose nodes have an order of their own.
+    pub(super) const fn is_usual(self, dimensions: usize) -> bool {
+        dimensions == 3 && matches!(self, Self::Grid(USUAL))
+    }
+
     /// Rows of the weights: as many as the first axis of a grid has nodes.
     pub(super) const fn rows(self) -> usize {
         match self {
@@ -75,16 +95,43 @@ impl Layout {
     /// Lanes of a row, in fours.
     pub(super) fn row_length(self, dimensions: usize) -> usize {
         match self {
+            Self::Grid(_) if self.is_usual(dimensions) => USUAL_ROW,
             Self::Grid(_) => (self.nodes(dimensions) / self.rows()).div_ceil(LANES),
             Self::Star(rings) => 1 + 2 * rings * groups(dimensions),
         }
     }
 
-    /// Where the weight of a node is: the row, and the lane in it.
+    /// Fours behind the rows.
+    pub(super) const fn tail(self, dimensions: usize) -> usize {
+        if self.is_usual(dimensions) { TAIL } else { 0 }
+    }
+
+    /// Fours of a star's row that stay where only the axes of the last four move.
+    pub(super) fn still(self, dimensions: usize) -> usize {
+        match self {
+            Self::Star(rings) => 1 + 2 * rings * (groups(dimensions) - 1),
+            Self::Grid(_) => 0,
+        }
+    }
+
+    /// Where the weight of a node is: the row, and the lane in it. The row after the last is the tail.
     ///
-    /// The row of a star has its origin first, then position by position along the axes those of all axes side by side.
+    /// A row of the usual grid has the nodes beside the middle of the second axis, four of the third axis each, then those in the middle of the
+    /// second axis, then those in the middle of the third. Along each axis the middle comes last.
+    ///
+    /// The row of a star has its origin first, then four axes, position by position along them, then the other axes likewise.
     pub(super) fn place(self, dimensions: usize, node: usize) -> (usize, usize) {
         match self {
+            Self::Grid(_) if self.is_usual(dimensions) => {
+                const MIDDLE: usize = USUAL - 1;
+                let order = |index: usize| [0, 1, MIDDLE, 2, 3][index % USUAL];
+                let first = order(node / (USUAL * USUAL));
+                match (order(node / USUAL), order(node)) {
+                    (MIDDLE, MIDDLE) => (USUAL, first),
+                    (second, MIDDLE) => (first, LANES * USUAL + second),
+                    (second, third) => (first, LANES * second + third),
+                }
+            }
             Self::Grid(_) => {
                 let row = self.nodes(dimensions) / self.rows();
                 (node / row, node % row)
@@ -93,7 +140,8 @@ impl Layout {
                 0,
                 node.checked_sub(1).map_or(0, |index| {
                     let (axis, position) = (index / (2 * rings), index % (2 * rings));
-                    LANES * (1 + position * groups(dimensions)) + lane(dimensions, axis)
+                    let lane = lane(dimensions, axis);
+                    LANES * (1 + 2 * rings * (lane / LANES) + position) + lane % LANES
                 }),
             ),
         }

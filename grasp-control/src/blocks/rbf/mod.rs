@@ -13,18 +13,21 @@
 //! and not a low-discrepancy set, whose nodes in seven dimensions nearly all lie in the corners.
 //!
 //! A Gaussian of the whole vector is the product of one-dimensional ones, and along an equally spaced axis those are a
-//! common factor times powers of another: `exp(−(x−c)²/b²) = exp(−x²/b²) exp(2xc/b²) exp(−c²/b²)`. So an evaluation needs
-//! few exponentials, not one per node:
+//! common factor times powers of another: `exp(−(x−c)²/b²) = exp(−x²/b²) exp(2xc/b²) exp(−c²/b²)`. So `exp(−‖x‖²/b²)` is common to
+//! all nodes, and an evaluation needs one exponential for it and one per axis, for a step from node to node in both directions, and
+//! not one per node. What is common never gets into the activations of single nodes: it is a factor of all of a star's nodes, and
+//! of the first axis of a grid. The activations of a grid are the products of those along its first axis with those of its other axes, so
+//! these two lists stand for all of them.
 //!
-//! * a grid two per axis; and its activations are the products of those along its first axis with those of its other
-//!   axes, so these two lists stand for all of them;
-//! * a star one per axis and one more, because `exp(−‖x‖²/b²)` is common to all its nodes.
-//!
-//! Far outside the box every activation tends to zero and nothing else happens: values below 10⁻³⁰ count as zero (on
-//! each axis of a grid, in all of a star), which keeps denormal numbers out of the products.
+//! Far outside the box every activation tends to zero and nothing else happens: where all are below 10⁻³⁰, what is common
+//! counts as zero. With widths of 0.25 and more, no factor of an activation is too large or too small for a normal number. With narrower ones,
+//! those below 10⁻¹⁰⁰ count as zero.
 //!
 //! Everything comes in fours: the axes while the basis is evaluated, the nodes while the weights learn. What
-//! is left over is filled up with zeros, so that no loop has a remainder and every sum the same order on any processor.
+//! is left over is filled up with zeros, so that no loop has a remainder and every sum the same order on any processor. The usual grid has
+//! 31 fours and one number for its 125 nodes, see `Layout::place`.
+//!
+//! A step of a law takes a shorter way if its networks are *plain*: of the usual sizes, and not narrow.
 
 // Inlined into functions for wide registers, and indexed in step, or the compiler does not use these registers.
 #![allow(clippy::inline_always, clippy::needless_range_loop)]

@@ -1,8 +1,9 @@
 //! A network: weights, output, learning.
 
 use super::axis::Axis;
+use super::basis::in_lanes;
 use super::lanes::{adapt_row, products, products_here, total};
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL_ROW};
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL_ARM, USUAL_ROW, USUAL_STAR, lane};
 use super::stored::Stored;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
@@ -19,23 +20,31 @@ use serde::{Deserialize, Serialize};
 pub struct Network<const D: usize> {
     pub(super) layout: Layout,
     pub(super) width: f64,
+    is_plain: bool,
     pub(super) axis: Axis,
-    /// 1 in the lanes that stand for an axis, 0 in the others.
-    pub(super) presence: [Lanes; GROUPS],
-    /// Row by row, see [`Layout::place`].
+    /// Row by row, and the tail, see [`Layout::place`].
     pub(super) weights: Vec<Lanes>,
-    pub(super) point: [f64; D],
-    /// Activations along a grid's first axis, one per row; a star has one row only, and 1.
-    pub(super) outer: [f64; MAX_PER_AXIS],
-    /// What all rows share: a grid's products of all axes but the first; all activations of a star.
+    /// The normalised input in the lanes of its axes.
+    pub(super) point: [Lanes; GROUPS],
+    /// ‖x‖² of the first four axes of two.
+    pub(super) first_norm2: f64,
+    /// What all activations of a row have in common: those along a grid's first axis, one per row, and exp(−‖x‖²/b²). A star has one
+    /// row. Zeros beyond.
+    pub(super) outer: [Lanes; OUTER],
+    /// What all rows share: a grid's products of all axes but the first; a star's activations; without what is common.
     pub(super) inner: Vec<Lanes>,
-    /// A star's activations at the point before, of which this point differs in the axes of the second four only.
-    pub(super) before: Vec<Lanes>,
-    /// exp(xΔ/b²) of the axes of the first four at the point.
-    pub(super) still: Lanes,
+    /// A usual star's activations along the last axes at the point before, of which this point differs in these axes only.
+    pub(super) before: [Lanes; USUAL_ARM],
+    /// exp(−‖x‖²/b²) at that point.
+    pub(super) before_common: f64,
+    /// What a star's nodes that are still contribute to Ŵᵀ Y, without the common factor, if it is known: four sums that make it up.
+    pub(super) kept: Option<Lanes>,
     /// Ŵᵀ Y at the point, if it is known: four sums that make it up.
     pub(super) output: Option<Lanes>,
 }
+
+/// Room for what rows have in common, in fours.
+const OUTER: usize = MAX_PER_AXIS.div_ceil(LANES);
 
 impl<const D: usize> Network<D> {
     /// A network with zero weights and Gaussians of `width` b > 0 in normalised units.
@@ -46,23 +55,26 @@ impl<const D: usize> Network<D> {
     pub fn new(layout: Layout, width: f64) -> Self {
         assert!(layout.is_possible(D), "{layout:?} with {D} axes");
         let row_length = layout.row_length(D);
-        let mut presence = [[0.0; LANES]; GROUPS];
-        presence.as_flattened_mut()[..D].fill(1.0);
+        let mut inner = vec![[0.0; LANES]; row_length];
+        if matches!(layout, Layout::Star(_)) {
+            // The origin.
+            inner[0][0] = 1.0;
+        }
+        let axis = Axis::new(layout, D, width);
         Self {
             layout,
             width,
-            axis: Axis::new(layout.per_axis(), width),
-            presence,
-            weights: vec![[0.0; LANES]; layout.rows() * row_length],
+            is_plain: (layout.is_usual(D) || layout.is_usual_star(D)) && !axis.is_narrow,
+            axis,
+            weights: vec![[0.0; LANES]; layout.rows() * row_length + layout.tail(D)],
             // Unlike any point, so that nothing counts as evaluated.
-            point: [f64::NAN; D],
-            outer: [1.0; MAX_PER_AXIS],
-            inner: vec![[0.0; LANES]; row_length],
-            before: match layout {
-                Layout::Grid(_) => Vec::new(),
-                Layout::Star(_) => vec![[0.0; LANES]; row_length],
-            },
-            still: [0.0; LANES],
+            point: in_lanes([f64::NAN; D]),
+            first_norm2: 0.0,
+            outer: [[0.0; LANES]; OUTER],
+            inner,
+            before: [[0.0; LANES]; USUAL_ARM],
+            before_common: 0.0,
+            kept: None,
             output: None,
         }
     }
@@ -76,7 +88,7 @@ impl<const D: usize> Network<D> {
     /// Sets all weights to zero.
     pub fn reset(&mut self) {
         self.weights.fill([0.0; LANES]);
-        self.output = None;
+        (self.kept, self.output) = (None, None);
     }
 
     /// The weights Ŵ, node by node.
@@ -115,9 +127,17 @@ impl<const D: usize> Network<D> {
         centre
     }
 
-    /// The weights row by row, each row with the activation that it shares.
-    fn rows(&self) -> impl Iterator<Item = (&[Lanes], f64)> {
-        self.weights.chunks_exact(self.inner.len()).zip(self.outer)
+    /// The activation of the node whose weight is there.
+    #[inline]
+    pub(super) fn activation(&self, row: usize, lane: usize) -> f64 {
+        let outer = self.outer.as_flattened();
+        // The tail has those along the first axis.
+        if row == self.layout.rows() { outer[lane] } else { outer[row] * self.inner.as_flattened()[lane] }
+    }
+
+    /// The normalised input.
+    pub(super) fn input(&self) -> [f64; D] {
+        std::array::from_fn(|axis| self.point.as_flattened()[lane(D, axis)])
     }
 
     /// Ŵᵀ Y at the last activation.
@@ -154,22 +174,45 @@ impl<const D: usize> Network<D> {
 
     #[inline(always)]
     fn sums<V: Four>(&self) -> Lanes {
-        // A star has one row, with the factor 1; asked first, for the number of rows is a division.
         if matches!(self.layout, Layout::Star(_)) {
-            return products_here::<V>(&self.weights, &self.inner).lanes();
+            let of_both = if let (Some(still), Some((w, y))) = (&self.kept, self.usual_star()) {
+                // What is usual first, of known length.
+                const STILL: usize = USUAL_STAR - USUAL_ARM;
+                V::load(still) + products_here::<V>(&w[STILL..], &y[STILL..])
+            } else {
+                let still = self.layout.still(D).min(self.weights.len());
+                let (w, y) = (self.weights.split_at(still), self.inner.split_at(still));
+                products_here::<V>(w.0, y.0) + products_here::<V>(w.1, y.1)
+            };
+            return (V::splat(self.outer[0][0]) * of_both).lanes();
         }
-        let mut sums = V::splat(0.0);
-        for (row, factor) in self.rows() {
-            sums = sums + V::splat(factor) * products_here::<V>(row, &self.inner);
+        let (rows, tail) = self.weights.split_at(self.weights.len() - self.layout.tail(D));
+        let mut sums = products_here::<V>(tail, &self.outer);
+        for (row, factor) in rows.chunks_exact(self.inner.len()).zip(self.outer.as_flattened()) {
+            sums = sums + V::splat(*factor) * products_here::<V>(row, &self.inner);
         }
         sums.lanes()
+    }
+
+    /// Weights and activations of a usual star.
+    #[inline(always)]
+    fn usual_star(&self) -> Option<(&[Lanes; USUAL_STAR], &[Lanes; USUAL_STAR])> {
+        Some((self.weights.as_slice().try_into().ok()?, self.inner.as_slice().try_into().ok()?))
+    }
+
+    /// Whether it has the usual size and no narrow Gaussians, so that the ways for plain networks are open.
+    #[inline(always)]
+    pub(crate) fn is_plain(&self) -> bool {
+        self.is_plain
     }
 
     /// ‖Y‖² at the last activation: the gain with which the network learns there.
     #[must_use]
     pub fn learning_gain(&self) -> f64 {
-        let outer: f64 = self.outer[..self.layout.rows()].iter().map(|factor| factor * factor).sum();
-        outer * total(products(&self.inner, &self.inner))
+        let outer: f64 = self.outer.as_flattened()[..self.layout.rows()].iter().map(|factor| factor * factor).sum();
+        // In the tail, the first axis has its activations alone.
+        let alone = if self.layout.is_usual(D) { 1.0 } else { 0.0 };
+        outer * (total(products(&self.inner, &self.inner)) + alone)
     }
 
     /// ‖Ŵ‖.
@@ -193,7 +236,7 @@ impl<const D: usize> Network<D> {
                 *weight *= factor;
             }
         }
-        self.output = None;
+        (self.kept, self.output) = (None, None);
     }
 
     /// d‖Ŵ‖/dt at the last activation, for weights that follow `law` with the forcing s Y: Ŵᵀ(dŴ/dt)/‖Ŵ‖, and from zero
@@ -214,7 +257,7 @@ impl<const D: usize> Network<D> {
         let mut gradient = [0.0; D];
         for (node, (weight, activation)) in self.weights().zip(self.activations()).enumerate() {
             let pull = -2.0 * self.axis.sharpness * weight * activation;
-            for ((slope, x), c) in gradient.iter_mut().zip(self.point).zip(self.centre(node)) {
+            for ((slope, x), c) in gradient.iter_mut().zip(self.input()).zip(self.centre(node)) {
                 // A point so far out that this overflows activates nothing.
                 *slope += if pull == 0.0 { 0.0 } else { pull * (x - c) };
             }
@@ -226,7 +269,7 @@ impl<const D: usize> Network<D> {
     pub(super) fn activations(&self) -> impl Iterator<Item = f64> {
         (0..self.layout.nodes(D)).map(|node| {
             let (row, lane) = self.layout.place(D, node);
-            self.outer[row] * self.inner.as_flattened()[lane]
+            self.activation(row, lane)
         })
     }
 
@@ -264,36 +307,49 @@ impl<const D: usize> Network<D> {
 
     #[inline(always)]
     pub(super) fn adapt_in<V: Four>(&mut self, decay: f64, weight: f64) {
-        let (inner, outer) = (self.inner.as_slice(), &self.outer);
         // What `output` would find, to the bit: the same operations in the same order.
-        let mut sums = V::splat(0.0);
         let decay = V::splat(decay);
+        if matches!(self.layout, Layout::Star(_)) {
+            let common = self.outer[0][0];
+            let still = self.layout.still(D).min(self.weights.len());
+            let (w, y) = (self.weights.split_at_mut(still), self.inner.split_at(still));
+            let weight = V::splat(weight * common);
+            let of_still = adapt_row(w.0, y.0, decay, weight);
+            let of_moving = adapt_row(w.1, y.1, decay, weight);
+            self.kept = Some(of_still.lanes());
+            self.output = Some((V::splat(common) * (of_still + of_moving)).lanes());
+            return;
+        }
+        let (inner, outer) = (self.inner.as_slice(), self.outer.as_flattened());
+        let rows = self.weights.len() - self.layout.tail(D);
+        let (rows, tail) = self.weights.split_at_mut(rows);
+        let mut sums = adapt_row(tail, &self.outer, decay, V::splat(weight));
         if let (true, Ok(inner)) = (V::IS_WIDE, <&[Lanes; USUAL_ROW]>::try_from(inner)) {
             // The row length by default: the activations stay in registers.
             let mut activations = [V::splat(0.0); USUAL_ROW];
             for i in 0..USUAL_ROW {
                 activations[i] = V::load(&inner[i]);
             }
-            for (row, factor) in self.weights.as_chunks_mut::<USUAL_ROW>().0.iter_mut().zip(outer) {
+            for (row, factor) in rows.as_chunks_mut::<USUAL_ROW>().0.iter_mut().zip(outer) {
                 let by = V::splat(weight * factor);
                 let mut of_row = V::splat(0.0);
                 for i in 0..USUAL_ROW {
                     let new = decay * V::load(&row[i]) + by * activations[i];
                     row[i] = new.lanes();
-                    of_row = of_row + new * activations[i];
+                    of_row = if i == 0 { new * activations[i] } else { of_row + new * activations[i] };
                 }
                 sums = sums + V::splat(*factor) * of_row;
             }
         } else {
-            for (row, factor) in self.weights.chunks_exact_mut(inner.len()).zip(outer) {
+            for (row, factor) in rows.chunks_exact_mut(inner.len()).zip(outer) {
                 sums = sums + V::splat(*factor) * adapt_row(row, inner, decay, V::splat(weight * factor));
             }
         }
         self.output = Some(sums.lanes());
     }
 
-    /// Ŵ ← decay·Ŵ + first·Y' + second·Y of a star, with the Y of the last activation and the Y' of the one before, which
-    /// [`fill_moving`](Self::fill_moving) kept.
+    /// Ŵ ← decay·Ŵ + first·Y' + second·Y of a plain star, with the Y of the last activation and the Y' of the one before, both of
+    /// [`fill_plain_both`](Self::fill_plain_both).
     #[inline(always)]
     pub(crate) fn adapt_twice<V: Four>(&mut self, decay: f64, shares: [f64; 2]) {
         if V::IS_WIDE { self.adapt_twice_in::<V>(decay, shares) } else { self.adapt_twice_narrow(decay, shares) }
@@ -306,9 +362,19 @@ impl<const D: usize> Network<D> {
 
     #[inline(always)]
     fn adapt_twice_in<V: Four>(&mut self, decay: f64, [first, second]: [f64; 2]) {
-        let (decay, first, second) = (V::splat(decay), V::splat(first), V::splat(second));
-        for ((w, before), y) in self.weights.iter_mut().zip(&self.before).zip(&self.inner) {
-            *w = ((decay * V::load(w) + first * V::load(before)) + second * V::load(y)).lanes();
+        const STILL: usize = USUAL_STAR - USUAL_ARM;
+        let (first, second) = (first * self.before_common, second * self.outer[0][0]);
+        let (Some(w), Some(y)) = (self.weights.first_chunk_mut::<USUAL_STAR>(), self.inner.first_chunk::<USUAL_STAR>())
+        else {
+            return;
+        };
+        let decay = V::splat(decay);
+        // Along the axes that stay, both differ in the common factor only.
+        self.kept = Some(adapt_row(&mut w[..STILL], &y[..STILL], decay, V::splat(first + second)).lanes());
+        let (first, second) = (V::splat(first), V::splat(second));
+        for i in 0..USUAL_ARM {
+            let learnt = first * V::load(&self.before[i]) + second * V::load(&y[STILL + i]);
+            w[STILL + i] = (decay * V::load(&w[STILL + i]) + learnt).lanes();
         }
         self.output = None;
     }

@@ -1,8 +1,12 @@
 //! The networks against their definition.
 
+use super::basis::in_lanes;
+use super::layout::GROUPS;
 use super::{Layout, Network};
-use crate::blocks::exponential::exp_of;
-use crate::blocks::four::{Four, Narrow, Portable};
+use crate::blocks::exponential::powers;
+use crate::blocks::four::{Four, Lanes, Narrow, Portable};
+#[cfg(target_arch = "x86_64")]
+use crate::blocks::four::{Wide, has_wide_registers};
 use proptest::prelude::*;
 
 /// The definition, node by node.
@@ -89,15 +93,14 @@ fn every_way_to_the_output_gives_the_same_bits() {
         for step in 0..20 {
             let x = std::array::from_fn(|axis| (0.3 * f64::from(step) + axis as f64).sin());
             network.activate(x);
-            plain.activate_here::<Narrow>(x);
+            plain.activate_here::<Narrow>(&in_lanes(x));
             network.adapt(0.99, 0.1);
             plain.adapt_here::<Narrow>(0.99, 0.1);
-            let exponents = portable.exponents::<Portable>(x);
-            portable.fill_here::<Portable>(&exponents.map(|x| exp_of(x).lanes()));
+            portable.activate_here::<Portable>(&in_lanes(x));
             portable.adapt_in::<Portable>(0.99, 0.1);
             for plain in [&mut plain, &mut portable] {
                 assert_eq!(network.weights, plain.weights);
-                plain.output = None;
+                (plain.kept, plain.output) = (None, None);
                 assert_eq!(network.output().to_bits(), plain.output().to_bits(), "{layout:?}");
             }
         }
@@ -107,6 +110,75 @@ fn every_way_to_the_output_gives_the_same_bits() {
     }
     for rings in 0..=4 {
         check::<7>(Layout::Star(rings));
+    }
+}
+
+/// Learning at two points at once is learning at one after the other, up to rounding; and the same bits in all registers.
+#[test]
+fn learning_at_two_points_at_once_is_learning_at_one_after_the_other() {
+    fn learn<V: Four>(points: [[Lanes; GROUPS]; 2]) -> (Network<7>, f64) {
+        let mut network = weighted::<7>(Layout::Star(2), 0.7);
+        assert!(network.is_plain());
+        network.activate_here::<V>(&points[0]);
+        let last = points.map(|x| V::load(&x[1]));
+        let of_both = powers(last.map(|x| network.last_exponents(x)));
+        network.fill_plain_both(last[1], of_both);
+        network.adapt_twice::<V>(0.99, [0.1, 0.2]);
+        let output = network.output();
+        (network, output)
+    }
+    let points = [0.3, -0.2].map(|last| in_lanes([0.1, -0.2, last, 0.4, 0.0, -last, 0.5 * last]));
+    let (network, output) = learn::<Narrow>(points);
+    let mut plain = weighted::<7>(Layout::Star(2), 0.7);
+    for (x, decay, weight) in [(points[0], 0.99, 0.1), (points[1], 1.0, 0.2)] {
+        plain.activate_lanes(&x);
+        plain.adapt(decay, weight);
+    }
+    for (found, expected) in network.weights().zip(plain.weights()) {
+        assert!((found - expected).abs() < 1e-15, "{found} {expected}");
+    }
+    let mut again = network.clone();
+    (again.kept, again.output) = (None, None);
+    assert_eq!(output.to_bits(), again.output().to_bits());
+    let check = |(other, of_other): (Network<7>, f64)| {
+        assert_eq!((&other.weights, of_other.to_bits()), (&network.weights, output.to_bits()));
+    };
+    check(learn::<Portable>(points));
+    #[cfg(target_arch = "x86_64")]
+    if has_wide_registers() {
+        check(learn::<Wide>(points));
+    }
+}
+
+/// The ways for plain networks give the same bits as the general ones.
+#[test]
+fn plain_networks_are_evaluated_the_same() {
+    let (z, x) = (in_lanes([0.3, -1.2, 0.7]), in_lanes([0.1, -0.2, 0.9, 0.4, 0.0, -2.0, 0.5]));
+    let (mut grid, mut star) = (weighted::<3>(Layout::Grid(5), 0.7), weighted::<7>(Layout::Star(2), 0.7));
+    let mut plain = (grid.clone(), star.clone());
+    grid.activate_lanes(&z);
+    star.activate_lanes(&x);
+    let last = Narrow::load(&z[0]);
+    let [of_last] = powers([plain.0.last_exponents(last)]);
+    plain.0.fill_plain_grid(last, of_last);
+    let first = plain.1.first_exponents(Narrow::load(&x[0]));
+    let last = Narrow::load(&x[1]);
+    let [of_first, of_last] = powers([first, plain.1.last_exponents(last)]);
+    plain.1.fill_plain_first(of_first);
+    plain.1.fill_plain_last(last, of_last);
+    assert_eq!((grid.inner, grid.outer, grid.point), (plain.0.inner, plain.0.outer, plain.0.point));
+    assert_eq!((star.inner, star.outer, star.point), (plain.1.inner, plain.1.outer, plain.1.point));
+}
+
+/// Points and widths where factors of an activation are as large and as small as they get.
+#[test]
+fn narrow_gaussians_far_out_are_the_gaussians() {
+    for n in 1..=9 {
+        for x in [[1.84, 1.84, 0.0], [1.24, 1.24, 1.24], [1.8, -1.8, 1.8], [2.5, 0.0, -0.3], [2.6, 2.6, 2.6]] {
+            for width in [0.1, 0.12, 0.2, 0.249, 0.25, 0.3] {
+                assert_definition::<3>(Layout::Grid(n), width, x);
+            }
+        }
     }
 }
 

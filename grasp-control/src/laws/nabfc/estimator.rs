@@ -104,33 +104,11 @@ impl<const D: usize> Estimator<D> {
         self.network.reset();
     }
 
-    /// Evaluates the network's basis at a normalised input, for all that follows.
+    /// Evaluates the network's basis at a normalised input in the lanes of its axes, for all that follows.
     #[inline]
-    pub fn activate(&mut self, x: [f64; D]) {
+    pub fn activate(&mut self, x: &[Lanes; 2]) {
         if self.has_network {
-            self.network.activate(x);
-        }
-    }
-
-    /// What the exponentials for the basis at `x` are of; see [`Network::exponents`].
-    #[inline(always)]
-    pub fn exponents<V: Four>(&self, x: [f64; D]) -> [V; 2] {
-        self.network.exponents(x)
-    }
-
-    /// Fills in the network's basis at `x` from the exponentials.
-    #[inline(always)]
-    pub fn fill<V: Four>(&mut self, x: [f64; D], exponentials: &[Lanes; 2]) {
-        if self.has_network {
-            self.network.fill::<V>(x, exponentials);
-        }
-    }
-
-    /// The same where only axes of a star's second four have moved.
-    #[inline(always)]
-    pub fn fill_moving<V: Four>(&mut self, x: [f64; D], moving: Lanes) {
-        if self.has_network {
-            self.network.fill_moving::<V>(x, moving);
+            self.network.activate_lanes(x);
         }
     }
 
@@ -215,7 +193,7 @@ impl<const D: usize> Estimator<D> {
     }
 
     /// As [`step_sampled`](Self::step_sampled) for both nodes at once, with one sliding variable, where the weights have no ball and
-    /// the network is a star that went from the first node to the second.
+    /// the network is a plain star that is [evaluated at both](Network::fill_plain_both).
     #[inline(always)]
     pub fn step_both_here<V: Four>(&mut self, h: f64, drives: &[Drive; 2]) {
         self.prepare(h);

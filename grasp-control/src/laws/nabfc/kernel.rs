@@ -1,8 +1,9 @@
-//! The law's hot path: one pass for all exponentials of a step, in the registers that the processor has.
+//! The law's hot path, in the registers that the processor has.
 //!
-//! Three hyperbolic tangents, two grids and a star ask for some thirty exponentials. With held inputs a step sees the shear rates
+//! Three hyperbolic tangents, two grids and a star ask for some twenty exponentials. With held inputs a step sees the shear rates
 //! at two points, because the low-pass moves, and commands see them at a third. Only three of the star's seven inputs differ
-//! between these, so the rest is evaluated once. Elsewhere each loop evaluates itself ([`ObjectLoop::at`], [`PostureLoop::at`]): the
+//! between these, so the rest is evaluated once. What commands need after a step is evaluated in it if they were not asked for before it: then
+//! the processor has it ready by the time. Elsewhere each loop evaluates itself ([`ObjectLoop::at`], [`PostureLoop::at`]): the
 //! same operations number by number, so the same bits.
 //!
 //! [`ObjectLoop::at`]: super::object_loop::ObjectLoop::at
@@ -11,99 +12,100 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
-use super::object_loop::Point;
-use super::{LoopInputs, Nabfc};
-use crate::blocks::exponential::{exp_of_all, tanh_of};
+use super::Nabfc;
+use crate::blocks::exponential::{powers, tanh_of};
 #[cfg(target_arch = "x86_64")]
 use crate::blocks::four::Wide;
-use crate::blocks::four::{Four, LANES, Lanes, Narrow};
+use crate::blocks::four::{Four, LANES, Narrow};
 use crate::law::StepError;
 use crate::signals::{Commands, Inputs, all_equal};
 
 impl Nabfc {
-    /// Evaluates surfaces, tangents, regressors and bases for inputs, with the shear rates `first` instead of those in them, as far as they are
-    /// not known there.
-    ///
-    /// `second` are the shear rates of a second instant that is otherwise the same, if there is one: gives the second half of the
-    /// exponentials that the star needs there.
+    /// Evaluates surfaces, tangents, regressors and bases for inputs, with other shear rates instead of those in them, as far as they
+    /// are not known there.
     #[inline(always)]
-    fn evaluate<V: Four>(&mut self, inputs: &Inputs, first: [f64; 2], second: Option<[f64; 2]>) -> Lanes {
-        let mut moved = [0.0; LANES];
-        if let Some(point) = self.known(inputs) {
-            if let Some(second) = second {
-                moved = self.object.moved_exponentials::<V>(point, second);
-            }
-            if point.inputs.shear_dot != first {
-                let moving = self.object.moved_exponentials::<V>(point, first);
-                self.object.move_to::<V>(first, moving);
-            }
-            return moved;
+    fn evaluate<V: Four>(&mut self, inputs: &Inputs, shear_dot: [f64; 2]) {
+        if !self.knows(inputs) {
+            self.evaluate_still::<V>(inputs);
+        } else if self.object.point.as_ref().is_some_and(|point| point.inputs.shear_dot == shear_dot) {
+            return;
         }
-        self.seen = *inputs;
-        let at = self.loop_inputs(inputs, first);
+        self.object.move_to::<V>(shear_dot);
+    }
+
+    /// Whether the loops are evaluated for these inputs, whatever the shear rates.
+    #[inline(always)]
+    fn knows(&self, inputs: &Inputs) -> bool {
+        let [arm1, arm2] = &self.posture;
+        let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point) else {
+            return false;
+        };
+        let are_of_seen = object.is_of_seen & point1.is_of_seen & point2.is_of_seen;
+        are_of_seen && all_equal(&self.seen.to_array(), &inputs.to_array())
+    }
+
+    /// Evaluates all that the shear rates do not change. What they do change is to follow.
+    #[inline(always)]
+    fn evaluate_still<V: Four>(&mut self, inputs: &Inputs) {
         #[cfg(target_arch = "x86_64")]
         if V::IS_WIDE {
             // SAFETY: a wide register is in use.
-            return unsafe { self.evaluate_all_wide(&at, second.unwrap_or(first)) };
+            return unsafe { self.evaluate_still_wide(inputs) };
         }
-        self.evaluate_all_narrow(&at, second.unwrap_or(first))
-    }
-
-    /// The object's point, if the loops are evaluated for these inputs, whatever the shear rates.
-    #[inline(always)]
-    fn known(&self, inputs: &Inputs) -> Option<&Point> {
-        let [arm1, arm2] = &self.posture;
-        let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point) else {
-            return None;
-        };
-        let are_of_seen = object.is_of_seen & point1.is_of_seen & point2.is_of_seen;
-        if are_of_seen && all_equal(&self.seen.to_array(), &inputs.to_array()) { Some(object) } else { None }
+        self.evaluate_still_narrow(inputs);
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     #[inline(never)]
-    fn evaluate_all_wide(&mut self, at: &LoopInputs, second: [f64; 2]) -> Lanes {
-        self.evaluate_all::<Wide>(at, second)
+    fn evaluate_still_wide(&mut self, inputs: &Inputs) {
+        self.evaluate_still_here::<Wide>(inputs);
     }
 
     #[inline(never)]
-    fn evaluate_all_narrow(&mut self, at: &LoopInputs, second: [f64; 2]) -> Lanes {
-        self.evaluate_all::<Narrow>(at, second)
+    fn evaluate_still_narrow(&mut self, inputs: &Inputs) {
+        self.evaluate_still_here::<Narrow>(inputs);
     }
 
-    /// [`evaluate`](Self::evaluate) where nothing is known. Without a branch for the second instant: at it the compiler would put all
-    /// constants of the exponentials aside.
     #[inline(always)]
-    fn evaluate_all<V: Four>(&mut self, at: &LoopInputs, second: [f64; 2]) -> Lanes {
-        let [arm1, arm2] = &self.posture;
-        let mut object = self.object.signals(&at.object);
+    fn evaluate_still_here<V: Four>(&mut self, inputs: &Inputs) {
+        self.seen = *inputs;
+        self.object.prepare();
+        let at = self.loop_inputs(inputs, [0.0; 2]);
+        let [arm1, arm2] = &mut self.posture;
         let (mut point1, z1) = arm1.signals(at.posture[0].0, at.posture[0].1);
         let (mut point2, z2) = arm2.signals(at.posture[1].0, at.posture[1].1);
+        let (mut object, x) = self.object.signals(&at.object);
         (object.is_of_seen, point1.is_of_seen, point2.is_of_seen) = (true, true, true);
-        let tangents =
-            [self.object.tanh_argument(&object), arm1.tanh_argument(&point1), arm2.tanh_argument(&point2), 0.0];
-        let [tanh, tanh1, tanh2, _] = tanh_of(V::load(&tangents)).lanes();
-        (object.tanh, point1.tanh, point2.tanh) = (tanh, tanh1, tanh2);
-        let moved = self.object.moved_exponentials::<V>(&object, second);
-        let [first1, second1] = arm1.estimator.exponents::<V>(z1);
-        let [first2, second2] = arm2.estimator.exponents::<V>(z2);
-        let [still, moving] = self.object.estimator.exponents::<V>(object.x);
-        let [first1, second1, first2, second2, still, moving] =
-            exp_of_all([first1, second1, first2, second2, still, moving]);
-        let [arm1, arm2] = &mut self.posture;
-        arm1.estimator.fill::<V>(z1, &[first1, second1]);
-        arm2.estimator.fill::<V>(z2, &[first2, second2]);
-        self.object.estimator.fill::<V>(object.x, &[still, moving]);
+        let network = &mut self.object.estimator.network;
+        let [network1, network2] = [&mut arm1.estimator.network, &mut arm2.estimator.network];
+        if network.is_plain() & network1.is_plain() & network2.is_plain() {
+            let (z1, z2) = (V::load(&z1), V::load(&z2));
+            let [of_z1, of_z2, of_x] = powers([
+                network1.last_exponents(z1),
+                network2.last_exponents(z2),
+                network.first_exponents(V::load(&x)),
+            ]);
+            network1.fill_plain_grid(z1, of_z1);
+            network2.fill_plain_grid(z2, of_z2);
+            network.fill_plain_first(of_x);
+        } else {
+            network1.go_on(z1);
+            network2.go_on(z2);
+            network.activate_lanes(&[x, [0.0; LANES]]);
+        }
+        let width = self.object.epsilon();
+        let widths = V::load(&[width, arm1.epsilon(), arm2.epsilon(), width]);
+        [object.tanh, point1.tanh, point2.tanh, _] =
+            tanh_of(V::load(&[object.s, point1.s, point2.s, object.s]) / widths).lanes();
         (self.object.point, arm1.point, arm2.point) = (Some(object), Some(point1), Some(point2));
-        moved
     }
 
     /// Eqs. (36) and (54).
     #[inline(always)]
     pub(super) fn commands_here<V: Four>(&mut self, inputs: &Inputs) -> Commands {
         let used = self.shear_rate.output(inputs.measured.tip_shear_dot);
-        self.evaluate::<V>(inputs, used, None);
+        self.evaluate::<V>(inputs, used);
         let [arm1, arm2] = &self.posture;
         let (Some(object), Some(point1), Some(point2)) = (&self.object.point, &arm1.point, &arm2.point) else {
             return Commands::default();
@@ -133,16 +135,24 @@ impl Nabfc {
     fn held_step_here<V: Four>(&mut self, h: f64, inputs: &Inputs) {
         let shear_dot = inputs.measured.tip_shear_dot;
         let used = self.shear_rate.sampled(h, shear_dot, [0.0; 2]);
-        if self.shear_rate.is_settled(shear_dot) {
-            self.evaluate::<V>(inputs, used[0], None);
+        let is_settled = self.shear_rate.is_settled(shear_dot);
+        self.shear_rate.step(h, shear_dot, [0.0; 2]);
+        if is_settled {
+            self.evaluate::<V>(inputs, used[0]);
             self.object.step_here::<V>(h);
         } else {
-            let moved = self.evaluate::<V>(inputs, used[0], Some(used[1]));
-            self.object.step_both_here::<V>(h, used[1], moved);
+            let is_new = !self.knows(inputs);
+            if is_new {
+                self.evaluate_still::<V>(inputs);
+            }
+            self.object.step_both_here::<V>(h, used);
+            if is_new {
+                // Nobody has asked for commands before the step, so somebody will after it.
+                self.object.move_to::<V>(self.shear_rate.output(shear_dot));
+            }
         }
         for posture in &mut self.posture {
             posture.step_here::<V>(h);
         }
-        self.shear_rate.step(h, shear_dot, [0.0; 2]);
     }
 }

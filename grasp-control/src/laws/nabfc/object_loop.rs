@@ -8,8 +8,8 @@ mod continuous;
 use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, ObjectGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;
-use crate::blocks::exponential::{exp_of_all, tanh};
-use crate::blocks::four::{Four, Lanes};
+use crate::blocks::exponential::{powers, tanh};
+use crate::blocks::four::{Four, Lanes, Narrow};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
 use serde::{Deserialize, Serialize};
@@ -62,6 +62,17 @@ impl ObjectSettings {
         }
     }
 
+    /// What moves with unit ż₁, Q̇₁ and Q̇₂.
+    fn moving(&self) -> Moving {
+        let [c1, c2] = self.compliance;
+        let [.., alpha, _, _, by1, by2] = self.inverse_scales;
+        [
+            [-self.gains.c1 * alpha, 0.0, 0.0, self.gains.mu_bar + self.gains.c1],
+            [-c1 * alpha, c1 * by1, 0.0, c1],
+            [-c2 * alpha, 0.0, c2 * by2, c2],
+        ]
+    }
+
     /// The update laws (37)–(39): Ŵ, ε̂, m̂.
     fn laws(&self) -> Laws {
         let g = &self.gains;
@@ -82,20 +93,25 @@ pub(crate) struct ObjectLoop {
     pub estimator: Estimator<7>,
     #[serde(skip)]
     pub point: Option<Point>,
+    /// See [`ObjectSettings::moving`]; a restored law has none until it is evaluated.
+    #[serde(skip)]
+    moving: Option<Moving>,
 }
+
+/// What ż₁, Q̇₁ and Q̇₂ move: the network's inputs α̇₁, ẇ₁''' and ẇ₂''', normalised, and in the last lane the regressor. Linear, each
+/// by one of these.
+type Moving = [Lanes; 3];
 
 /// Signals of the loop at one instant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Point {
     pub inputs: ObjectInputs,
     /// s = (μ̄ + c₁) z₁ + ż₁ + Σ qᵢ'''(l).
-    s: f64,
+    pub s: f64,
     /// tanh(s/ϵ₁).
     pub tanh: f64,
     /// (μ̄ + c₁) ż₁ + Σ q̇ᵢ'''(l), which m̂ multiplies.
     regressor: f64,
-    /// The normalised input of the network.
-    pub x: [f64; 7],
     /// Whether it is of the inputs that the law has seen last.
     pub is_of_seen: bool,
 }
@@ -122,14 +138,15 @@ impl ObjectLoop {
     pub fn new(gains: &Gains, ei: [f64; 2]) -> Self {
         let settings = ObjectSettings::new(gains, ei);
         let network = Network::new(gains.rbf.object(), gains.rbf.width_object);
-        Self { settings, estimator: Estimator::new(settings.laws(), gains.object.m_hat_0, network), point: None }
+        let estimator = Estimator::new(settings.laws(), gains.object.m_hat_0, network);
+        Self { settings, estimator, point: None, moving: None }
     }
 
     /// Other gains for the same estimates. The layout of the network must be the same.
     pub fn retune(&mut self, gains: &Gains, ei: [f64; 2]) {
         self.settings = ObjectSettings::new(gains, ei);
         self.estimator.retune(self.settings.laws());
-        self.point = None;
+        (self.moving, self.point) = (None, None);
     }
 
     /// Whether gains, scales and the network's layout are those of another loop.
@@ -179,72 +196,72 @@ impl ObjectLoop {
             return point;
         }
         // Where only the shear rates differ, the surface is the same.
-        let mut point = self.signals(inputs);
+        let (mut point, still) = self.signals(inputs);
         point.tanh = match self.point {
             Some(known) if known.s == point.s => known.tanh,
-            _ => tanh(self.tanh_argument(&point)),
+            _ => tanh(point.s / self.epsilon()),
         };
-        self.estimator.activate(point.x);
+        self.prepare();
+        let moved = self.moved::<Narrow>(inputs.z1_dot, inputs.shear_dot);
+        point.regressor = moved.last();
+        self.estimator.activate(&[still, moved.with_last(0.0).lanes()]);
         self.point = Some(point);
         point
     }
 
-    /// What tanh in [`Point`] is of.
+    /// ϵ₁.
     #[inline(always)]
-    pub fn tanh_argument(&self, point: &Point) -> f64 {
-        point.s / self.settings.gains.epsilon1
+    pub fn epsilon(&self) -> f64 {
+        self.settings.gains.epsilon1
     }
 
-    /// The signals at a point, without its tanh.
+    /// The signals at a point, without its tanh and its regressor, and the network's inputs z₁, s, w₁''' and w₂''', normalised.
     #[inline(always)]
-    pub fn signals(&self, inputs: &ObjectInputs) -> Point {
-        let ObjectSettings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
-        let w_dot = [inputs.shear_dot[0] * c1, inputs.shear_dot[1] * c2];
-        let shear_rate = w_dot[0] + w_dot[1];
+    pub fn signals(&self, inputs: &ObjectInputs) -> (Point, Lanes) {
+        let ObjectSettings { compliance: [c1, c2], inverse_scales: [position, surface, _, by1, by2, ..], .. } =
+            &self.settings;
         let s = self.surface(inputs);
-        let alpha_dot = -gains.c1 * inputs.z1_dot - shear_rate;
-        let x = [inputs.z1, s, alpha_dot, inputs.shear[0] * c1, inputs.shear[1] * c2, w_dot[0], w_dot[1]];
-        Point {
-            inputs: *inputs,
-            s,
-            tanh: 0.0,
-            regressor: self.slope() * inputs.z1_dot + shear_rate,
-            x: std::array::from_fn(|axis| x[axis] * inverse_scales[axis]),
-            is_of_seen: false,
+        let still = [inputs.z1 * position, s * surface, inputs.shear[0] * c1 * by1, inputs.shear[1] * c2 * by2];
+        (Point { inputs: *inputs, s, tanh: 0.0, regressor: 0.0, is_of_seen: false }, still)
+    }
+
+    /// Makes [`moved`](Self::moved) ready.
+    #[inline(always)]
+    pub fn prepare(&mut self) {
+        if self.moving.is_none() {
+            self.moving = Some(self.settings.moving());
         }
     }
 
-    /// What is else at a point with other shear rates: the regressor, and the network's inputs α̇₁, ẇ₁''' and ẇ₂''', with the same numbers as of
-    /// [`signals`](Self::signals).
+    /// What the shear rates move: the network's inputs α̇₁, ẇ₁''' and ẇ₂''', normalised, and in the last lane the regressor.
     #[inline(always)]
-    fn moved(&self, z1_dot: f64, shear_dot: [f64; 2]) -> (f64, [f64; 3]) {
-        let ObjectSettings { gains, compliance: [c1, c2], inverse_scales, .. } = &self.settings;
-        let w_dot = [shear_dot[0] * c1, shear_dot[1] * c2];
-        let shear_rate = w_dot[0] + w_dot[1];
-        let alpha_dot = -gains.c1 * z1_dot - shear_rate;
-        let [.., alpha, _, _, by1, by2] = inverse_scales;
-        (self.slope() * z1_dot + shear_rate, [alpha_dot * alpha, w_dot[0] * by1, w_dot[1] * by2])
+    fn moved<V: Four>(&self, z1_dot: f64, shear_dot: [f64; 2]) -> V {
+        let Some([by_velocity, by_rate1, by_rate2]) = &self.moving else { return V::splat(0.0) };
+        let of_rates = V::splat(shear_dot[0]) * V::load(by_rate1) + V::splat(shear_dot[1]) * V::load(by_rate2);
+        V::splat(z1_dot) * V::load(by_velocity) + of_rates
     }
 
-    /// The second half of the exponentials that the network needs where only the shear rates are others than at a `point`.
+    /// Goes to a point where only the shear rates are others than where the loop is evaluated.
     #[inline(always)]
-    pub fn moved_exponentials<V: Four>(&self, point: &Point, shear_dot: [f64; 2]) -> Lanes {
-        let (_, [alpha_dot, w1_dot, w2_dot]) = self.moved(point.inputs.z1_dot, shear_dot);
-        let [z1, s, _, w1, w2, ..] = point.x;
-        let x = [z1, s, alpha_dot, w1, w2, w1_dot, w2_dot];
-        let [moved] = exp_of_all([self.estimator.network.moving_exponents::<V>(x)]);
-        moved
+    pub fn move_to<V: Four>(&mut self, shear_dot: [f64; 2]) {
+        let Some(point) = &self.point else { return };
+        let x = self.moved::<V>(point.inputs.z1_dot, shear_dot);
+        let network = &mut self.estimator.network;
+        if network.is_plain() {
+            let [of_x] = powers([network.last_exponents(x)]);
+            network.fill_plain_last(x, of_x);
+        } else {
+            network.go_on(x.lanes());
+        }
+        self.arrive(shear_dot, x.last());
     }
 
-    /// Goes on from where the loop is evaluated to a point where only the shear rates are others.
+    /// The loop is evaluated there.
     #[inline(always)]
-    pub fn move_to<V: Four>(&mut self, shear_dot: [f64; 2], moving: Lanes) {
-        let z1_dot = self.point.as_ref().map_or(0.0, |point| point.inputs.z1_dot);
-        let (regressor, [alpha_dot, w1_dot, w2_dot]) = self.moved(z1_dot, shear_dot);
-        let Some(point) = &mut self.point else { return };
-        (point.inputs.shear_dot, point.regressor) = (shear_dot, regressor);
-        (point.x[2], point.x[5], point.x[6]) = (alpha_dot, w1_dot, w2_dot);
-        self.estimator.fill_moving::<V>(point.x, moving);
+    fn arrive(&mut self, shear_dot: [f64; 2], regressor: f64) {
+        if let Some(point) = &mut self.point {
+            (point.inputs.shear_dot, point.regressor) = (shear_dot, regressor);
+        }
     }
 
     /// Advances the estimates over a step with held signals, where the loop is evaluated, exactly.
@@ -255,20 +272,35 @@ impl ObjectLoop {
         }
     }
 
-    /// Advances the estimates over a step whose shear rates are sampled at [`NODES`](crate::blocks::adaptation::NODES): the loop is
-    /// evaluated at the first node, `moved` are the [`moved_exponentials`](Self::moved_exponentials) of the second.
+    /// Advances the estimates over a step whose shear rates are sampled at [`NODES`](crate::blocks::adaptation::NODES), from where the
+    /// loop is evaluated for the same inputs but for these.
     #[inline(always)]
-    pub fn step_both_here<V: Four>(&mut self, h: f64, shear_dot: [f64; 2], moved: Lanes) {
-        let Some(first) = self.point.as_ref().map(Point::drive) else { return };
-        if self.estimator.has_ball() {
-            self.estimator.step_sampled(h, 0, &first);
+    pub fn step_both_here<V: Four>(&mut self, h: f64, shear_dot: [[f64; 2]; 2]) {
+        let Some(point) = &self.point else { return };
+        if self.estimator.has_ball() || !self.estimator.network.is_plain() {
+            self.step_one_by_one(h, shear_dot);
+            return;
         }
-        self.move_to::<V>(shear_dot, moved);
-        let Some(second) = self.point.as_ref().map(Point::drive) else { return };
-        if self.estimator.has_ball() {
-            self.estimator.step_sampled(h, 1, &second);
-        } else {
-            self.estimator.step_both_here::<V>(h, &[first, second]);
+        let (z1_dot, mut drive) = (point.inputs.z1_dot, point.drive());
+        let s = drive.s;
+        let [first, second] = [self.moved::<V>(z1_dot, shear_dot[0]), self.moved::<V>(z1_dot, shear_dot[1])];
+        let network = &mut self.estimator.network;
+        let of_both = powers([network.last_exponents(first), network.last_exponents(second)]);
+        network.fill_plain_both(second, of_both);
+        drive.inertia = s * first.last();
+        self.estimator.step_both_here::<V>(h, &[drive, Drive { inertia: s * second.last(), ..drive }]);
+        self.arrive(shear_dot[1], second.last());
+    }
+
+    /// The same one after the other, for networks that are not plain and where a ball holds the weights, which are put back on it in
+    /// between.
+    #[inline(never)]
+    fn step_one_by_one(&mut self, h: f64, shear_dot: [[f64; 2]; 2]) {
+        for (node, shear_dot) in shear_dot.into_iter().enumerate() {
+            self.move_to::<Narrow>(shear_dot);
+            if let Some(drive) = self.point.as_ref().map(Point::drive) {
+                self.estimator.step_sampled(h, node, &drive);
+            }
         }
     }
 

@@ -9,7 +9,7 @@ use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, PostureGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::exponential::tanh;
-use crate::blocks::four::Four;
+use crate::blocks::four::{Four, Lanes};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
 use serde::{Deserialize, Serialize};
@@ -61,7 +61,7 @@ pub(crate) struct Point {
     pub e: f64,
     pub e_dot: f64,
     /// s = (μ + c₃) e + ė.
-    s: f64,
+    pub s: f64,
     /// tanh(s/ϵ₂).
     pub tanh: f64,
     /// ė (μ + c₃), which Ĵ multiplies.
@@ -133,26 +133,28 @@ impl PostureLoop {
         {
             return point;
         }
-        let (mut point, z) = self.signals(e, e_dot);
-        point.tanh = tanh(self.tanh_argument(&point));
-        self.estimator.activate(z);
+        let (mut point, [e_scaled, s_scaled, alpha_dot, _]) = self.signals(e, e_dot);
+        point.tanh = tanh(point.s / self.epsilon());
+        self.estimator.activate(&[[e_scaled, s_scaled, alpha_dot, 0.0], [0.0; 4]]);
         self.point = Some(point);
         point
     }
 
-    /// What tanh in [`Point`] is of.
+    /// ϵ₂.
     #[inline(always)]
-    pub fn tanh_argument(&self, point: &Point) -> f64 {
-        point.s / self.settings.gains.epsilon2
+    pub fn epsilon(&self) -> f64 {
+        self.settings.gains.epsilon2
     }
 
-    /// The signals at a point, without its tanh, and the normalised input of the network.
+    /// The signals at a point, without its tanh, and the normalised input of the network. The last lane does not count; for a zero there,
+    /// the compiler may choose an instruction that valgrind 3.19 does not know, and hosts run under valgrind, too.
     #[inline(always)]
-    pub fn signals(&self, e: f64, e_dot: f64) -> (Point, [f64; 3]) {
+    pub fn signals(&self, e: f64, e_dot: f64) -> (Point, Lanes) {
         let PostureSettings { gains, inverse_scales: [angle, surface, alpha], .. } = &self.settings;
         let s = self.surface(e, e_dot);
         let point = Point { e, e_dot, s, tanh: 0.0, regressor: e_dot * self.slope(), is_of_seen: false };
-        (point, [e * angle, s * surface, -gains.c3 * e_dot * alpha])
+        let alpha_dot = -gains.c3 * e_dot * alpha;
+        (point, [e * angle, s * surface, alpha_dot, alpha_dot])
     }
 
     /// Hub torque τ̄, eq. (54).
