@@ -11,7 +11,7 @@ use nalgebra::DMatrix;
 /// Coordinates of the plant, its three positions, and the three commands that are on their way.
 fn advance(plant: &mut Plant, law: &mut dyn Law, h: f64, late: bool, state: &[f64]) -> Vec<f64> {
     let (coordinates, rest) = state.split_at(state.len() - 6);
-    let mut inner = State { basis: Basis::Energy, coordinates: coordinates.to_vec(), ..plant.state().clone() };
+    let mut inner = State { basis: Basis::Energy, coordinates: coordinates.into(), ..plant.state().clone() };
     inner.position.copy_from_slice(&rest[..3]);
     inner.carry = [0.0; 3];
     plant.set_state(&inner).unwrap();

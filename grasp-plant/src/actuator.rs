@@ -58,10 +58,8 @@ impl Actuator {
     #[must_use]
     #[inline]
     pub fn output(&self, command: f64) -> f64 {
-        // Not `clamp`, which would look at the limits too.
         let [low, high] = self.limits;
-        let limited = if command < low { low } else { command };
-        let limited = if limited > high { high } else { limited };
+        let limited = limited(command, low, high);
         if self.model == ActuatorModel::Raw { self.behind_dead_zone(limited) } else { limited }
     }
 
@@ -75,6 +73,11 @@ impl Actuator {
         } else {
             0.0
         }
+    }
+
+    /// Commands at which the limits begin; infinite if there are none.
+    pub(crate) fn limits(&self) -> [f64; 2] {
+        self.limits
     }
 
     /// Whether the output is at one of its limits, where it does not answer the command.
@@ -103,6 +106,13 @@ impl Actuator {
             }
         }
     }
+}
+
+/// A command within limits. Not `clamp`, which would look at the limits too.
+#[inline]
+pub(crate) fn limited(command: f64, low: f64, high: f64) -> f64 {
+    let limited = if command < low { low } else { command };
+    if limited > high { high } else { limited }
 }
 
 #[cfg(test)]

@@ -52,6 +52,7 @@ mod basis;
 mod beam;
 mod cache;
 mod contact;
+mod coordinates;
 mod dynamics;
 mod exponential;
 mod extended;
@@ -70,6 +71,7 @@ mod step_sizes;
 pub use actuator::Actuator;
 pub use beam::DEFLECTION_POINTS;
 pub use contact::{Contact, ContactState};
+pub use coordinates::Coordinates;
 pub use extended::LONGEST_STEP;
 pub use fields::{Fields, Node};
 /// Re-exported because a [`StateSpace`] holds its matrices.

@@ -33,6 +33,17 @@ impl Inputs {
         [self.hub_disturbance[0], self.hub_disturbance[1], self.object_disturbance]
     }
 
+    /// The same, read [singly](read_singly): hosts have often just set them, one by one.
+    #[inline]
+    pub(crate) fn fresh(&self) -> Self {
+        Self {
+            torque_command: self.torque_command.each_ref().map(read_singly),
+            force_command: read_singly(&self.force_command),
+            hub_disturbance: self.hub_disturbance.each_ref().map(read_singly),
+            object_disturbance: read_singly(&self.object_disturbance),
+        }
+    }
+
     /// Whether it equals [`ZERO`](Self::ZERO).
     #[inline]
     pub(crate) fn is_zero(&self) -> bool {
@@ -41,10 +52,25 @@ impl Inputs {
         (bits(self.commands()) | bits(self.disturbances())) << 1 == 0
     }
 
+    /// The sum of the sizes of all.
+    #[inline]
+    pub(crate) fn size(&self) -> f64 {
+        let size = |values: [f64; 3]| values[0].abs() + values[1].abs() + values[2].abs();
+        size(self.commands()) + size(self.disturbances())
+    }
+
     #[inline]
     pub(crate) fn is_finite(&self) -> bool {
         self.commands().iter().chain(&self.disturbances()).all(|value| value.is_finite())
     }
+}
+
+/// A number, by itself. The compiler would read two at once where two are needed; if they have just been written in another way, a processor
+/// waits until both are in its cache, and with them all that was written before.
+#[inline]
+pub(crate) fn read_singly(number: &f64) -> f64 {
+    // SAFETY: of a reference.
+    unsafe { std::ptr::from_ref(number).read_volatile() }
 }
 
 /// The twelve measured outputs (or their time derivatives). They depend on the state alone.

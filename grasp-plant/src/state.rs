@@ -1,6 +1,7 @@
 //! The state of the plant, and the reasons for which a step or a state is refused.
 
 use crate::contact::ContactState;
+use crate::coordinates::Coordinates;
 use crate::dynamics::{Dynamics, FORCES};
 use crate::initial;
 use crate::parameters::Parameters;
@@ -26,7 +27,7 @@ pub struct State {
     /// The meaning of the coordinates.
     pub basis: Basis,
     /// The moments and velocities of arms and object \[√J\] in this basis. 4k + 5 energy coordinates if the grasp can open.
-    pub coordinates: Vec<f64>,
+    pub coordinates: Coordinates,
     /// θ_1 \[rad\], θ_2 \[rad\], `y_M` \[m\].
     pub position: [f64; 3],
     /// The parts that rounding has kept from being added to the positions so far (compensated summation). At rest,
@@ -47,7 +48,7 @@ impl State {
         let start = &parameters.start;
         Self {
             basis: Basis::Energy,
-            coordinates: initial::coordinates(parameters, dynamics),
+            coordinates: initial::coordinates(parameters, dynamics).into(),
             position: [start.theta[0], start.theta[1], start.y_object],
             carry: [0.0; 3],
             supplied_energy: 0.0,

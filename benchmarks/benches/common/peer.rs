@@ -16,10 +16,14 @@ const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/peer/peer.c")
 
 type Access<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, T);
 
+/// A line of a processor's cache: ours keep their numbers in whole ones, too.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Line(#[allow(dead_code)] [u8; 64]);
+
 /// One model of the peer: its memory, and its functions.
 pub struct Peer {
-    /// Aligned as C's vectors of four like it.
-    memory: Vec<[u64; 4]>,
+    memory: Vec<Line>,
     set: Access<*const f64>,
     step: unsafe extern "C" fn(*mut c_void, f64),
     get: Access<*mut f64>,
@@ -80,7 +84,7 @@ impl Peers {
             let get = *self.0.get(named("get").as_bytes())?;
             (size(), new, set, step, get)
         };
-        let mut memory = vec![[0; 4]; size.div_ceil(32)];
+        let mut memory = vec![Line([0; 64]); size.div_ceil(size_of::<Line>())];
         // SAFETY: the memory has the size that the model asks for, and the gains those that it reads.
         unsafe { new(memory.as_mut_ptr().cast(), STEP, gains.as_ptr()) };
         let references = |count: usize| (0..).take(count).collect();

@@ -3,7 +3,7 @@
  * without any parameter that could be something else. `benches/common/peer.rs` compiles it with the C compiler at hand and
  * measures it beside ours.
  *
- *   plant       the modal step of order 8 (grasp-plant/src/modal/): 16 blocks, the rigid motion, 12 signals, travel and work
+ *   plant       the modal step of order 8 (grasp-plant/src/modal/): 16 blocks, the rigid motion, 9 signals, travel and work
  *   paper       a step of NABFC with the paper's law (grasp-control/src/laws/nabfc/) and held inputs: 5^3, 5^3 and 29 nodes
  *
  * Vectors of four are those of GCC and Clang, which make what the processor has of them.
@@ -12,6 +12,9 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
 
 typedef double four __attribute__((vector_size(32), aligned(8)));
 typedef int64_t four_bits __attribute__((vector_size(32), aligned(8)));
@@ -31,6 +34,13 @@ ALWAYS four within(four x, double limit) {
 }
 #endif
 ALWAYS four magnitude(four x) { return (four)((four_bits)x & ~(four_bits)all(-0.0)); }
+ALWAYS four greater(four x, four y) {
+#ifdef __AVX__
+    return _mm256_max_pd(x, y);
+#else
+    return choose(x > y, x, y);
+#endif
+}
 ALWAYS double sum(four x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 ALWAYS double clamp(double x, double limit) { return x < -limit ? -limit : x > limit ? limit : x; }
 
@@ -75,14 +85,18 @@ ALWAYS struct powers powers(four x) {
 #ifndef GROUPS
 #define GROUPS 4
 #endif
-enum { SIGNALS = 3 };
+/* Signals that every step reads; numbers far from being unusable; steps without a look at them. */
+enum { ROWS = 9, STEPS = 64 };
+#define CALM 1e40
 
+/* Fours begin where registers do: `peer.rs` gives such memory. */
 struct plant {
-    double in[3], out[12];
-    four increment[GROUPS][2][2], gain[GROUPS][2][3], position[GROUPS][2][3];
-    four signal[GROUPS][8][SIGNALS], rigid_signal[SIGNALS];
+    four increment[GROUPS][2][2], gain[GROUPS][2][3], position[GROUPS][3][2];
+    four row[GROUPS][ROWS][2], rigid_signal;
     four z[GROUPS][2];
-    double zeta, rigid_gain[3], rigid_velocity, rigid_drift[3], length, place[3], work, limit[3];
+    double in[3], out[12];
+    double zeta, rigid_gain[3], rigid_velocity, rigid_drift[3], rigid_object, length, place[3], carry[3], work, limit[3];
+    unsigned calm;
 };
 
 /* Stable numbers of the right size: each block turns and decays. */
@@ -95,16 +109,16 @@ void *plant_new(struct plant *p, double h) {
             p->increment[g][0][1][lane] = decay * sin(w);
             p->increment[g][1][0][lane] = -decay * sin(w);
             p->increment[g][1][1][lane] = decay * cos(w) - 1;
-            for (int f = 0; f < 3; f++)
-                for (int c = 0; c < 2; c++) {
+            for (int c = 0; c < 2; c++) {
+                for (int f = 0; f < 3; f++) {
                     p->gain[g][c][f][lane] = 1e-3 * h * sin(1 + f + 3 * c + 5 * lane + 7 * g);
-                    p->position[g][c][f][lane] = 1e-2 * cos(1 + f + 3 * c + 5 * lane + 7 * g);
+                    p->position[g][f][c][lane] = 1e-2 * cos(1 + f + 3 * c + 5 * lane + 7 * g);
                 }
-            for (int c = 0; c < 2; c++)
-                for (int row = 0; row < SIGNALS; row++)
-                    for (int s = 0; s < 4; s++) p->signal[g][4 * c + lane][row][s] = cos(1 + s + 4 * row + 11 * c + 13 * lane + g);
+                for (int row = 0; row < ROWS; row++) p->row[g][row][c][lane] = cos(1 + row + 11 * c + 13 * lane + g);
+            }
         }
-    for (int row = 0; row < SIGNALS; row++) p->rigid_signal[row] = all(0.1);
+    p->rigid_signal = (four){0.1, 0.1, 0, 0};
+    p->rigid_object = 0.1;
     for (int f = 0; f < 3; f++) p->rigid_gain[f] = 1e-2, p->rigid_drift[f] = 1e-6, p->limit[f] = f == 2 ? 0.3 : 2.0;
     p->rigid_velocity = 0.1;
     p->length = 0.2;
@@ -113,51 +127,74 @@ void *plant_new(struct plant *p, double h) {
 
 ALWAYS four kept(four x) { return (four)((four_bits)x & (magnitude(x) >= all(1e-150))); }
 
+/* The sum of the lanes of each. */
+ALWAYS four sums(four a, four b, four c, four d) {
+#ifdef __AVX__
+    four left = _mm256_hadd_pd(a, b), right = _mm256_hadd_pd(c, d);
+    return (four)_mm256_permute2f128_pd(left, right, 0x20) + (four)_mm256_permute2f128_pd(left, right, 0x31);
+#else
+    return (four){sum(a), sum(b), sum(c), sum(d)};
+#endif
+}
+
+/* Whether all numbers of the state are far from being unusable. */
+static __attribute__((noinline)) int calm(const struct plant *p) {
+    four size = magnitude((four){p->zeta, p->work, 0, 0});
+    for (int g = 0; g < GROUPS; g++) size += magnitude(p->z[g][0]) + magnitude(p->z[g][1]);
+    for (int f = 0; f < 3; f++) size += magnitude((four){p->place[f], p->carry[f], 0, 0});
+    return sum(size) < CALM;
+}
+
 void plant_step(struct plant *p, double h) {
     double force[3], total[3], turned[3];
+    if (!(fabs(p->in[0]) + fabs(p->in[1]) + fabs(p->in[2]) < CALM)) return;
+    if (p->calm == 0) {
+        if (!calm(p)) return;
+        p->calm = STEPS;
+    }
+    p->calm--;
     for (int f = 0; f < 3; f++) force[f] = clamp(p->in[f], p->limit[f]);
     four f0 = all(force[0]), f1 = all(force[1]), f2 = all(force[2]);
-    four rise[3] = {all(0), all(0), all(0)}, left[SIGNALS], right[SIGNALS], usable = all(0);
-    for (int row = 0; row < SIGNALS; row++) left[row] = right[row] = all(0);
+    four rise[3] = {all(0), all(0), all(0)}, lowest = all(-1e300), row[ROWS];
     for (int g = 0; g < GROUPS; g++) {
         four z0 = p->z[g][0], z1 = p->z[g][1];
         for (int c = 0; c < 2; c++) {
             four change = (p->increment[g][c][0] * z0 + p->increment[g][c][1] * z1) +
                           ((p->gain[g][c][0] * f0 + p->gain[g][c][1] * f1) + p->gain[g][c][2] * f2);
-            four next = kept((c ? z1 : z0) + change);
+            four next = (c ? z1 : z0) + change;
             p->z[g][c] = next;
-            usable += 1e208 * next;
-            for (int f = 0; f < 3; f++) rise[f] += p->position[g][c][f] * change;
-        }
-        for (int lane = 0; lane < 4; lane++) {
-            four x = all(p->z[g][0][lane]), y = all(p->z[g][1][lane]);
-            for (int row = 0; row < SIGNALS; row++) {
-                left[row] += p->signal[g][lane][row] * x;
-                right[row] += p->signal[g][4 + lane][row] * y;
-            }
+            lowest = greater((four)((four_bits)next | (four_bits)all(-0.0)), lowest);
+            for (int f = 0; f < 3; f++) rise[f] += p->position[g][f][c] * change;
         }
     }
-    for (int f = 0; f < 3; f++) total[f] = sum(rise[f]);
+    four_bits small = lowest > all(-1e-150);
+    if (small[0] | small[1] | small[2] | small[3])
+        for (int g = 0; g < GROUPS; g++) p->z[g][0] = kept(p->z[g][0]), p->z[g][1] = kept(p->z[g][1]);
     double push = p->rigid_gain[0] * force[0] + p->rigid_gain[1] * force[1] + p->rigid_gain[2] * force[2];
     double drift = p->rigid_drift[0] * force[0] + p->rigid_drift[1] * force[1] + p->rigid_drift[2] * force[2];
+    four risen = sums(rise[0], rise[1], rise[2], all(0));
+    for (int f = 0; f < 3; f++) total[f] = risen[f];
     total[2] += h * (p->rigid_velocity * (p->zeta + 0.5 * h * push) + drift);
     p->zeta += h * push;
     turned[0] = (total[0] + total[2]) / p->length;
     turned[1] = (total[1] + total[2]) / p->length;
     turned[2] = total[2];
-    four zeta = all(p->zeta), signal[SIGNALS];
-    for (int row = 0; row < SIGNALS; row++) {
-        signal[row] = (left[row] + right[row]) + p->rigid_signal[row] * zeta;
-        usable += 1e208 * signal[row];
-    }
     for (int f = 0; f < 3; f++) {
+        double by = p->carry[f] + turned[f], place = p->place[f] + by;
         p->work += force[f] * turned[f];
-        p->place[f] += turned[f];
+        p->carry[f] = by - (place - p->place[f]);
+        p->place[f] = place;
     }
-    if (!isfinite(sum(usable) + p->work)) return;
+    for (int r = 0; r < ROWS; r++) row[r] = all(0);
+    for (int g = 0; g < GROUPS; g++) {
+        four x = p->z[g][0], y = p->z[g][1];
+        for (int r = 0; r < ROWS; r++) row[r] += p->row[g][r][0] * x + p->row[g][r][1] * y;
+    }
+    four first = sums(row[0], row[1], row[2], row[3]) + p->rigid_signal * p->zeta, last = sums(row[4], row[5], row[6], row[7]);
     p->out[0] = p->place[0], p->out[1] = p->place[1], p->out[4] = p->place[2];
-    p->out[2] = signal[0][0], p->out[3] = signal[0][1], p->out[5] = signal[0][2];
-    for (int i = 0; i < 6; i++) p->out[6 + i] = signal[1 + i / 4][i % 4];
+    p->out[2] = first[0], p->out[3] = first[1], p->out[10] = first[2], p->out[11] = first[3];
+    p->out[5] = sum(row[8]) + p->rigid_object * p->zeta;
+    for (int i = 0; i < 4; i++) p->out[6 + i] = last[i];
 }
 
 /* ---- controller, the paper's law ---- */

@@ -53,7 +53,7 @@ pub(super) fn state(parameters: &Parameters, modes: &Modes) -> State {
     x[layout.object()] = p.object_mass.sqrt() * start.y_object_dot;
     State {
         basis: Basis::Energy,
-        coordinates: x,
+        coordinates: x.into(),
         position: [start.theta[0], start.theta[1], start.y_object],
         carry: [0.0; 3],
         supplied_energy: 0.0,

@@ -28,20 +28,20 @@ use reflection::Reflection;
 /// Number of effective force inputs: the torques on hubs 1 and 2, the force on the object.
 pub(crate) const FORCES: usize = 3;
 
-/// Signals read from x; the constants below index them. The first eight depend on the velocities only (one of them, the fourth, is
+/// Signals read from x; the constants below index them. The first eight depend on the velocities only (one of them, the sixth, is
 /// constantly zero), the last four on the moments only. They are written four at a time, and no two that are read together stand in
 /// different fours: to read such a pair, a processor waits until both fours are in its cache.
 pub(crate) type Signals = [f64; SIGNALS];
 
 /// θ̇_1, θ̇_2, ẏ_M. These rows are also Bᵀ.
-pub(crate) const VELOCITY: [usize; 3] = [0, 1, 2];
+pub(crate) const VELOCITY: [usize; 3] = [0, 1, 4];
 /// EI w''(0) of both arms.
 pub(crate) const ROOT_MOMENT: [usize; 2] = [8, 9];
 /// EI w'''(l) of both arms.
 pub(crate) const TIP_SHEAR: [usize; 2] = [10, 11];
 /// d/dt EI w'''(l) of both arms.
-pub(crate) const TIP_SHEAR_RATE: [usize; 2] = [4, 5];
-/// d/dt EI w''(0) of both arms.
+pub(crate) const TIP_SHEAR_RATE: [usize; 2] = [2, 3];
+/// d/dt EI w''(0) of both arms. Steps in modal coordinates leave them out: they are read when they are asked for.
 pub(crate) const ROOT_MOMENT_RATE: [usize; 2] = [6, 7];
 const OF_VELOCITIES: usize = 8;
 const OF_MOMENTS: usize = 4;

@@ -16,10 +16,15 @@ pub(super) trait Four: Copy {
     fn times(self, other: Self) -> Self;
     /// Zero where it is [`NEGLIGIBLE`].
     fn kept(self) -> Self;
-    /// Absolute values.
-    fn size(self) -> Self;
-    /// Whether all four are; NaN is not.
-    fn is_below(self, limit: f64) -> bool;
+    /// The larger of these and of the filler minus the sizes of `values`: a filler of −0.0 leaves the sizes, one of −1.0 makes each result
+    /// −1.0 or less. Of numbers that are all finite.
+    fn lowered(self, values: Self, filler: &Lanes) -> Self;
+    /// Whether any is.
+    fn is_any_above(self, limit: f64) -> bool;
+    /// The sum of the lanes of each.
+    fn sums(of: [Self; 4]) -> Self;
+    /// Whether the sums of all rows fit into the registers.
+    const HOLDS_ALL_ROWS: bool;
 }
 
 impl Four for Lanes {
@@ -59,14 +64,24 @@ impl Four for Lanes {
     }
 
     #[inline(always)]
-    fn size(self) -> Self {
-        self.map(f64::abs)
+    fn lowered(self, values: Self, filler: &Lanes) -> Self {
+        std::array::from_fn(|lane| {
+            let value = f64::from_bits(values[lane].to_bits() | filler[lane].to_bits());
+            if value > self[lane] { value } else { self[lane] }
+        })
     }
 
     #[inline(always)]
-    fn is_below(self, limit: f64) -> bool {
-        self.iter().all(|x| *x < limit)
+    fn is_any_above(self, limit: f64) -> bool {
+        self.iter().any(|x| *x > limit)
     }
+
+    #[inline(always)]
+    fn sums(of: [Self; 4]) -> Self {
+        of.map(|lanes| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]))
+    }
+
+    const HOLDS_ALL_ROWS: bool = false;
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -75,7 +90,10 @@ pub(super) use grasp_kernel::Wide;
 #[cfg(target_arch = "x86_64")]
 mod wide {
     use super::{Four, Lanes, NEGLIGIBLE, Wide};
-    use std::arch::x86_64::{_CMP_NLT_UQ, _mm256_and_pd, _mm256_cmp_pd, _mm256_movemask_pd, _mm256_set1_pd};
+    use std::arch::x86_64::{
+        _CMP_GT_OQ, _CMP_NLT_UQ, _mm256_and_pd, _mm256_cmp_pd, _mm256_hadd_pd, _mm256_max_pd, _mm256_movemask_pd,
+        _mm256_or_pd, _mm256_permute2f128_pd, _mm256_set1_pd,
+    };
 
     impl Four for Wide {
         #[inline(always)]
@@ -113,14 +131,31 @@ mod wide {
         }
 
         #[inline(always)]
-        fn size(self) -> Self {
-            self.abs()
+        fn lowered(self, values: Self, filler: &Lanes) -> Self {
+            // SAFETY: the processor has AVX2, see `Wide`.
+            unsafe {
+                let values = _mm256_or_pd(values.register(), Self::load(filler).register());
+                Self::of(_mm256_max_pd(values, self.register()))
+            }
         }
 
         #[inline(always)]
-        fn is_below(self, limit: f64) -> bool {
+        fn is_any_above(self, limit: f64) -> bool {
             // SAFETY: the processor has AVX2, see `Wide`.
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_NLT_UQ>(self.register(), _mm256_set1_pd(limit))) == 0 }
+            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.register(), _mm256_set1_pd(limit))) != 0 }
         }
+
+        #[inline(always)]
+        fn sums([a, b, c, d]: [Self; 4]) -> Self {
+            // SAFETY: the processor has AVX2, see `Wide`.
+            unsafe {
+                let (left, right) =
+                    (_mm256_hadd_pd(a.register(), b.register()), _mm256_hadd_pd(c.register(), d.register()));
+                let lower = _mm256_permute2f128_pd::<0x20>(left, right);
+                Self::of(lower) + Self::of(_mm256_permute2f128_pd::<0x31>(left, right))
+            }
+        }
+
+        const HOLDS_ALL_ROWS: bool = true;
     }
 }

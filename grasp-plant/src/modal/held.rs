@@ -1,7 +1,7 @@
 //! The step that most steps are: with held forces, where the coordinates are.
 //!
-//! The bits are those of [`Motion`](super::step::Motion) and of the signals read after it. The old coordinates stay until the new ones are
-//! known to be usable; meanwhile these are on the stack and not in memory of the plant, which may be far away.
+//! The bits are those of [`Motion`](super::step::Motion) and of the signals read after it. That the step can be made, and that nothing
+//! leaves the range of numbers, is known before it begins: see [`calm`](super::calm).
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
@@ -9,21 +9,11 @@
 use super::four::Four;
 #[cfg(target_arch = "x86_64")]
 use super::four::Wide;
-use super::readings::{Readings, Sums, lanes};
-use super::step::{Rigid, Travel, moved, splat, sum};
-use super::table::{Aligned, GROUP, LANES, Lanes, Table};
+use super::readings::Readings;
+use super::step::{NEGLIGIBLE, Rigid, Travel, moved, splat, sum};
+use super::table::{GROUP, LANES, Lanes, Table};
 use crate::dynamics::{FORCES, Signals};
-use crate::extended::MAX_COORDINATES;
-use crate::plant::REACH;
-use crate::state::State;
-use std::mem::MaybeUninit;
-use std::slice;
-
-/// The most groups: one more than an order of whole groups has.
-const MAX_GROUPS: usize = MAX_COORDINATES.div_ceil(GROUP);
-
-/// Sums of sizes below this have parts all of which are [usable](crate::plant::all_usable).
-pub(crate) const USABLE: f64 = f64::MAX / REACH;
+use crate::state::{State, travelled};
 
 /// A step with held forces: the functions of the step, the forces.
 #[derive(Clone, Copy)]
@@ -32,101 +22,67 @@ pub(super) struct Held<'a> {
     pub readings: &'a Readings,
     pub rigid: &'a Rigid,
     pub forces: &'a [f64; FORCES],
+    pub length: f64,
 }
 
 impl Held<'_> {
-    /// Replaces the coordinates by those after the step, if they and their signals are usable; whether it did. What else moves is asked for
-    /// as soon as it is known, and given back with the signals if the step is made: `moves` refuses it by none.
+    /// Moves the state by the step, and reads the signals. False if these are no coordinates of this plant; nothing has changed then.
     #[inline]
-    pub fn make<T>(
-        self,
-        state: &mut State,
-        moves: impl FnOnce(&State, &Travel) -> Option<T>,
-        accept: impl FnOnce(&mut State, T, Signals),
-    ) -> bool {
+    pub fn make(self, state: &mut State, signals: &mut Signals) -> bool {
         #[cfg(target_arch = "x86_64")]
         if crate::kernel::has_wide_registers() {
             // SAFETY: the processor has it.
-            return unsafe { self.make_wide(state, moves, accept) };
+            return unsafe { self.make_wide(state, signals) };
         }
-        self.make_here::<Lanes, T>(state, moves, accept)
+        self.make_here::<Lanes>(state, signals)
     }
 
+    // Inlined, or it would be compiled with this crate, for size.
     #[cfg(target_arch = "x86_64")]
+    #[inline]
     #[target_feature(enable = "avx")]
-    fn make_wide<T>(
-        self,
-        state: &mut State,
-        moves: impl FnOnce(&State, &Travel) -> Option<T>,
-        accept: impl FnOnce(&mut State, T, Signals),
-    ) -> bool {
-        self.make_here::<Wide, T>(state, moves, accept)
+    fn make_wide(self, state: &mut State, signals: &mut Signals) -> bool {
+        self.make_here::<Wide>(state, signals)
     }
 
     #[inline(always)]
-    fn make_here<V: Four, T>(
-        self,
-        state: &mut State,
-        moves: impl FnOnce(&State, &Travel) -> Option<T>,
-        accept: impl FnOnce(&mut State, T, Signals),
-    ) -> bool {
-        let Self { table, readings, rigid, forces } = self;
-        let (groups, rest) = state.coordinates.as_chunks::<GROUP>();
+    fn make_here<V: Four>(self, state: &mut State, signals: &mut Signals) -> bool {
+        let Self { table, readings, rigid, forces, length } = self;
+        let (groups, rest) = state.coordinates.as_chunks_mut::<GROUP>();
         let [zeta] = rest else { return false };
-        let (held, positions, columns) = (&table.held[..], &readings.positions[..], &readings.signals[..]);
+        let (held, positions) = (&table.held[..], &readings.positions[..]);
         let count = groups.len();
-        if held.len() != count || positions.len() != count || columns.len() != count || count > MAX_GROUPS {
+        if held.len() != count || positions.len() != count || readings.groups() != count {
             return false;
         }
-        // Not initialised, because that would take as long as a group.
-        let mut buffer = Aligned([const { MaybeUninit::<[f64; GROUP]>::uninit() }; MAX_GROUPS]);
-        let (forces, mut total, mut size) = (splat::<V>(forces), [V::splat(0.0); FORCES], V::splat(0.0));
-        let (after, rise) = rigid.held(table.h, *zeta, &forces);
-        for (((group, next), held), positions) in groups.iter().zip(&mut buffer[..count]).zip(held).zip(positions) {
-            let (from, next) = (group.as_chunks::<LANES>().0, next.write([0.0; GROUP]));
-            let from = [V::load(&from[0]), V::load(&from[1])];
-            for (c, lanes) in next.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-                let change = moved(&from, &held.increment[c], &held.gain[c], &forces);
+        let (lanes, mut total) = (splat::<V>(forces), [V::splat(0.0); FORCES]);
+        let mut lowest = V::splat(f64::MIN);
+        let (after, rise) = rigid.held(table.h, *zeta, &lanes);
+        *zeta = after;
+        for ((group, held), positions) in groups.iter_mut().zip(held).zip(positions) {
+            let [first, second] = group.as_chunks_mut::<LANES>().0 else { return false };
+            let from = [V::load(first), V::load(second)];
+            for (c, next) in [first, second].into_iter().enumerate() {
+                let change = moved(&from, &held.increment[c], &held.gain[c], &lanes);
                 let after = from[c].plus(change);
-                *lanes = after.kept().lanes();
-                size = size.plus(after.size());
-                for f in 0..FORCES {
-                    total[f] = total[f].plus(V::load(&positions[f][c]).times(change));
+                *next = after.lanes();
+                lowest = lowest.lowered(after, &positions.filler);
+                for (total, row) in total.iter_mut().zip(&positions.rows) {
+                    *total = total.plus(V::load(&row[c]).times(change));
                 }
             }
         }
-        // SAFETY: all that the loop went through are of this length, so it has written so many places.
-        let next = unsafe { slice::from_raw_parts(buffer.as_ptr().cast::<[f64; GROUP]>(), count) };
-        let total = [sum(total[0]), sum(total[1]), sum(total[2]) + rise];
-        // Decided before the signals are begun: these keep the processor busy while positions and energy wait for each other.
-        if !(size.is_below(USABLE) & (after.abs() < USABLE)) {
-            return false;
-        }
-        let Some(moved) = moves(state, &Travel { total, ..Travel::default() }) else { return false };
-        // A loop of its own: the sums of both do not fit into the registers.
-        let mut sums = Sums::<V>::zero();
-        for (columns, next) in columns.iter().zip(next) {
-            sums.add(columns, next);
-        }
-        let signals = sums.with(&readings.rigid, after);
-        let mut size = V::splat(0.0);
-        for row in signals {
-            size = size.plus(row.size());
-        }
-        if !size.is_below(USABLE) {
-            return false;
-        }
-        accept(state, moved, lanes(signals));
-        let (groups, rest) = state.coordinates.as_chunks_mut::<GROUP>();
-        for (group, next) in groups.iter_mut().zip(next) {
-            // In registers: a call that copies would take longer.
-            for (group, next) in group.as_chunks_mut().0.iter_mut().zip(next.as_chunks().0) {
-                *group = V::load(next).lanes();
+        if lowest.is_any_above(-NEGLIGIBLE) {
+            for four in groups.as_flattened_mut().as_chunks_mut::<LANES>().0 {
+                *four = V::load(four).kept().lanes();
             }
         }
-        if let [zeta] = rest {
-            *zeta = after;
-        }
+        let travel = Travel { total: [sum(total[0]), sum(total[1]), sum(total[2]) + rise], ..Travel::default() };
+        let (moved, _) = travel.of_forces(length);
+        state.supplied_energy += forces[0] * moved[0] + forces[1] * moved[1] + forces[2] * moved[2];
+        (state.position, state.carry) = travelled(&state.position, &state.carry, &moved);
+        // A loop of its own: the sums of both do not fit into the registers.
+        readings.read::<V>(groups, after).write(signals);
         true
     }
 }

@@ -14,6 +14,7 @@
 //! measures how many. From [`WORST_CONDITION`] on the plant is stepped by its dense matrices instead.
 
 mod block;
+mod calm;
 mod damped;
 mod elementary;
 mod four;
@@ -27,7 +28,7 @@ mod twofold;
 mod undamped;
 mod vibration;
 
-pub(crate) use held::USABLE;
+pub(crate) use calm::CALM;
 pub(crate) use step::{NEGLIGIBLE, Travel};
 pub(crate) use table::Table;
 
@@ -62,6 +63,9 @@ pub(crate) struct Modal {
     inverse: Panels,
     /// By how much a coordinate can exceed the motion that it is part of.
     condition: f64,
+    /// By how much forces can exceed the inputs, and the arms' length: see [`calm`].
+    gain: f64,
+    length: f64,
 }
 
 impl Modal {
@@ -87,12 +91,14 @@ impl Modal {
             basis_panels: Panels::new(&basis),
             basis,
             inverse: Panels::new(&inverse),
+            gain: calm::gain(parameters),
+            length: parameters.length,
         };
         (modal.condition < WORST_CONDITION && modal.is_finite()).then_some(modal)
     }
 
     fn is_finite(&self) -> bool {
-        let positions = self.readings.positions.iter().flat_map(|group| group.as_flattened().as_flattened());
+        let positions = self.readings.positions.iter().flat_map(|group| group.rows.as_flattened().as_flattened());
         let gains = self.gains.as_flattened().as_flattened();
         self.basis.iter().chain(positions).chain(gains).chain(&self.rigid.drift).all(|number| number.is_finite())
     }
@@ -105,6 +111,14 @@ impl Modal {
     /// Room for the step of a size.
     pub fn table(&self) -> Table {
         Table::new(self.blocks.len())
+    }
+
+    /// The step of size h, to be kept.
+    pub fn table_of(&self, h: f64) -> Table {
+        let mut table = self.table();
+        self.fill(&mut table, h);
+        table.calm_steps = calm::steps(&table, &self.readings, &self.rigid, self.gain, self.length);
+        table
     }
 
     /// Makes a table that of step size h.
@@ -125,25 +139,23 @@ impl Modal {
         Motion { table, readings: &self.readings, rigid: &self.rigid, from, forces, rates }.make(next)
     }
 
-    /// A step of the table's size with held forces, of a state whose modal coordinates are replaced if all is usable; whether they were.
-    /// `moves` tells from the travel how the rest of the state moves, none if that is not usable; `accept` moves it, and gets the signals.
+    /// Moves a state of modal coordinates by a step of the table's size with held forces, and reads the signals that every step reads; false
+    /// if the coordinates are not as many. All must be [calm](CALM).
     #[inline]
-    pub fn hold<T>(
-        &self,
-        table: &Table,
-        forces: &[f64; FORCES],
-        state: &mut State,
-        moves: impl FnOnce(&State, &Travel) -> Option<T>,
-        accept: impl FnOnce(&mut State, T, Signals),
-    ) -> bool {
-        let Self { readings, rigid, .. } = self;
-        held::Held { table, readings, rigid, forces }.make(state, moves, accept)
+    pub fn hold(&self, table: &Table, forces: &[f64; FORCES], state: &mut State, signals: &mut Signals) -> bool {
+        let Self { readings, rigid, length, .. } = self;
+        held::Held { table, readings, rigid, forces, length: *length }.make(state, signals)
     }
 
-    /// All signals of modal coordinates.
+    /// All signals of modal coordinates but the rates of the root moments.
     #[inline]
     pub fn signals(&self, coordinates: &[f64]) -> Signals {
         self.readings.signals(coordinates)
+    }
+
+    /// Rates of the root moments \[N·m/s\].
+    pub fn root_moment_rates(&self, coordinates: &[f64]) -> [f64; 2] {
+        self.readings.root_moment_rates(coordinates)
     }
 
     /// Tip deflections w_i(l) \[m\] of modal coordinates.
@@ -181,10 +193,8 @@ impl Modal {
     pub fn numbers(&self) -> Vec<f64> {
         let blocks = self.blocks.iter().flat_map(|block| block.matrix().as_flattened().to_vec());
         let gains = self.gains.as_flattened().as_flattened().iter().copied();
-        let positions = self.readings.positions.iter().flat_map(|group| group.as_flattened().as_flattened()).copied();
-        let signals = self.readings.signals.iter().flat_map(|group| group.as_flattened()).copied();
         let basis = self.basis.iter().copied();
-        blocks.chain(gains).chain(positions).chain(signals).chain(basis).chain(self.rigid.drift).collect()
+        blocks.chain(gains).chain(self.readings.numbers()).chain(basis).chain(self.rigid.drift).collect()
     }
 
     #[cfg(test)]

@@ -3,11 +3,11 @@
 use super::block::Block;
 use super::readings::Readings;
 use super::step::Rigid;
-use super::table::{Aligned, GROUP, LANES};
+use super::table::{GROUP, LANES};
 use super::twofold::{Long, Twofold};
 use super::vibration::Vibration;
 use super::{damped, undamped};
-use crate::dynamics::{Dynamics, FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, Signals, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY};
+use crate::dynamics::{Dynamics, FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY};
 use nalgebra::DMatrix;
 
 /// The effects of the forces on the two coordinates of a block.
@@ -108,23 +108,14 @@ impl Modes {
         let n = 2 * vibration.size;
         let row = |signal: usize| -> Vec<f64> { dynamics.signal_rows.row(signal).iter().take(n).copied().collect() };
         let (velocities, root, tip) = (VELOCITY.map(row), ROOT_MOMENT.map(row), TIP_SHEAR.map(row));
-        let groups = self.blocks.len().div_ceil(LANES);
-        let mut readings = Readings {
-            signals: vec![Aligned([Signals::default(); GROUP]); groups],
-            rigid: Signals::default(),
-            positions: vec![Aligned([[[0.0; LANES]; 2]; FORCES]); groups],
-        };
-        for (signal, velocity) in VELOCITY.into_iter().zip(vibration.rigid_inputs) {
-            readings.rigid[signal] = velocity;
-        }
+        let mut readings = Readings::new(self.blocks.len(), &vibration.rigid_inputs);
         for (j, columns) in self.columns.iter().enumerate() {
-            let (lane, motion) = (j % LANES, self.blocks[j].matrix());
-            let signals = &mut readings.signals[j / LANES];
+            let motion = self.blocks[j].matrix();
             for (i, column) in columns.iter().enumerate() {
                 let hidden = column.dot_plain(&self.rigid_moments);
                 for ((signal, row), rigid) in VELOCITY.into_iter().zip(&velocities).zip(vibration.rigid_inputs) {
                     let velocity = column.dot_plain(row) + Twofold::from(rigid) * hidden;
-                    signals[i * LANES + lane][signal] = velocity.hi;
+                    *readings.entry(signal, j, i) = velocity.hi;
                 }
             }
             for (signal, rate, rows) in [(ROOT_MOMENT, ROOT_MOMENT_RATE, &root), (TIP_SHEAR, TIP_SHEAR_RATE, &tip)] {
@@ -132,14 +123,14 @@ impl Modes {
                     let read = [0, 1].map(|i| columns[i].dot_plain(&rows[arm]).hi);
                     for i in 0..2 {
                         // The moments change by Λ alone, and Λ has lost nothing that K's rows lose by cancellation.
-                        signals[i * LANES + lane][signal[arm]] = read[i];
-                        signals[i * LANES + lane][rate[arm]] = read[0] * motion[0][i] + read[1] * motion[1][i];
+                        *readings.entry(signal[arm], j, i) = read[i];
+                        *readings.entry(rate[arm], j, i) = read[0] * motion[0][i] + read[1] * motion[1][i];
                     }
                 }
             }
-            let rate = [0, 1].map(|i| signals[i * LANES + lane][VELOCITY[2]]);
+            let rate = [0, 1].map(|i| *readings.entry(VELOCITY[2], j, i));
             let inverse = self.blocks[j].inverse();
-            let positions = &mut readings.positions[j / LANES];
+            let (lane, positions) = (j % LANES, &mut readings.positions[j / LANES].rows);
             for i in 0..2 {
                 for (arm, tip) in positions.iter_mut().take(2).enumerate() {
                     tip[i][lane] = dynamics.tip_compliance[arm] * columns[i].hi[dynamics.tip_coordinate(arm)];
@@ -158,7 +149,7 @@ impl Modes {
             for i in 0..2 {
                 let row = rows[i].iter().map(|entry| entry * entry).sum::<f64>().sqrt();
                 let column = columns[i].hi.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-                let position = readings.positions[j / LANES][2][i][j % LANES];
+                let position = readings.positions[j / LANES].rows[2][i][j % LANES];
                 condition = condition.max(row * column.max(position.abs() / reach));
             }
         }
@@ -171,7 +162,7 @@ pub(super) fn rigid(vibration: &Vibration, readings: &Readings, gains: &[Gains])
     let mut drift = [Twofold::default(); FORCES];
     for (j, gains) in gains.iter().enumerate() {
         for (i, gain) in gains.iter().enumerate() {
-            let position = readings.positions[j / LANES][2][i][j % LANES];
+            let position = readings.positions[j / LANES].rows[2][i][j % LANES];
             for (drift, gain) in drift.iter_mut().zip(gain) {
                 *drift = *drift - Twofold::product(position, *gain);
             }

@@ -102,15 +102,15 @@ impl Motion<'_> {
                     change = change.plus(driven(&ramped.gain[c], &rates_4));
                     let area = moved(&coordinates, &ramped.integral[c], &ramped.gain[c], &forces_4)
                         .plus(driven(&ramped.integral_gain[c], &rates_4));
-                    for f in 0..FORCES {
-                        integral[f] = integral[f].plus(V::load(&positions[f][c]).times(area));
+                    for (integral, row) in integral.iter_mut().zip(&positions.rows) {
+                        *integral = integral.plus(V::load(&row[c]).times(area));
                     }
                 }
                 next[c] = coordinates[c].plus(change).kept().lanes();
                 // The change is computed directly and not as a difference of rounded coordinates, so that short steps move
                 // positions smoothly.
-                for f in 0..FORCES {
-                    total[f] = total[f].plus(V::load(&positions[f][c]).times(change));
+                for (total, row) in total.iter_mut().zip(&positions.rows) {
+                    *total = total.plus(V::load(&row[c]).times(change));
                 }
             }
         }

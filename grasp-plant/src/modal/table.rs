@@ -59,6 +59,8 @@ pub(super) struct Ramped {
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     pub(super) h: f64,
+    /// For how many of these steps what is [calm](super::calm) stays usable.
+    pub(super) calm_steps: u32,
     pub(super) held: Vec<Aligned<Held>>,
     pub(super) ramped: Vec<Aligned<Ramped>>,
 }
@@ -71,6 +73,7 @@ impl Table {
         let groups = blocks.div_ceil(LANES);
         Self {
             h: 0.0,
+            calm_steps: 0,
             held: vec![Aligned(Held { increment: square, gain }); groups],
             ramped: vec![Aligned(Ramped { gain, integral: square, integral_gain: gain }); groups],
         }
@@ -96,6 +99,11 @@ impl Table {
                 }
             }
         }
+    }
+
+    /// For how many steps a calm state needs no test of their results; of a table that is [kept](super::Modal::table_of).
+    pub fn calm_steps(&self) -> u32 {
+        self.calm_steps
     }
 
     /// Every number, padding included.

@@ -113,9 +113,9 @@ impl Plant {
         self.state.carry = [0.0; FORCES];
         self.state.supplied_energy = supplied;
         self.state.basis = Basis::Energy;
-        self.state.coordinates.clear();
-        self.state.coordinates.extend_from_slice(coordinates);
+        self.state.coordinates.assign(coordinates);
         self.signals = signals;
+        self.calm = 0;
         Ok(())
     }
 

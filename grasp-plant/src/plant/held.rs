@@ -2,58 +2,68 @@
 
 use super::Plant;
 use crate::cache::Cache;
-use crate::dynamics::FORCES;
-use crate::kernel::dot;
-use crate::modal::{Table, Travel, USABLE};
+use crate::modal::{CALM, Table};
 use crate::signals::Inputs;
-use crate::state::{Basis, State, travelled};
+use crate::state::{Basis, State};
 use crate::step_sizes::StepSizes;
 
 impl Plant {
-    /// Makes such a step; false if it is none, or is to be refused. Nothing has changed then, and [`Self::any_step`] makes the step,
-    /// to the same bits, or knows the reason.
+    /// Makes such a step; false if it is none, or may have to be refused. Nothing has changed then, and [`Self::any_step`] makes the step,
+    /// to the same bits, or knows the reason why not.
     #[inline]
     pub(super) fn held_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> bool {
-        let Self { model, state, signals, cache, .. } = self;
-        // A grasp that can open is never in modal coordinates.
-        if !((state.basis == Basis::Modal) & rates.is_zero()) {
+        let Self { model, state, signals, cache, calm, pulls, .. } = self;
+        if !rates.is_zero() {
             return false;
         }
-        let noted = if cache.tables.last(h).is_some() && state.sizes.is_usual(h) {
+        // While a state is calm, it is modal, and the steps so far were of the last table's size.
+        let noted = if *calm > 0 && cache.tables.last(h).is_some() {
             None
-        } else if let Some(sizes) = another_size(&mut cache.tables, &state.sizes, h) {
-            Some(sizes)
         } else {
-            return false;
+            *calm = 0;
+            let Some(sizes) = other_step(&mut cache.tables, state, h) else { return false };
+            Some(sizes)
         };
         // A size that has a table is positive and not too long.
         let (Some(table), Some(modal)) = (cache.tables.last(h), model.modal()) else { return false };
-        let (forces, length) = (model.forces(inputs), model.parameters.length);
-        let moves = |state: &State, travel: &Travel| {
-            let (moved, _) = travel.of_forces(length);
-            let energy = state.supplied_energy + dot(&forces, &moved);
-            let (there, rest) = travelled(&state.position, &state.carry, &moved);
-            // Infinity and NaN persist in sums of sizes. Of commands, an actuator may hide them.
-            let size = |values: [f64; FORCES]| values[0].abs() + values[1].abs() + values[2].abs();
-            let usable = (size(there) + size(inputs.disturbances()) < USABLE)
-                & (size(inputs.commands()) + energy.abs() < f64::INFINITY);
-            usable.then_some((there, rest, energy))
-        };
-        modal.hold(table, &forces, state, moves, |state, (there, rest, energy), found| {
-            (state.position, state.carry, state.supplied_energy, *signals) = (there, rest, energy, found);
-            if let Some(noted) = noted {
-                state.sizes = noted;
+        let inputs = &inputs.fresh();
+        // Infinity and NaN are not below. Of commands, an actuator may hide them.
+        let are_calm = inputs.size() < CALM;
+        let steps = if *calm > 0 { *calm } else { calm_steps(table, state) };
+        if !are_calm || steps == 0 {
+            return false;
+        }
+        let forces = model.forces(inputs);
+        if !modal.hold(table, &forces, state, signals) {
+            return false;
+        }
+        *pulls = model.pulls(signals, forces[2]);
+        *calm = steps - 1;
+        if let Some(noted) = noted {
+            state.sizes = noted;
+            if !noted.is_usual(h) {
+                *calm = 0;
             }
-        })
+        }
+        true
     }
 }
 
-/// Makes the table of a size that is not that of the step before the last, if it is kept; the step sizes with this one.
+/// If a step of this size has a table, makes that the last; the step sizes with this one. A grasp that can open is never in modal coordinates.
 #[inline(never)]
-fn another_size(tables: &mut Cache<Table>, sizes: &StepSizes, h: f64) -> Option<StepSizes> {
-    let mut noted = *sizes;
+fn other_step(tables: &mut Cache<Table>, state: &State, h: f64) -> Option<StepSizes> {
+    let mut noted = state.sizes;
     noted.note(h);
-    (noted.repeat() && tables.recall(h)).then_some(noted)
+    (state.basis == Basis::Modal && noted.repeat() && tables.recall(h)).then_some(noted)
+}
+
+/// For how many steps of this table nothing that has to be refused can come of a state.
+#[inline(never)]
+fn calm_steps(table: &Table, state: &State) -> u32 {
+    let State { coordinates, position, carry, supplied_energy, .. } = state;
+    let numbers = coordinates.iter().chain(position).chain(carry).chain([supplied_energy]);
+    // NaN persists in a sum.
+    if numbers.map(|number| number.abs()).sum::<f64>() < CALM { table.calm_steps() } else { 0 }
 }
 
 #[cfg(test)]
@@ -130,6 +140,56 @@ mod tests {
         }
     }
 
+    /// A few long steps of a plant, usual ones and general ones.
+    fn compare(mut usual: Plant, inputs: impl Fn(u32) -> Inputs, steps: u32) -> (u32, u32) {
+        let mut any = usual.clone();
+        let (mut held, mut refused) = (0, 0);
+        for i in 0..steps {
+            let inputs = inputs(i);
+            held += u32::from(usual.clone().held_step(1e-3, &inputs, &Inputs::ZERO));
+            let found = usual.step(1e-3, &inputs, &Inputs::ZERO);
+            assert_eq!(found, any.any_step(1e-3, &inputs, &Inputs::ZERO), "step {i}");
+            assert_eq!(bits(&usual), bits(&any), "step {i}");
+            refused += u32::from(found.is_err());
+        }
+        (held, refused)
+    }
+
+    /// Numbers that die away become zero in the same step, whole and incomplete groups of modes.
+    #[test]
+    fn small_numbers_vanish_as_in_any_step() {
+        for order in [8, 9] {
+            let mut plant = Plant::new(Parameters { order, ..Parameters::default() }).unwrap();
+            for push in [1e-141, 0.0, 0.0] {
+                plant
+                    .step(1e-3, &Inputs { torque_command: [push, 0.3 * push], ..Inputs::ZERO }, &Inputs::ZERO)
+                    .unwrap();
+            }
+            let (held, refused) = compare(plant.clone(), |_| Inputs::ZERO, 400);
+            assert_eq!((held, refused), (400, 0));
+            for _ in 0..3000 {
+                plant.step(1e-3, &Inputs::ZERO, &Inputs::ZERO).unwrap();
+            }
+            let zeros = plant.state.coordinates.iter().filter(|z| **z == 0.0).count();
+            assert!(zeros > order, "{zeros} zeros");
+        }
+    }
+
+    /// A motion that grows out of the range of numbers is refused in the same step.
+    #[test]
+    fn a_motion_that_leaves_the_range_of_numbers_is_refused_as_in_any_step() {
+        let mut plant =
+            Plant::new(Parameters { actuator_model: ActuatorModel::Ideal, ..Parameters::default() }).unwrap();
+        for _ in 0..3 {
+            plant.step(1e-3, &Inputs { object_disturbance: 0.1, ..Inputs::ZERO }, &Inputs::ZERO).unwrap();
+        }
+        let growing = |i: u32| Inputs { object_disturbance: 10f64.powi(i32::try_from(i).unwrap()), ..Inputs::ZERO };
+        let (held, refused) = compare(plant, growing, 120);
+        // The inputs are calm up to 1e39, the state a little longer or shorter; above 1e100 nothing is usable.
+        assert!((30..45).contains(&held), "{held}");
+        assert!((10..25).contains(&refused), "{refused}");
+    }
+
     /// What is known of the grip after a step are the contact forces, to rounding.
     #[test]
     fn a_grip_is_the_contact_forces() {
@@ -144,6 +204,7 @@ mod tests {
             };
             plant.step(1e-3, &inputs, &Inputs::ZERO).unwrap();
             let force = plant.contact_force(&inputs);
+            assert_eq!(plant.may_have_pulled(), plant.may_pull(&inputs));
             let grip = plant.model.grip(&plant.signals, plant.direct(&inputs).force + inputs.object_disturbance);
             for (grip, force) in grip.iter().zip(force) {
                 // Differences of shears of some newtons.

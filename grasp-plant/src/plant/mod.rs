@@ -24,7 +24,7 @@ use crate::state_space::StateSpace;
 pub(crate) use model::{MAX_KINK_TIMES, Model};
 use parameter_table::InvalidParameter;
 use std::sync::Arc;
-pub(crate) use step::{REACH, all_usable, at, flush};
+pub(crate) use step::{all_usable, at, flush};
 
 /// The largest number of parts of a step that is too long for one piece: seconds of computing time.
 const MOST_PARTS: u32 = 1 << 22;
@@ -47,10 +47,15 @@ const MOST_PARTS: u32 = 1 << 22;
 #[derive(Clone, Debug)]
 #[repr(C)] // First what every step needs, in few lines of a processor's cache: of a thousand plants each has been pushed out of it.
 pub struct Plant {
-    /// Signals of `state`, kept current.
+    /// Signals of `state`, kept current; in modal coordinates but for the rates of the root moments.
     signals: Signals,
     state: State,
     model: Arc<Model>,
+    /// How many usual steps may follow before the state is looked at, if it is in modal coordinates and the last step was usual: see
+    /// [`held_step`](Self::held_step). Zero when anything else has changed the state.
+    calm: u32,
+    /// Whether a tip may have pulled at the object at the end of the last step.
+    pulls: bool,
     /// The contacts, if the grasp can open.
     contacts: Option<Box<Contacts>>,
     cache: Caches,
@@ -92,8 +97,17 @@ impl Plant {
         };
         let size = model.extended.layout.size();
         let work = Workspace { drive: vec![0.0; size], increment: Vec::new(), table: None, next: state.clone() };
-        let mut plant =
-            Self { signals: Signals::default(), parameters, model, state, cache: Caches::default(), work, contacts };
+        let mut plant = Self {
+            signals: Signals::default(),
+            state,
+            model,
+            calm: 0,
+            pulls: false,
+            contacts,
+            cache: Caches::default(),
+            work,
+            parameters,
+        };
         plant.read_signals();
         Ok(plant)
     }
@@ -111,6 +125,7 @@ impl Plant {
             (None, Some(modal)) => modal.signals(coordinates),
             (None, None) => self.model.dynamics.signals(coordinates),
         };
+        self.calm = 0;
     }
 
     /// The parameters.

@@ -16,7 +16,7 @@ impl Plant {
         let Some(modal) = model.modal() else { return };
         let length = model.parameters.length;
         let Workspace { drive, next, table, .. } = work;
-        next.coordinates.resize(modal.size(), 0.0);
+        next.coordinates.resize(modal.size());
         next.basis = Basis::Modal;
         next.supplied_energy = state.supplied_energy;
         let drive = &mut drive[..modal.size()];
@@ -29,11 +29,7 @@ impl Plant {
                 }
             };
             let table = if repeats {
-                cache.tables.get(&model.tables, h, || {
-                    let mut table = modal.table();
-                    modal.fill(&mut table, h);
-                    table
-                })
+                cache.tables.get(&model.tables, h, || modal.table_of(h))
             } else {
                 let table = table.get_or_insert_with(|| modal.table());
                 modal.fill(table, h);

@@ -1,11 +1,11 @@
 //! The consequences of the parameters: matrices, actuators, and the maps from inputs and signals to forces and outputs.
 
-use crate::actuator::Actuator;
+use crate::actuator::{Actuator, limited};
 use crate::cache::Shared;
 use crate::dynamics::{Dynamics, FORCES, Signals, TIP_SHEAR, TIP_SHEAR_RATE, builtin_forces};
 use crate::extended::Extended;
 use crate::modal::{Modal, Table};
-use crate::parameters::Parameters;
+use crate::parameters::{ActuatorModel, Parameters};
 use crate::propagator::Propagator;
 use crate::signals::{Direct, Inputs};
 use std::sync::OnceLock;
@@ -18,6 +18,10 @@ pub(crate) struct Model {
     pub dynamics: Dynamics,
     pub extended: Extended,
     pub actuators: [Actuator; FORCES],
+    /// Whether the actuators have dead zones.
+    has_dead_zones: bool,
+    /// Commands at which the actuators' limits begin: the lower ones, the upper ones.
+    pub limits: [[f64; FORCES]; 2],
     /// Contact forces per signal of `GRIP_SIGNALS`, and per force on the object.
     grip: [[f64; 2]; GRIP_SIGNALS.len() + 1],
     /// The modal form, computed at the first step; `None` inside if there is none.
@@ -49,9 +53,11 @@ impl Model {
             [-first, second]
         });
         Self {
-            parameters,
             dynamics,
             extended,
+            has_dead_zones: parameters.actuator_model == ActuatorModel::Raw,
+            limits: [0, 1].map(|side| actuators.each_ref().map(|actuator| actuator.limits()[side])),
+            parameters,
             actuators,
             grip,
             modal: OnceLock::new(),
@@ -70,7 +76,18 @@ impl Model {
     #[inline]
     pub fn forces(&self, inputs: &Inputs) -> [f64; FORCES] {
         let (commands, disturbances) = (inputs.commands(), inputs.disturbances());
-        std::array::from_fn(|i| self.actuators[i].output(commands[i]) + disturbances[i])
+        let [low, high] = &self.limits;
+        let mut outputs: [f64; FORCES] = std::array::from_fn(|i| limited(commands[i], low[i], high[i]));
+        if self.has_dead_zones {
+            outputs = self.outputs(&commands);
+        }
+        std::array::from_fn(|i| outputs[i] + disturbances[i])
+    }
+
+    /// What the actuators put out.
+    #[inline(never)]
+    fn outputs(&self, commands: &[f64; FORCES]) -> [f64; FORCES] {
+        std::array::from_fn(|i| self.actuators[i].output(commands[i]))
     }
 
     /// Change of the actuator outputs for a change of the commands.
@@ -134,6 +151,13 @@ impl Model {
         let [first, second, third, fourth, object] = &self.grip;
         let [a, b, c, d] = GRIP_SIGNALS.map(|index| signals[index]);
         [0, 1].map(|i| (first[i] * a + second[i] * b) + (third[i] * c + fourth[i] * d) + object[i] * force)
+    }
+
+    /// Whether any of these is negative.
+    #[inline]
+    #[allow(clippy::needless_bitwise_bool)] // A branch for each would take longer.
+    pub fn pulls(&self, signals: &Signals, force: f64) -> bool {
+        self.grip(signals, force).iter().fold(false, |any, force| any | (*force < 0.0))
     }
 
     /// Tip deflections of energy coordinates.

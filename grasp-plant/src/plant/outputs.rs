@@ -10,14 +10,15 @@ use crate::dynamics::{
 use crate::extended::{MAX_COORDINATES, MAX_PANELS};
 use crate::kernel::{LANES, dot};
 use crate::parameters::Parameters;
-use crate::signals::{Direct, Inputs, Measured, Rates, Uncertainty};
+use crate::signals::{Direct, Inputs, Measured, Rates, Uncertainty, read_singly};
 
 impl Plant {
     /// The measured outputs.
     #[must_use]
     #[inline]
     pub fn measured(&self) -> Measured {
-        measured(&self.state.position, &self.signals)
+        // A step has just written them, in its own way.
+        measured(&self.state.position.each_ref().map(read_singly), &self.signals)
     }
 
     /// The outputs that depend on the inputs directly.
@@ -32,17 +33,17 @@ impl Plant {
         self.model.direct(&self.signals, &applied, &inputs.disturbances())
     }
 
-    /// Whether a tip may pull at the object instead of pressing: whether a [contact force](Self::contact_force) is negative, to rounding.
-    /// That is known earlier than the force, for callers that ask after every step.
+    /// Whether a tip may have pulled at the object instead of pressing when the last step had been made: whether with its inputs a
+    /// [contact force](Self::contact_force) was negative, to rounding. Only of a grasp that cannot open.
     #[must_use]
     #[inline]
-    pub fn may_pull(&self, inputs: &Inputs) -> bool {
-        if self.contacts.is_some() {
-            return self.contact_force(inputs).iter().any(|force| *force < 0.0);
-        }
-        let applied = self.model.actuators[2].output(inputs.force_command);
-        let [first, second] = self.model.grip(&self.signals, applied + inputs.object_disturbance);
-        first < 0.0 || second < 0.0
+    pub fn may_have_pulled(&self) -> bool {
+        self.pulls
+    }
+
+    /// What [`Self::may_have_pulled`] is after a step with these inputs.
+    pub(super) fn may_pull(&self, inputs: &Inputs) -> bool {
+        self.model.pulls(&self.signals, self.model.forces(inputs)[2])
     }
 
     /// The contact forces alone \[N\], as in [`Self::direct`].
@@ -75,6 +76,16 @@ impl Plant {
         std::array::from_fn(|i| self.model.actuators[i].is_limited(commands[i]))
     }
 
+    /// Whether any of them is.
+    #[must_use]
+    #[inline]
+    #[allow(clippy::needless_bitwise_bool)] // A branch for each would take longer.
+    pub fn is_any_limited(&self, inputs: &Inputs) -> bool {
+        let [low, high] = &self.model.limits;
+        let commands = inputs.fresh().commands();
+        (0..FORCES).fold(false, |any, i| any | (commands[i] <= low[i]) | (commands[i] >= high[i]))
+    }
+
     /// The exact directional derivative ∂direct/∂inputs · `direction` at `inputs`, with the actuators' slopes there.
     /// No other output depends on the inputs directly.
     #[must_use]
@@ -91,7 +102,12 @@ impl Plant {
     /// The built-in uncertainties at this moment.
     #[must_use]
     pub fn uncertainty(&self) -> Uncertainty {
-        held(self.state.contact.as_deref(), uncertainty(&self.model.parameters, &self.signals))
+        let mut signals = self.signals;
+        if let Some(modal) = self.modal_of_state() {
+            let [first, second] = modal.root_moment_rates(&self.state.coordinates);
+            (signals[ROOT_MOMENT_RATE[0]], signals[ROOT_MOMENT_RATE[1]]) = (first, second);
+        }
+        held(self.state.contact.as_deref(), uncertainty(&self.model.parameters, &signals))
     }
 
     /// Deflections w_i at eleven equally spaced points x = 0 … l \[m\], by arm.

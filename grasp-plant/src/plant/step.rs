@@ -86,6 +86,8 @@ impl Plant {
         }
         self.signals = signals;
         std::mem::swap(&mut self.state, next);
+        self.calm = 0;
+        self.pulls = self.may_pull(inputs);
         Ok(())
     }
 
@@ -98,7 +100,7 @@ impl Plant {
         let before = self.state.clone();
         let mut i = 0.0;
         while i < parts {
-            if let Err(error) = self.step(part, &at(inputs, rates, i * part), rates) {
+            if let Err(error) = self.any_step(part, &at(inputs, rates, i * part), rates) {
                 self.state = before;
                 self.read_signals();
                 return Err(error);
@@ -187,7 +189,7 @@ pub(crate) fn flush(coordinates: &mut [f64]) {
 
 /// Numbers above some 1e100 become infinite times this: their squares (energies) and their rates would leave the range of
 /// floating-point numbers.
-pub(crate) const REACH: f64 = 1e208;
+const REACH: f64 = 1e208;
 
 /// Whether all numbers are so far inside the range of floating-point numbers that every output computed from them is
 /// finite. Several numbers are tested at a time: infinity and NaN persist in a sum.

@@ -43,7 +43,7 @@ impl Grip {
         let size = time - self.until;
         self.until = time;
         let Some(contact) = plant.state().contact.as_deref() else {
-            if plant.may_pull(inputs) {
+            if plant.may_have_pulled() {
                 self.pulled(time, size, plant.contact_force(inputs));
             }
             return size;

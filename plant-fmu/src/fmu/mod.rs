@@ -145,14 +145,15 @@ impl DualArmPlant {
 
     /// An actuator is at its limits during this step.
     #[cold]
-    fn limited(&mut self, step: &mut Step<'_>, limited: [bool; 3]) {
+    fn limited(&mut self, step: &mut Step<'_>) {
         self.time_at_limits += step.size;
         if self.told_of_limits || self.time_at_limits < Self::LONG {
             return;
         }
         self.told_of_limits = true;
         let time = step.time + step.size;
-        let [first, second, object] = limited.map(usize::from);
+        let Some(plant) = &self.plant else { return };
+        let [first, second, object] = plant.limited(&self.inputs).map(usize::from);
         let names = Self::LIMITED[first + 2 * second + 4 * object];
         step.warn(format_args!(
             "at t = {time} s actuators ({names}) have been at their limits for {} s longer than inside them: there they do not \
@@ -271,13 +272,13 @@ impl Model for DualArmPlant {
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
         plant.step(step.size, &self.inputs, &self.input_rates).map_err(discarded)?;
-        let limited = plant.limited(&self.inputs);
+        let is_limited = plant.is_any_limited(&self.inputs);
         if self.watch_contact(step.time + step.size) {
             self.tell_of_contact(&mut |said| step.warn(said));
         }
-        if limited[0] | limited[1] | limited[2] {
-            self.limited(step, limited);
-        } else {
+        if is_limited {
+            self.limited(step);
+        } else if self.time_at_limits > 0.0 {
             self.time_at_limits = (self.time_at_limits - step.size).max(0.0);
         }
         Ok(())

@@ -1,0 +1,56 @@
+//! For how many steps nothing can leave the range of numbers.
+//!
+//! Whether a number is still usable need not be asked after every step: a step multiplies at most by what its matrices allow. If all
+//! numbers of the state and all inputs are below [`CALM`], the next steps are refused by no test of their results, and the tests are left
+//! out of as many.
+
+use super::readings::Readings;
+use super::step::Rigid;
+use super::table::Table;
+use crate::parameters::{Channel, Parameters};
+
+/// The size of numbers that are far from being unusable.
+pub(crate) const CALM: f64 = 1e40;
+
+/// What numbers may reach: sums of a hundred of them are still [usable](crate::plant::all_usable).
+const REACHED: f64 = 1e97;
+
+/// The most steps in a row whose results are not looked at.
+const MOST: u32 = 64;
+
+/// How many times as large as commands and disturbances the forces on hubs and object can be, if these are large.
+pub(super) fn gain(parameters: &Parameters) -> f64 {
+    let of = |channel: &Channel| {
+        let Channel { m_r, m_l, k_r, k_l, .. } = channel;
+        1.0 + (1.0 + k_r.abs() + k_l.abs()) * (1.0 + m_r.abs() + m_l.abs())
+    };
+    of(&parameters.torque_channel).max(of(&parameters.force_channel))
+}
+
+/// The number of steps, at most [`MOST`], in which coordinates, positions and signals that were below [`CALM`] stay below [`REACHED`],
+/// if forces are at most `gain` times [`CALM`].
+///
+/// With m the largest coordinate and F the sum of the forces' sizes, a step leads to m' ≤ a (m + F), so m + F grows by at most 2a. Positions
+/// move by at most b (m' + F) / l.
+#[inline(never)]
+pub(super) fn steps(table: &Table, readings: &Readings, rigid: &Rigid, gain: f64, length: f64) -> u32 {
+    let size = |numbers: &[f64]| numbers.iter().map(|number| number.abs()).sum::<f64>();
+    let mut growth = 1.0 + table.h * size(&rigid.gain);
+    for held in &table.held {
+        for (increment, gain) in held.increment.iter().zip(&held.gain) {
+            // By lanes all of them would be a few times less.
+            growth = growth.max(1.0 + size(increment.as_flattened()) + size(gain.as_flattened()));
+        }
+    }
+    let (signal, position) = readings.largest_sums();
+    let travel = position * growth + table.h * (rigid.velocity.abs() * growth + size(&rigid.drift));
+    let most = f64::from(MOST);
+    let mut reached = 2.0 * gain * CALM * signal.max(4.0 * most * travel / length.min(1.0)).max(1.0);
+    let mut steps = 0;
+    // A number that is none is not below.
+    while steps < MOST && reached * (2.0 * growth) < REACHED {
+        reached *= 2.0 * growth;
+        steps += 1;
+    }
+    steps
+}
