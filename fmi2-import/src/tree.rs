@@ -188,25 +188,36 @@ impl<'a> Reader<'a> {
     fn value(&mut self) -> Option<Cow<'a, str>> {
         let begin = self.at;
         let mut has_entities = false;
-        let mut is_ascii = true;
         loop {
-            match self.peek()? {
+            let rest = &self.text.as_bytes()[self.at..];
+            self.at += rest.iter().position(|byte| ENDS[usize::from(*byte)])?;
+            match self.text.as_bytes()[self.at] {
                 b'"' => break,
                 b'&' => has_entities = true,
                 // Blanks other than spaces become spaces; nothing else of this is allowed.
-                0..b' ' | b'<' => return None,
-                byte => is_ascii &= byte.is_ascii(),
+                _ => return None,
             }
             self.at += 1;
         }
         let value = &self.text[begin..self.at];
         self.at += 1;
-        if !is_ascii && value.contains(['\u{fffe}', '\u{ffff}']) {
+        if !value.is_ascii() && value.contains(['\u{fffe}', '\u{ffff}']) {
             return None;
         }
         if has_entities { resolved(value).map(Cow::Owned) } else { Some(Cow::Borrowed(value)) }
     }
 }
+
+/// The bytes at which the plain text of an attribute's value ends.
+const ENDS: [bool; 256] = {
+    let mut ends = [false; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        ends[byte] = byte < 0x20 || matches!(byte as u8, b'"' | b'&' | b'<');
+        byte += 1;
+    }
+    ends
+};
 
 /// The value with characters in place of XML's own entities.
 fn resolved(value: &str) -> Option<String> {

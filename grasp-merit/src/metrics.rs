@@ -104,10 +104,7 @@ impl Metrics {
     fn if_recorded(table: &Table, limits: [Option<Limits>; 3]) -> Option<Self> {
         let mut running = Running::new(limits);
         let [force1, force2, target, tau1, tau2, u] = SIGNALS.map(|name| table.column(name));
-        let columns = [force1?, force2?, target?, tau1?, tau2?, u?];
-        for (index, time) in table.times().iter().enumerate() {
-            running.push(*time, columns.map(|column| column[index]));
-        }
+        running.extend(table.times(), [force1?, force2?, target?, tau1?, tau2?, u?]);
         running.metrics()
     }
 
@@ -126,9 +123,7 @@ impl ForceMetrics {
     #[must_use]
     pub fn of(times: &[f64], values: &[f64], target: f64) -> Self {
         let mut force = Force::new(times[0], values[0], target);
-        for (time, value) in times.iter().zip(values).skip(1) {
-            force.push(*time, *value);
-        }
+        force.extend(&times[1..], &values[1..]);
         force.metrics(target)
     }
 }
@@ -141,9 +136,7 @@ impl EffortMetrics {
     #[must_use]
     pub fn of(times: &[f64], values: &[f64], limits: Option<Limits>) -> Self {
         let mut effort = Effort::new(limits);
-        for (time, value) in times.iter().zip(values) {
-            effort.push(*time, *value);
-        }
+        effort.extend(times, values);
         let Some(metrics) = effort.metrics() else { panic!("an actuator's output without samples") };
         metrics
     }

@@ -1,9 +1,5 @@
 //! Metrics of a run while it runs: each communication point is looked at once, and only the last twentieth of the forces is kept.
 
-use std::collections::VecDeque;
-
-use fmi2_cosim::record::Points;
-
 use crate::metrics::{EffortMetrics, ForceMetrics, Limits, Metrics, REST};
 
 /// The metrics up to now.
@@ -21,28 +17,33 @@ impl Running {
         Self { forces: None, efforts: limits.map(Effort::new) }
     }
 
-    /// The values of the [`SIGNALS`](crate::metrics::SIGNALS) at the next communication point.
-    #[inline]
-    pub fn push(&mut self, time: f64, [force1, force2, target, tau1, tau2, u]: [f64; 6]) {
+    /// The next communication points: times, and the values of the [`SIGNALS`](crate::metrics::SIGNALS), as many of each.
+    pub fn extend(&mut self, times: &[f64], [force1, force2, targets, tau1, tau2, u]: [&[f64]; 6]) {
+        for (effort, values) in self.efforts.iter_mut().zip([tau1, tau2, u]) {
+            effort.extend(times, values);
+        }
         // Both contact forces shall become λ₂ᵈ = −λ₁ᵈ, since f_i = (−1)^i λ_i.
-        match &mut self.forces {
+        let mut begin = 0;
+        while let Some(&target) = targets.get(begin) {
             // A target that is not a number stays the target, too.
-            Some((last, [one, two])) if *last == target || (last.is_nan() && target.is_nan()) => {
-                *last = target;
-                one.push(time, force1);
-                two.push(time, force2);
+            let is_other = |value: f64| value != target && !(value.is_nan() && target.is_nan());
+            let end =
+                targets[begin..].iter().position(|value| is_other(*value)).map_or(targets.len(), |more| begin + more);
+            let is_old = self.forces.as_ref().is_some_and(|(last, _)| !is_other(*last));
+            let first = begin;
+            let (last, forces) = match self.forces.as_mut().filter(|_| is_old) {
+                Some(forces) => forces,
+                None => {
+                    begin += 1;
+                    let force = |values: &[f64]| Force::new(times[first], values[first], target);
+                    self.forces.insert((target, [force(force1), force(force2)]))
+                }
+            };
+            *last = targets[end - 1];
+            for (force, values) in forces.iter_mut().zip([force1, force2]) {
+                force.extend(&times[begin..end], &values[begin..end]);
             }
-            forces => *forces = Some((target, [force1, force2].map(|force| Force::new(time, force, target)))),
-        }
-        for (effort, value) in self.efforts.iter_mut().zip([tau1, tau2, u]) {
-            effort.push(time, value);
-        }
-    }
-
-    /// The values at the next communication points, each of which has the [`SIGNALS`](crate::metrics::SIGNALS) at these places.
-    pub fn extend(&mut self, points: &Points, places: [usize; 6]) {
-        for (time, point) in points.iter() {
-            self.push(time, places.map(|place| point[place]));
+            begin = end;
         }
     }
 
@@ -66,52 +67,61 @@ pub(crate) struct Force {
     end: f64,
     /// From the first value to the target.
     way: f64,
-    /// Its sign.
-    direction: f64,
     beyond: f64,
     within_2: Settling,
     within_5: Settling,
     count: usize,
-    /// The last twentieth of the values.
-    tail: VecDeque<f64>,
+    /// The last twentieth of the values, and some before them.
+    tail: Vec<f64>,
 }
 
 impl Force {
+    /// So many values that are of no account any more are kept.
+    const SPARE: usize = 4096;
+
     pub(crate) fn new(time: f64, value: f64, target: f64) -> Self {
-        let way = target - value;
         let within = |fraction: f64| Settling { band: fraction * target.abs(), outside: None, next: None };
         let mut force = Self {
             target,
             begin: time,
             end: time,
-            way,
-            direction: way.signum(),
+            way: target - value,
             beyond: 0.0,
             within_2: within(0.02),
             within_5: within(0.05),
             count: 0,
-            tail: VecDeque::new(),
+            tail: Vec::new(),
         };
-        force.push(time, value);
+        force.extend(&[time], &[value]);
         force
     }
 
-    #[inline]
-    pub(crate) fn push(&mut self, time: f64, value: f64) {
-        let error = value - self.target;
-        self.beyond = self.beyond.max(error * self.direction);
-        self.within_2.push(time, error);
-        self.within_5.push(time, error);
-        self.end = time;
-        self.count += 1;
-        self.tail.push_back(value);
-        if self.tail.len() > self.count.div_ceil(20) {
-            self.tail.pop_front();
+    pub(crate) fn extend(&mut self, times: &[f64], values: &[f64]) {
+        let (direction, mut beyond) = (self.way.signum(), self.beyond);
+        for (time, value) in times.iter().zip(values) {
+            let error = value - self.target;
+            beyond = beyond.max(error * direction);
+            self.within_2.push(*time, error);
+            self.within_5.push(*time, error);
+        }
+        self.beyond = beyond;
+        self.end = times.last().copied().unwrap_or(self.end);
+        self.count += values.len();
+        self.tail.extend_from_slice(values);
+        let unneeded = self.tail.len() - self.needed();
+        if unneeded > Self::SPARE {
+            self.tail.drain(..unneeded);
         }
     }
 
+    /// How many values the last twentieth are.
+    fn needed(&self) -> usize {
+        self.count.div_ceil(20)
+    }
+
     pub(crate) fn metrics(&self, target: f64) -> ForceMetrics {
-        let mean = self.tail.iter().sum::<f64>() / self.tail.len() as f64;
+        let tail = &self.tail[self.tail.len() - self.needed()..];
+        let mean = tail.iter().sum::<f64>() / tail.len() as f64;
         ForceMetrics {
             target,
             settling_2: self.within_2.time(self.begin, self.end),
@@ -144,9 +154,9 @@ impl Settling {
         }
     }
 
-    /// The time after which the error stays within the band, counted from the first sample: the time at which the line between the last
-    /// sample outside and the next one crosses the band. `None` if the last sample outside is within the last [`REST`] of the
-    /// time.
+    /// The time after which the error stays within the band, counted from the first sample: the time at which the line
+    /// between the last sample outside and the next one crosses the band. `None` if the last sample outside is within the
+    /// last [`REST`] of the time.
     fn time(&self, begin: f64, end: f64) -> Option<f64> {
         let Some((last, error)) = self.outside else { return Some(0.0) };
         if last > end - REST * (end - begin) {
@@ -161,52 +171,75 @@ impl Settling {
 }
 
 /// One actuator's output; between samples it is a straight line.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(crate) struct Effort {
+    has_limits: bool,
+    /// From where on it counts as being at a limit.
+    limits: Limits,
+    sums: Option<Sums>,
+}
+
+/// The sums of an [`Effort`] from its first sample to the last one.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    begin: f64,
+    first: f64,
     peak: f64,
     energy: f64,
     at_limits: f64,
-    /// From where on it counts as being at a limit.
-    limits: Option<Limits>,
-    first: Option<(f64, f64)>,
     time: f64,
     last: f64,
-    is_at_limit: bool,
+    /// 1 if the last sample is at a limit, else 0.
+    is_at_limit: f64,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self::new(None)
+    }
 }
 
 impl Effort {
     pub(crate) fn new(limits: Option<Limits>) -> Self {
-        let limits = limits.map(|Limits { low, high }| {
-            let slack = 1e-9 * (high - low);
-            Limits { low: low + slack, high: high - slack }
-        });
-        // A sum of nothing is −0.
-        let (energy, at_limits) = (-0.0, -0.0);
-        Self { peak: 0.0, energy, at_limits, limits, first: None, time: 0.0, last: 0.0, is_at_limit: false }
+        let slack = limits.map_or(0.0, |Limits { low, high }| 1e-9 * (high - low));
+        let Limits { low, high } = limits.unwrap_or(Limits { low: f64::NEG_INFINITY, high: f64::INFINITY });
+        Self { has_limits: limits.is_some(), limits: Limits { low: low + slack, high: high - slack }, sums: None }
     }
 
-    #[inline]
-    pub(crate) fn push(&mut self, time: f64, value: f64) {
-        let is_at_limit = self.limits.is_some_and(|Limits { low, high }| value >= high || value <= low);
-        if self.first.is_some() {
-            let (dt, a, b) = (time - self.time, self.last, value);
+    pub(crate) fn extend(&mut self, times: &[f64], values: &[f64]) {
+        let Limits { low, high } = self.limits;
+        let is_at_limit = |value: f64| f64::from(u8::from(value >= high || value <= low));
+        let mut samples = times.iter().copied().zip(values.iter().copied());
+        let begin = |(time, value): (f64, f64)| Sums {
+            begin: time,
+            first: value,
+            peak: value.abs().max(0.0),
+            // A sum of nothing is −0.
+            energy: -0.0,
+            at_limits: -0.0,
+            time,
+            last: value,
+            is_at_limit: is_at_limit(value),
+        };
+        let Some(mut sums) = self.sums.or_else(|| samples.next().map(begin)) else { return };
+        for (time, b) in samples {
+            let (dt, a, now) = (time - sums.time, sums.last, is_at_limit(b));
             // ∫ of the square of a straight line from a to b: (a² + ab + b²)/3.
-            self.energy += dt * (a * a + a * b + b * b) / 3.0;
-            self.at_limits += dt * 0.5 * f64::from(u8::from(self.is_at_limit) + u8::from(is_at_limit));
-        } else {
-            self.first = Some((time, value));
+            sums.energy += dt * (a * a + a * b + b * b) / 3.0;
+            sums.at_limits += dt * 0.5 * (sums.is_at_limit + now);
+            sums.peak = b.abs().max(sums.peak);
+            (sums.time, sums.last, sums.is_at_limit) = (time, b, now);
         }
-        self.peak = value.abs().max(self.peak);
-        (self.time, self.last, self.is_at_limit) = (time, value, is_at_limit);
+        self.sums = Some(sums);
     }
 
     pub(crate) fn metrics(&self) -> Option<EffortMetrics> {
-        let (begin, first) = self.first?;
-        let duration = self.time - begin;
+        let sums = self.sums?;
+        let duration = sums.time - sums.begin;
         Some(EffortMetrics {
-            peak: self.peak,
-            rms: if duration > 0.0 { (self.energy / duration).sqrt() } else { first.abs() },
-            saturated: self.limits.map(|_| self.at_limits),
+            peak: sums.peak,
+            rms: if duration > 0.0 { (sums.energy / duration).sqrt() } else { sums.first.abs() },
+            saturated: self.has_limits.then_some(sums.at_limits),
         })
     }
 }
@@ -255,6 +288,38 @@ mod tests {
             settled += usize::from(found.settling_2.is_some());
         }
         assert!((100..600).contains(&settled), "{settled} of 700");
+    }
+
+    #[test]
+    fn pieces_give_what_the_whole_gives() {
+        let times: Vec<f64> = (0..30_000_u32).map(|index| f64::from(index) * 1e-3).collect();
+        let wave = |rate: f64| times.iter().map(|time| 0.5 + (-time).exp() * (rate * time).sin()).collect::<Vec<_>>();
+        // Two targets, the second of which begins within a piece, and one that is no number.
+        let target = |time: &f64| {
+            if *time < 0.2 {
+                f64::NAN
+            } else if *time < 3.333 {
+                0.4
+            } else {
+                0.5
+            }
+        };
+        let columns = [wave(9.0), wave(11.0), times.iter().map(target).collect(), wave(2.0), wave(3.0), wave(5.0)];
+        let limits = [Some(Limits { low: -0.5, high: 0.9 }), None, Some(Limits { low: 0.4, high: 2.0 })];
+        let whole = |from: usize, to: usize| [0, 1, 2, 3, 4, 5].map(|index| &columns[index][from..to]);
+        let mut once = Running::new(limits);
+        once.extend(&times, whole(0, times.len()));
+        for size in [1, 7, 128, 9999] {
+            let mut pieces = Running::new(limits);
+            for begin in (0..times.len()).step_by(size) {
+                let end = times.len().min(begin + size);
+                pieces.extend(&times[begin..end], whole(begin, end));
+            }
+            assert_eq!(pieces.metrics(), once.metrics());
+        }
+        let metrics = once.metrics().unwrap();
+        assert!(metrics.settling_2().is_some() && metrics.efforts[0].saturated.unwrap() > 0.0);
+        assert_eq!(Running::new(limits).metrics(), None);
     }
 
     trait Bits {

@@ -50,9 +50,9 @@ impl Observer for GraspWatch {
     fn points(&mut self, points: &Points) -> io::Result<()> {
         // Without one of the signals there are no metrics.
         if let [Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)] =
-            self.places.map(|place| place.and_then(|place| points.place(place)))
+            self.places.map(|place| place.and_then(|place| points.column(place)))
         {
-            self.running.extend(points, [a, b, c, d, e, f]);
+            self.running.extend(points.times(), [a, b, c, d, e, f]);
         }
         Ok(())
     }

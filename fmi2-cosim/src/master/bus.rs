@@ -82,6 +82,8 @@ pub(crate) struct Buses {
     read_at: Vec<u64>,
     /// For each component, when its inputs were last set; 0 if other code may have set them since.
     written_at: Vec<u64>,
+    /// For each component, whether its wires carry only reals.
+    are_real: Vec<bool>,
     /// For each component, whether nothing has happened to it since its outputs were last fetched.
     is_fresh: Vec<bool>,
     /// For each component, where the outputs that are followed are found among those that are fetched.
@@ -129,7 +131,8 @@ impl Buses {
         let boolean = Bus::new(descriptions, wires);
         let (read_at, written_at, is_fresh) = (vec![0; count], vec![0; count], vec![false; count]);
         let taps = (0..count).map(|_| None).collect();
-        Self { real, integer, boolean, crossings, sources, clock: 0, read_at, written_at, is_fresh, taps }
+        let are_real = (0..count).map(|index| integer.is_idle(index) && boolean.is_idle(index)).collect();
+        Self { real, integer, boolean, crossings, sources, clock: 0, read_at, written_at, are_real, is_fresh, taps }
     }
 
     /// Forgets which outputs are followed.
@@ -194,6 +197,10 @@ impl Buses {
         self.clock += 1;
         self.read_at[component] = self.clock;
         self.real.read(component, instance)?;
+        if self.are_real[component] {
+            self.is_fresh[component] = true;
+            return Ok(());
+        }
         self.integer.read(component, instance)?;
         for crossing in &self.crossings {
             if crossing.component == component {
@@ -211,6 +218,9 @@ impl Buses {
         self.written_at[component] = self.clock;
         self.is_fresh[component] = false;
         self.real.write(component, instance)?;
+        if self.are_real[component] {
+            return Ok(());
+        }
         self.integer.write(component, instance)?;
         self.boolean.write(component, instance)
     }
@@ -320,6 +330,11 @@ impl<T: Signal> Bus<T> {
             }
         }
         bus
+    }
+
+    /// Whether no wire of this type begins or ends at a component.
+    fn is_idle(&self, component: usize) -> bool {
+        self.ports[component].offered.is_empty() && self.ports[component].wanted.is_empty()
     }
 
     fn add_signal(&mut self) -> usize {

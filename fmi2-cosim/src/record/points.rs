@@ -7,7 +7,7 @@ pub struct Points {
     /// The places of the columns in a row.
     places: Vec<usize>,
     times: Vec<f64>,
-    /// Point after point.
+    /// Column after column, each with room for all points.
     values: Vec<f64>,
 }
 
@@ -16,23 +16,24 @@ impl Points {
     pub const MOST: usize = 128;
 
     pub(crate) fn new(places: Vec<usize>) -> Self {
-        let (times, values) = (Vec::with_capacity(Self::MOST), Vec::with_capacity(Self::MOST * places.len()));
-        Self { places, times, values }
+        let values = vec![0.0; Self::MOST * places.len()];
+        Self { places, times: Vec::with_capacity(Self::MOST), values }
     }
 
     /// Adds a point. True when no more are to come.
     #[inline]
     pub(crate) fn push(&mut self, time: f64, row: &[f64]) -> bool {
-        self.times.push(time);
-        for place in &self.places {
-            self.values.push(row[*place]);
+        let mut places = self.places.iter();
+        for column in self.values.chunks_exact_mut(Self::MOST) {
+            let Some(place) = places.next() else { break };
+            column[self.times.len()] = row[*place];
         }
+        self.times.push(time);
         self.times.len() == Self::MOST
     }
 
     pub(crate) fn clear(&mut self) {
         self.times.clear();
-        self.values.clear();
     }
 
     /// Whether there are none.
@@ -41,22 +42,28 @@ impl Points {
         self.times.is_empty()
     }
 
-    /// Where a point has the column that is at this place of a row, if it has it.
+    /// Times of the points in s.
     #[must_use]
-    pub fn place(&self, column: usize) -> Option<usize> {
-        self.places.iter().position(|place| *place == column)
+    pub fn times(&self) -> &[f64] {
+        &self.times
     }
 
-    /// The points: time in s and values.
-    pub fn iter(&self) -> impl Iterator<Item = (f64, &[f64])> {
-        self.times.iter().copied().zip(self.values.chunks_exact(self.places.len().max(1)))
+    /// The values of the column that is at this place of a row, if it is there: one for each point.
+    #[must_use]
+    pub fn column(&self, place: usize) -> Option<&[f64]> {
+        let index = self.places.iter().position(|known| *known == place)?;
+        Some(&self.values[index * Self::MOST..][..self.times.len()])
     }
 
-    /// Writes the values of a point to their places in a row, as far as it reaches.
-    pub fn put(&self, point: &[f64], row: &mut [f64]) {
-        for (place, value) in self.places.iter().zip(point) {
+    /// Writes the values of one of the points to their places in a row, as far as it reaches.
+    ///
+    /// # Panics
+    /// When there are not that many points.
+    pub fn put(&self, point: usize, row: &mut [f64]) {
+        assert!(point < self.times.len(), "there are {} points", self.times.len());
+        for (place, column) in self.places.iter().zip(self.values.chunks_exact(Self::MOST)) {
             if let Some(cell) = row.get_mut(*place) {
-                *cell = *value;
+                *cell = column[point];
             }
         }
     }

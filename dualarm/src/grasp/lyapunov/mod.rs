@@ -269,9 +269,9 @@ impl Observer for LyapunovWatch {
 
     fn points(&mut self, points: &Points) -> io::Result<()> {
         let mut row = vec![0.0; self.indices.iter().max().map_or(0, |last| last + 1)];
-        points.iter().try_for_each(|(time, point)| {
+        points.times().iter().enumerate().try_for_each(|(point, time)| {
             points.put(point, &mut row);
-            self.take(time, &row)
+            self.take(*time, &row)
         })
     }
 

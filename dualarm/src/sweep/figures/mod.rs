@@ -182,9 +182,9 @@ impl Observer for Gauge<'_> {
     }
 
     fn points(&mut self, points: &Points) -> io::Result<()> {
-        points.iter().try_for_each(|(time, point)| {
+        points.times().iter().enumerate().try_for_each(|(point, time)| {
             points.put(point, &mut self.row);
-            self.take(time)
+            self.take(*time)
         })
     }
 
