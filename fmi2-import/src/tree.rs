@@ -211,11 +211,12 @@ impl<'a> Reader<'a> {
 /// The bytes at which the plain text of an attribute's value ends.
 const ENDS: [bool; 256] = {
     let mut ends = [false; 256];
-    let mut byte = 0;
-    while byte < 256 {
-        ends[byte] = byte < 0x20 || matches!(byte as u8, b'"' | b'&' | b'<');
-        byte += 1;
+    let mut control = 0;
+    while control < 0x20 {
+        ends[control] = true;
+        control += 1;
     }
+    (ends[b'"' as usize], ends[b'&' as usize], ends[b'<' as usize]) = (true, true, true);
     ends
 };
 

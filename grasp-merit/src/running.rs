@@ -29,16 +29,13 @@ impl Running {
             let is_other = |value: f64| value != target && !(value.is_nan() && target.is_nan());
             let end =
                 targets[begin..].iter().position(|value| is_other(*value)).map_or(targets.len(), |more| begin + more);
-            let is_old = self.forces.as_ref().is_some_and(|(last, _)| !is_other(*last));
-            let first = begin;
-            let (last, forces) = match self.forces.as_mut().filter(|_| is_old) {
-                Some(forces) => forces,
-                None => {
-                    begin += 1;
-                    let force = |values: &[f64]| Force::new(times[first], values[first], target);
-                    self.forces.insert((target, [force(force1), force(force2)]))
-                }
-            };
+            self.forces.take_if(|(last, _)| is_other(*last));
+            let (last, forces) = self.forces.get_or_insert_with(|| {
+                let force = |values: &[f64]| Force::new(times[begin], values[begin], target);
+                let forces = [force(force1), force(force2)];
+                begin += 1;
+                (target, forces)
+            });
             *last = targets[end - 1];
             for (force, values) in forces.iter_mut().zip([force1, force2]) {
                 force.extend(&times[begin..end], &values[begin..end]);
