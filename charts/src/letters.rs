@@ -288,6 +288,19 @@ fn shape(letters: &str, bold: bool) -> Option<Outline> {
     Some(Outline { path: path.finish(), width: f64::from(width), units: face.units })
 }
 
+impl Outline {
+    /// In the units of the font.
+    #[cfg(test)]
+    pub(crate) fn width(&self) -> f64 {
+        self.width
+    }
+}
+
+/// How wide letters are, in em; nothing if the font cannot draw them.
+pub(crate) fn width(letters: &str, bold: bool) -> f64 {
+    outline(letters, bold).map_or(0.0, |outline| outline.width / outline.units)
+}
+
 /// Takes the outline of a glyph.
 struct Pen(PathBuilder);
 

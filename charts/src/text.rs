@@ -1,9 +1,11 @@
 //! The figures' font: its bytes, its family name, and how wide a text is in it.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
-use skrifa::instance::{LocationRef, Size};
 use skrifa::{FontRef, MetadataProvider};
+
+use crate::letters;
 
 /// Font families of the SVG files; the first one is embedded for the PNG files.
 pub const FAMILIES: &str = "Noto Sans, Helvetica Neue, Arial, sans-serif";
@@ -12,19 +14,57 @@ pub const EMBEDDED_FAMILY: &str = "Noto Sans";
 /// The embedded faces, regular and bold.
 pub const FACES: [&[u8]; 2] = [notosans::REGULAR_TTF, notosans::BOLD_TTF];
 
-/// Width of a text in px at a font size in px.
+/// Width of a text in px at a font size in px, as PNGs show it: with boxes for letters that the font lacks.
 #[must_use]
 pub fn width(text: &str, size: f64, bold: bool) -> f64 {
-    let font = face(bold);
-    #[allow(clippy::cast_possible_truncation)] // font sizes are small numbers
-    let metrics = font.glyph_metrics(Size::new(size as f32), LocationRef::default());
-    let glyphs = font.charmap();
-    let advance = |letter: char| metrics.advance_width(glyphs.map(letter)?).map(f64::from);
-    text.chars()
-        .filter_map(|letter| {
-            shifted(letter).map_or_else(|| advance(letter), |(plain, _)| Some(SMALL * advance(plain)?))
-        })
-        .sum()
+    pieces(text).map(|(letters, relative)| relative * size * letters::width(&letters, bold)).sum()
+}
+
+/// A text that is no wider than this: the beginning with an ellipsis, if it has to be.
+#[must_use]
+pub fn shortened(text: &str, size: f64, bold: bool, width: f64) -> Cow<'_, str> {
+    // Letters are not so narrow: what comes later need not be looked at.
+    const NARROWEST: f64 = 0.1;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // thousands at most
+    let most = (width / (NARROWEST * size)).clamp(1.0, 1e4) as usize;
+    // Where letters begin; a text that is not longer ends there, too.
+    let mut ends: Vec<usize> = text.char_indices().map(|(place, _)| place).take(most + 1).collect();
+    if ends.len() <= most {
+        if self::width(text, size, bold) <= width {
+            return Cow::Borrowed(text);
+        }
+        ends.push(text.len());
+    }
+    let beginning = |end: &usize| format!("{}\u{2026}", text[..*end].trim_end());
+    // A text with more letters is wider.
+    let fits = ends.partition_point(|end| self::width(&beginning(end), size, bold) <= width);
+    Cow::Owned(beginning(&ends[fits.saturating_sub(1)]))
+}
+
+/// The pieces of a text that are shaped by themselves, and their sizes: as [`with_shifts`] writes them.
+fn pieces(text: &str) -> impl Iterator<Item = (String, f64)> {
+    let mut letters = text.chars().peekable();
+    // What follows shifted letters is a piece of one letter.
+    let mut was_shifted = false;
+    std::iter::from_fn(move || {
+        let first = letters.next()?;
+        let Some((plain, _)) = shifted(first) else {
+            let mut piece = String::from(first);
+            if !std::mem::take(&mut was_shifted) {
+                while let Some(next) = letters.next_if(|next| shifted(*next).is_none()) {
+                    piece.push(next);
+                }
+            }
+            return Some((piece, 1.0));
+        };
+        let mut piece = String::from(plain);
+        while let Some((plain, _)) = letters.peek().and_then(|next| shifted(*next)) {
+            piece.push(plain);
+            letters.next();
+        }
+        was_shifted = true;
+        Some((piece, SMALL))
+    })
 }
 
 /// Size of raised and lowered letters relative to their text.
@@ -103,6 +143,34 @@ mod tests {
         assert_eq!(missing("τθελμπ₁₂·‖±°−–—×≤ÊŴÛĴ̂ᵈ"), Vec::<char>::new());
         assert!(width("mm", 10.0, true) > width("mm", 10.0, false));
         assert!(width("f₁", 10.0, false) < width("f1", 10.0, false));
+    }
+
+    #[test]
+    fn a_text_is_as_wide_as_what_is_drawn() {
+        for text in ["漢字 To", "AV", "τ₁ (N·m)", "f₁₂A VAT₃", "10⁻⁶ kg", "", "😀 m̂", "₁", "a\u{200d}b"]
+        {
+            let svg = format!("<svg><text font-size='20'>{}</text></svg>", with_shifts(text));
+            let document = roxmltree::Document::parse(&svg).unwrap();
+            let drawn =
+                letters::placed(document.descendants().find(|node| node.has_tag_name("text")).unwrap()).unwrap();
+            let end = drawn.last().map_or(0.0, |last| last.x + last.outline.width() * last.scale);
+            assert!((width(text, 20.0, false) - end).abs() < 1e-9, "{text}");
+        }
+        assert!(width("漢字", 10.0, false) > 8.0, "two boxes");
+    }
+
+    #[test]
+    fn long_texts_end_with_an_ellipsis_and_fit() {
+        for text in ["A title of words ".repeat(30), "漢".repeat(500), "i".repeat(100_000), "é₁".repeat(400)] {
+            for bold in [false, true] {
+                let short = shortened(&text, 15.0, bold, 600.0);
+                let wide = width(&short, 15.0, bold);
+                assert!(short.ends_with('…') && (550.0..=600.0).contains(&wide), "{wide} {short}");
+                assert!(text.starts_with(short.trim_end_matches('…')));
+            }
+        }
+        assert_eq!(shortened("short", 15.0, true, 600.0), "short");
+        assert_eq!((shortened("none", 15.0, true, 1.0), shortened("", 15.0, true, 0.0)), ("…".into(), "".into()));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Where a curve swings faster than a picture can show.
 
-use super::points::{bins, inside, shown, stretches, within};
+use super::bands::{bins, stretches};
+use super::points::{inside, shown, within};
 
 /// Where a curve chatters in a picture of some width.
 #[derive(Debug, Clone, Copy, PartialEq)]

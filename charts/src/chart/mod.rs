@@ -3,11 +3,14 @@
 //! Plotters rounds all coordinates to whole units. So a chart is drawn on a canvas of ten units per px and scaled down by
 //! the SVG's own size.
 
+mod bands;
 mod chatter;
 mod panel;
 mod pen;
 mod points;
 mod signals;
+mod thinned;
+mod ticks;
 
 use std::sync::Arc;
 
@@ -40,6 +43,12 @@ pub mod palette {
     /// All of them.
     pub const ALL: [RGBColor; 4] = [BLUE, VERMILION, GREEN, PURPLE];
 }
+
+/// Left of titles and names, in px.
+const MARGIN: f64 = 18.0;
+
+/// Room for the line before a name and for what is between names, in px.
+const BESIDE_NAME: f64 = 57.0;
 
 /// By how many px a figure is lower without its title.
 const UNTITLED: u32 = 28;
@@ -166,7 +175,8 @@ impl Figure {
         let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
         let mut frame = Frame { outer: 0.0, left: 0.0, top: 14.0, right: width, bottom: height - 6.0 };
         if titled {
-            write(canvas, &self.title, (18.0, frame.top), &TextLook::new(TITLE_SIZE, INK).bold())?;
+            let title = text::shortened(&self.title, TITLE_SIZE, true, width - 2.0 * MARGIN);
+            write(canvas, &title, (MARGIN, frame.top), &TextLook::new(TITLE_SIZE, INK).bold())?;
             frame.top += f64::from(UNTITLED);
         }
         if self.draw_legend(canvas, frame.top)? {
@@ -222,12 +232,18 @@ impl Figure {
         if entries.len() < 2 || all_marked {
             return Ok(false);
         }
-        let mut left = 18.0;
+        let mut left = MARGIN;
+        // Names share the line.
+        let room = (f64::from(self.size.0) - 2.0 * MARGIN) / entries.len() as f64 - BESIDE_NAME;
+        let widths = || entries.iter().map(|curve| text::width(&curve.name, LABEL_SIZE, false) + BESIDE_NAME);
+        let is_long = widths().sum::<f64>() > f64::from(self.size.0) - MARGIN;
         for curve in entries {
+            let room = if is_long { room } else { f64::INFINITY };
+            let name = text::shortened(&curve.name, LABEL_SIZE, false, room);
             let line = [(left, top + 8.0), (left + 26.0, top + 8.0)];
             draw_line(canvas, line, curve.style())?;
-            write(canvas, &curve.name, (left + 33.0, top + 8.0), &TextLook::new(LABEL_SIZE, INK).centered())?;
-            left += 33.0 + text::width(&curve.name, LABEL_SIZE, false) + 24.0;
+            write(canvas, &name, (left + 33.0, top + 8.0), &TextLook::new(LABEL_SIZE, INK).centered())?;
+            left += text::width(&name, LABEL_SIZE, false) + BESIDE_NAME;
         }
         Ok(true)
     }
@@ -296,6 +312,30 @@ mod tests {
         // The legend's samples in its order; of the curves the wide one first, or it would hide the other.
         assert!(width(1) > 2 * width(0) && width(2) > 2 * width(4));
         assert!(document.descendants().any(|node| node.text() == Some("A & B")));
+    }
+
+    #[test]
+    fn long_names_stay_inside() {
+        let long = "A name with many letters ".repeat(20);
+        let curve = |name: &str| Curve {
+            name: name.into(),
+            color: palette::BLUE,
+            wide: false,
+            points: [(0.0, 0.0), (1.0, 1.0)].into(),
+        };
+        let mut figure = figure(vec![curve(&long), curve("short"), curve(&long[1..])]);
+        figure.title.clone_from(&long);
+        figure.rows[0][0].heading = Some(long.clone());
+        let svg = figure.to_svg();
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        assert!(document.descendants().any(|node| node.has_tag_name("title") && node.text() == Some(&long)));
+        for text in document.descendants().filter(|node| node.has_tag_name("text")) {
+            let placed = crate::letters::placed(text).unwrap();
+            let ends = placed.iter().flat_map(|one| [one.x, one.x + one.outline.width() * one.scale]);
+            assert!(text.has_attribute("transform") || ends.into_iter().all(|x| (0.0..=7200.0).contains(&x)));
+        }
+        assert_eq!(svg.matches('…').count(), 4);
+        assert!(svg.contains(">\nshort\n<"));
     }
 
     #[test]

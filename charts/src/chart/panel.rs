@@ -3,8 +3,10 @@
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
+use super::bands::{Piece, pieces};
 use super::pen::{Canvas, DrawResult, LABEL_SIZE, PlotArea, TICK_SIZE, TextLook, UNITS, draw_line, pen, units, write};
-use super::points::{Piece, cut, pieces, shown, ticks};
+use super::points::{cut, shown};
+use super::ticks::ticks;
 use super::{Frame, INK, Mark, Panel};
 use crate::text;
 
@@ -136,7 +138,8 @@ impl Panel {
         }
         if let Some(heading) = &self.heading {
             let look = TextLook::new(LABEL_SIZE, INK).bold().at_end();
-            write(canvas, heading, (frame.right - 8.0, frame.bottom - 22.0), &look)?;
+            let heading = text::shortened(heading, LABEL_SIZE, true, frame.right - frame.left - 16.0);
+            write(canvas, &heading, (frame.right - 8.0, frame.bottom - 22.0), &look)?;
         }
         Ok(())
     }

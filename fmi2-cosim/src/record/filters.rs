@@ -100,10 +100,19 @@ impl Schedule {
         Self { start, interval, next: 0.0 }
     }
 
+    /// The time in s since the start until which surely none is.
+    #[must_use]
+    pub fn idle(&self) -> f64 {
+        (self.next - 0.5) * self.interval
+    }
+
     /// Whether the communication point at `time` s is one of them. Call it in the order of time.
     pub fn is_due(&mut self, time: f64) -> bool {
         if self.interval <= 0.0 {
             return true;
+        }
+        if time - self.start < self.idle() {
+            return false;
         }
         let position = (time - self.start) / self.interval + Self::ROUNDING;
         let due = position >= self.next;

@@ -13,7 +13,13 @@ pub fn escape(text: &str) -> String {
 /// JSON that is safe inside a `<script>` element: without `<` it cannot close the element or open a comment.
 #[must_use]
 pub fn json_in_script(json: &serde_json::Value) -> String {
-    json.to_string().replace('<', "\\u003c")
+    in_script(json.to_string())
+}
+
+/// The same of JSON that is text already.
+#[must_use]
+pub fn in_script(json: String) -> String {
+    if json.contains('<') { json.replace('<', "\\u003c") } else { json }
 }
 
 /// Replaces every `{{name}}` of a template by `value(name)`; inserted texts are not searched for further names.

@@ -13,12 +13,10 @@ mod run;
 pub mod signals;
 pub mod tables;
 
-use serde_json::json;
-
 use crate::grasp::matrix::Matrices;
 use crate::report::figures::Drawn;
 pub(crate) use markup::escape;
-pub(crate) use markup::{fill, json_in_script};
+pub(crate) use markup::{fill, in_script, json_in_script};
 pub use packed::Packed;
 pub use run::Run;
 
@@ -106,7 +104,10 @@ impl Page<'_> {
                 "rows" => escape(&self.rows),
                 "files" => self.files_text(),
                 "transport" => if_runs(&transport),
-                "data" => json_in_script(&json!({ "runs": self.runs.iter().map(Run::data).collect::<Vec<_>>() })),
+                "data" => in_script(format!(
+                    "{{\"runs\":[{}]}}",
+                    self.runs.iter().map(Run::data).collect::<Vec<_>>().join(",")
+                )),
                 "library" => LIBRARY.to_owned(),
                 "library-version" => library_version().to_owned(),
                 "library-licence" => escape(LICENCE),

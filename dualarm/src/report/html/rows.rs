@@ -69,6 +69,8 @@ pub struct Rows {
     schedule: Schedule,
     /// Which time it was asked about last, and whether the row of this time is one of them.
     asked: Option<(f64, bool)>,
+    /// No row is wanted before this time since the start.
+    idle: f64,
     picked: Pick,
 }
 
@@ -82,13 +84,16 @@ impl Rows {
         let mut picked = Pick::new(columns, |name| names.contains(&name));
         picked.table = picked.table.with_room(expected(grid));
         let schedule = Schedule::new(start, interval(stop - start));
-        Self { start, stop, early: 0, schedule, asked: None, picked }
+        Self { start, stop, early: 0, schedule, asked: None, idle: 0.0, picked }
     }
 
     fn is_wanted(&mut self, time: f64) -> bool {
         let is_due = self.schedule.is_due(time) || time >= self.stop;
         let is_early = time - self.start <= EVERY_STEP_UNTIL && self.early < MOST_EARLY;
         self.early += usize::from(is_early);
+        if !is_early {
+            self.idle = self.schedule.idle().min(self.stop - self.start);
+        }
         is_due || is_early
     }
 
@@ -101,7 +106,7 @@ impl Rows {
 
 impl Sink for Rows {
     fn wants(&mut self, time: f64) -> bool {
-        let is_wanted = self.is_wanted(time);
+        let is_wanted = time - self.start >= self.idle && self.is_wanted(time);
         self.asked = Some((time, is_wanted));
         is_wanted
     }

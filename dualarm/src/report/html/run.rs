@@ -1,6 +1,6 @@
 //! One run as the page shows it, wherever it comes from: a simulation or a file of results.
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::packed::{Geometry, Packed};
 use crate::report::parameters::ModelParameters;
@@ -26,19 +26,21 @@ pub struct Run {
 }
 
 impl Run {
-    /// For the page's scripts.
-    pub(super) fn data(&self) -> Value {
+    /// For the page's scripts, as JSON.
+    pub(super) fn data(&self) -> String {
         let Packed { data, last_change, geometry } = &self.rows;
         let geometry = geometry.map(|Geometry { arm, object }| json!({ "arm": arm, "object": object }));
-        json!({
+        let run = json!({
             "key": self.key,
             "title": self.title,
             "settling": self.metrics.as_ref().and_then(Metrics::settling_2),
             "since": last_change,
             "judged": self.metrics.is_some(),
             "geometry": geometry,
-            "data": data,
-        })
+        });
+        // The rows are too long to be copied into another value first: they become its last member as text.
+        let run = run.to_string();
+        format!("{},\"data\":{data}}}", run.strip_suffix('}').unwrap_or_default())
     }
 
     /// Whether the page draws it in motion.

@@ -8,8 +8,11 @@ use crate::report::html::escape;
 use charts::text::{self, FAMILIES, with_shifts};
 
 const CELL: (f64, f64) = (78.0, 34.0);
-/// Least room for the names of cases.
+/// Least and most room for the names of cases.
 const LABELS: f64 = 196.0;
+const MOST_LABELS: f64 = 360.0;
+/// So many lines of a name fit above a column.
+const NAME_LINES: usize = 4;
 const HEADER: f64 = 104.0;
 const MARGIN: f64 = 16.0;
 /// Room for the title.
@@ -38,7 +41,9 @@ const EXACT: f64 = 1e-3;
 /// The figure as SVG; `titled` unless there is a heading above it.
 #[must_use]
 pub fn svg(matrix: &Matrix, titled: bool) -> String {
-    let labels = matrix.cases.iter().map(|case| text::width(&case.scenario.title, 12.0, false) + 12.0);
+    let label = |title: &str| text::shortened(title, 12.0, false, MOST_LABELS - 12.0).into_owned();
+    let names: Vec<String> = matrix.cases.iter().map(|case| label(&case.scenario.title)).collect();
+    let labels = names.iter().map(|name| text::width(name, 12.0, false) + 12.0);
     let labels = labels.fold(LABELS, f64::max).ceil();
     let left = |column: usize| MARGIN + labels + column as f64 * CELL.0;
     let key = SHADES.map(|(_, label)| key_width(label)).iter().sum::<f64>();
@@ -56,7 +61,13 @@ pub fn svg(matrix: &Matrix, titled: bool) -> String {
     }
     for (column, contender) in matrix.contenders.iter().enumerate() {
         let x = left(column) + 0.5 * CELL.0;
-        for (line, words) in wrapped(&contender.title, CELL.0 - 4.0, 12.0, true).iter().rev().enumerate() {
+        let mut lines = wrapped(&contender.title, CELL.0 - 4.0, 12.0, true);
+        if lines.len() > NAME_LINES {
+            lines.truncate(NAME_LINES);
+            lines[NAME_LINES - 1] += " \u{2026}";
+        }
+        for (line, words) in lines.iter().rev().enumerate() {
+            let words = &text::shortened(words, 12.0, true, CELL.0 - 4.0);
             write_text(&mut svg, (x, HEADER - 10.0 - 15.0 * line as f64), 12.0, "middle", true, INK, words);
         }
     }
@@ -64,9 +75,9 @@ pub fn svg(matrix: &Matrix, titled: bool) -> String {
     for (line, words) in ["without the arms", "limit, with /", "physical"].into_iter().enumerate() {
         write_text(&mut svg, (x, HEADER - 10.0 - 15.0 * line as f64), 11.0, "middle", false, SOFT, words);
     }
-    for (row, case) in matrix.cases.iter().enumerate() {
+    for (row, name) in names.iter().enumerate() {
         let y = HEADER + row as f64 * CELL.1;
-        write_text(&mut svg, (MARGIN + labels - 10.0, y + 21.0), 12.0, "end", false, INK, &case.scenario.title);
+        write_text(&mut svg, (MARGIN + labels - 10.0, y + 21.0), 12.0, "end", false, INK, name);
         for column in 0..matrix.contenders.len() {
             write_cell(&mut svg, matrix, row, column, (left(column), y));
         }
