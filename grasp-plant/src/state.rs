@@ -107,6 +107,17 @@ pub enum StepError {
         /// Switches that were resolved.
         switches: u32,
     },
+    /// A rigid contact opens and closes without end, since ΔF ends with it and the damped arm pushes the tip back.
+    #[error(
+        "a step of {h:e} s has no end: after {switches} switches a contact neither stays closed nor open, as rigid faces may with \
+         kelvin_voigt and tip_uncertainty together; set one of these to 0, or contact_model to compliant"
+    )]
+    Endless {
+        /// The step size \[s\].
+        h: f64,
+        /// Switches that were resolved.
+        switches: u32,
+    },
 }
 
 /// Why a [`State`] was refused. The plant is as it was before.

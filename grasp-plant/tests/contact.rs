@@ -2,7 +2,7 @@
 
 #![allow(clippy::doc_markdown)]
 
-use grasp_plant::{ActuatorModel, Arm, ContactModel, Face, Inputs, Parameters, Plant, Start, StateError};
+use grasp_plant::{ActuatorModel, Arm, ContactModel, Face, Inputs, Parameters, Plant, Start, StateError, StepError};
 
 fn conservative(contact_model: ContactModel) -> Parameters {
     Parameters {
@@ -339,4 +339,36 @@ fn a_step_with_too_many_switches_is_refused_and_changes_nothing() {
         plant.step(1e-3, &inputs, &Inputs::ZERO).unwrap();
     }
     assert_eq!(plant.state(), other.state());
+}
+
+/// With damped arms and ΔF a rigid contact can have no next mode (`contact/endless.rs`): its step is refused with a remedy, and changes
+/// nothing. Without one of them, or with soft faces, every step of the same grasp is taken.
+#[test]
+fn damped_arms_with_rigid_faces_need_no_shorter_steps_but_no_built_in_force() {
+    let inputs = Inputs { torque_command: [0.5, 0.0], ..Inputs::ZERO };
+    let both =
+        Parameters { order: 12, kelvin_voigt: 1e-5, contact_model: ContactModel::Unilateral, ..Parameters::default() };
+    for parameters in [
+        Parameters { tip_uncertainty: 0.0, ..both.clone() },
+        Parameters { kelvin_voigt: 0.0, ..both.clone() },
+        Parameters { contact_model: ContactModel::Compliant, ..both.clone() },
+    ] {
+        let mut plant = Plant::new(parameters).unwrap();
+        for _ in 0..50 {
+            plant.step(1e-3, &inputs, &Inputs::ZERO).unwrap();
+        }
+    }
+    for h in [1e-3, 1e-4] {
+        let mut plant = Plant::new(both.clone()).unwrap();
+        let mut before = plant.state().clone();
+        let error = loop {
+            match plant.step(h, &inputs, &Inputs::ZERO) {
+                Ok(()) => before = plant.state().clone(),
+                Err(error) => break error,
+            }
+        };
+        assert!(matches!(error, StepError::Endless { .. }), "{error}");
+        assert!(error.to_string().contains("set one of these to 0, or contact_model to compliant"), "{error}");
+        assert_eq!(*plant.state(), before);
+    }
 }

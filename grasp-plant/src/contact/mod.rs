@@ -32,7 +32,7 @@
 //! # Exact
 //! Which sides touch is a mode, and each mode is linear: [`assembly`] has its matrix, [`mode`] its exact motion and the signals that
 //! may end it, [`stiff`] what decays too fast for these, [`series`] their first root, [`complementarity`] who pushes when that is not decided by continuity, [`switch`] what
-//! becomes of a contact then; [`step`] puts them together. So a step has no cuts of its own: it goes from switch to switch. For a
+//! becomes of a contact then; [`step`] puts them together, and [`endless`] says where no switch ends it. So a step has no cuts of its own: it goes from switch to switch. For a
 //! solver of one's own, [`continuous`] has the same grasp as differential equations.
 
 // A side's number stands in several arrays at once.
@@ -42,6 +42,7 @@ mod assembly;
 mod complementarity;
 mod continuous;
 mod decay;
+mod endless;
 mod growth;
 mod impact;
 mod layout;
@@ -95,6 +96,8 @@ pub struct ContactState {
 struct Modes {
     layout: Layout,
     rigid: bool,
+    /// Contacts can switch [without end](endless).
+    may_not_end: bool,
     faces: [Face; 2],
     restitution: f64,
     plastic_speed: f64,
@@ -129,6 +132,7 @@ impl Modes {
         Self {
             layout: assembly.layout,
             rigid,
+            may_not_end: endless::may_not_end(p),
             faces: p.faces,
             restitution: p.restitution,
             plastic_speed: p.plastic_speed,

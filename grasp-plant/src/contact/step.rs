@@ -170,7 +170,7 @@ impl Part<'_> {
             };
             match self.first_switch(taken, mode) {
                 Err(Undecided) if most > 0 => most = below,
-                Err(Undecided) => return Err(unresolved(*self.switches, h)),
+                Err(Undecided) => return Err(self.unresolved(h)),
                 Ok(None) => {
                     self.lose(taken, 1.0);
                     self.accept(taken);
@@ -188,7 +188,7 @@ impl Part<'_> {
                     *self.switches += 1;
                     at_once = if time > 0.0 { 1 } else { at_once + 1 };
                     if *self.switches > MOST_SWITCHES || at_once > MOST_AT_ONCE {
-                        return Err(unresolved(*self.switches, h));
+                        return Err(self.unresolved(h));
                     }
                     self.switch(side);
                 }
@@ -315,6 +315,12 @@ impl Part<'_> {
         }
     }
 
+    #[cold]
+    fn unresolved(&self, h: f64) -> StepError {
+        let switches = *self.switches;
+        if self.modes.may_not_end { StepError::Endless { h, switches } } else { StepError::Unresolved { h, switches } }
+    }
+
     /// A side opens, or closes with an impact, now.
     fn switch(&mut self, side: usize) {
         let (x, forces) = self.drive.split_at_mut(self.modes.layout.size());
@@ -336,9 +342,4 @@ impl Part<'_> {
             (false, false) => modes.meet(x, contact, side),
         }
     }
-}
-
-#[cold]
-fn unresolved(switches: u32, h: f64) -> StepError {
-    StepError::Unresolved { h, switches }
 }
