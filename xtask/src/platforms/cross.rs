@@ -123,7 +123,8 @@ impl Compiler {
         Ok(())
     }
 
-    /// Builds the library of a model's crate.
+    /// Builds the library of a model's crate. A call for each, unlike on this machine (`fmu-libraries`): cargo takes options of the compiler
+    /// for one target only, and Windows' controllers have [some of their own](LOOPS_STAY).
     pub fn model(&self, package: &str, guids: &str) -> Command {
         let mut command = self.library(&["--lib", "--crate-type", "cdylib", "--package", package], guids);
         if (self.platform, package) == ("win64", "controller-fmu") {
