@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::basis::in_lanes;
 use super::lanes::{adapt_row, products, products_here, total};
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL_ARM, USUAL_ROW, USUAL_STAR, lane};
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS, TAIL, USUAL, USUAL_ARM, USUAL_GRID, USUAL_ROW, USUAL_STAR, lane};
 use super::stored::Stored;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
@@ -320,30 +320,41 @@ impl<const D: usize> Network<D> {
             self.output = Some((V::splat(common) * (of_still + of_moving)).lanes());
             return;
         }
-        let (inner, outer) = (self.inner.as_slice(), self.outer.as_flattened());
-        let rows = self.weights.len() - self.layout.tail(D);
-        let (rows, tail) = self.weights.split_at_mut(rows);
-        let mut sums = adapt_row(tail, &self.outer, decay, V::splat(weight));
-        if let (true, Ok(inner)) = (V::IS_WIDE, <&[Lanes; USUAL_ROW]>::try_from(inner)) {
-            // The row length by default: the activations stay in registers.
+        let outer = self.outer.as_flattened();
+        let weights = self.weights.as_mut_slice();
+        if V::IS_WIDE
+            && let (Ok(weights), Ok(inner)) = (
+                <&mut [Lanes; USUAL_GRID]>::try_from(&mut *weights),
+                <&[Lanes; USUAL_ROW]>::try_from(self.inner.as_slice()),
+            )
+        {
+            // The usual size: of known length, and the activations stay in registers.
+            let (rows, tail) = weights.split_at_mut(USUAL * USUAL_ROW);
+            let mut sums = adapt_row(tail, &self.outer[..TAIL], decay, V::splat(weight));
             let mut activations = [V::splat(0.0); USUAL_ROW];
             for i in 0..USUAL_ROW {
                 activations[i] = V::load(&inner[i]);
             }
-            for (row, factor) in rows.as_chunks_mut::<USUAL_ROW>().0.iter_mut().zip(outer) {
+            for row in 0..USUAL {
+                let factor = outer[row];
                 let by = V::splat(weight * factor);
                 let mut of_row = V::splat(0.0);
                 for i in 0..USUAL_ROW {
-                    let new = decay * V::load(&row[i]) + by * activations[i];
-                    row[i] = new.lanes();
+                    let w = &mut rows[row * USUAL_ROW + i];
+                    let new = decay * V::load(w) + by * activations[i];
+                    *w = new.lanes();
                     of_row = if i == 0 { new * activations[i] } else { of_row + new * activations[i] };
                 }
-                sums = sums + V::splat(*factor) * of_row;
+                sums = sums + V::splat(factor) * of_row;
             }
-        } else {
-            for (row, factor) in rows.chunks_exact_mut(inner.len()).zip(outer) {
-                sums = sums + V::splat(*factor) * adapt_row(row, inner, decay, V::splat(weight * factor));
-            }
+            self.output = Some(sums.lanes());
+            return;
+        }
+        let rows = weights.len() - self.layout.tail(D);
+        let (rows, tail) = weights.split_at_mut(rows);
+        let mut sums = adapt_row(tail, &self.outer, decay, V::splat(weight));
+        for (row, factor) in rows.chunks_exact_mut(self.inner.len()).zip(outer) {
+            sums = sums + V::splat(*factor) * adapt_row(row, &self.inner, decay, V::splat(weight * factor));
         }
         self.output = Some(sums.lanes());
     }

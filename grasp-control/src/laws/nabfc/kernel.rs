@@ -86,9 +86,10 @@ impl Nabfc {
                 network2.last_exponents(z2),
                 network.first_exponents(V::load(&x)),
             ]);
+            // The star first: what the compiler computes as late as it can would else be put aside in parts.
+            network.fill_plain_first(of_x);
             network1.fill_plain_grid(z1, of_z1);
             network2.fill_plain_grid(z2, of_z2);
-            network.fill_plain_first(of_x);
         } else {
             network1.go_on(z1);
             network2.go_on(z2);
