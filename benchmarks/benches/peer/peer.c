@@ -21,12 +21,11 @@ typedef int64_t four_bits __attribute__((vector_size(32), aligned(8)));
 #define ALWAYS static inline __attribute__((always_inline))
 
 ALWAYS four all(double x) { return (four){x, x, x, x}; }
-ALWAYS four above(four x, double least) { return (four)((four_bits)x & (x > all(least))); }
 ALWAYS four choose(four_bits which, four yes, four no) {
     return (four)(((four_bits)yes & which) | ((four_bits)no & ~which));
 }
 #ifdef __AVX__
-ALWAYS four within(four x, double limit) { return __builtin_ia32_minpd256(__builtin_ia32_maxpd256(x, all(-limit)), all(limit)); }
+ALWAYS four within(four x, double limit) { return _mm256_min_pd(_mm256_max_pd(x, all(-limit)), all(limit)); }
 #else
 ALWAYS four within(four x, double limit) {
     x = choose(x < all(-limit), all(-limit), x);

@@ -8,8 +8,6 @@ use super::Network;
 use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL, USUAL_ARM, USUAL_ROW, USUAL_STAR, groups, lane};
 use crate::blocks::exponential::powers;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
-#[cfg(target_arch = "x86_64")]
-use crate::blocks::four::{Wide, has_wide_registers};
 
 impl<const D: usize> Network<D> {
     /// The last four of the axes.
@@ -25,18 +23,8 @@ impl<const D: usize> Network<D> {
         if self.point == *x {
             return;
         }
-        #[cfg(target_arch = "x86_64")]
-        if has_wide_registers() {
-            // SAFETY: the processor has it.
-            return unsafe { self.activate_wide(x) };
-        }
+        // In narrow registers on all processors, for the code is there once: what is fast is for plain networks.
         self.activate_here::<Narrow>(x);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn activate_wide(&mut self, x: &[Lanes; GROUPS]) {
-        self.activate_here::<Wide>(x);
     }
 
     #[inline(always)]
@@ -91,6 +79,8 @@ impl<const D: usize> Network<D> {
         self.arrive(x);
         let common = self.axis.relevant(powers[0].last());
         match self.layout {
+            // There are none: see `Layout`.
+            Layout::Grid(_) if groups(D) > 1 => {}
             Layout::Grid(USUAL) if D == 3 => {
                 let [a, b, _, c, d, ..] = self.axis.ratios(USUAL, 0, powers, common);
                 let factors = V::columns([a, b, c, d]);

@@ -48,9 +48,6 @@ pub(super) const fn lane(dimensions: usize, of: usize) -> usize {
     lane
 }
 
-/// Fours of such a grid.
-pub(super) const USUAL_GRID: usize = USUAL * USUAL_ROW + TAIL;
-
 /// Where the centres are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Layout {

@@ -41,6 +41,7 @@ mod bits;
 mod continuous;
 mod lanes;
 mod layout;
+mod learning;
 mod network;
 mod stored;
 #[cfg(test)]

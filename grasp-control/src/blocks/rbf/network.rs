@@ -1,9 +1,9 @@
-//! A network: weights, output, learning.
+//! A network: weights, output.
 
 use super::axis::Axis;
 use super::basis::in_lanes;
-use super::lanes::{adapt_row, products, products_here, total};
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS, TAIL, USUAL, USUAL_ARM, USUAL_GRID, USUAL_ROW, USUAL_STAR, lane};
+use super::lanes::{products, products_here, total};
+use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL_ARM, USUAL_STAR, groups, lane};
 use super::stored::Stored;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
@@ -186,6 +186,10 @@ impl<const D: usize> Network<D> {
             };
             return (V::splat(self.outer[0][0]) * of_both).lanes();
         }
+        // There are no grids with more axes.
+        if groups(D) > 1 {
+            return [0.0; LANES];
+        }
         let (rows, tail) = self.weights.split_at(self.weights.len() - self.layout.tail(D));
         let mut sums = products_here::<V>(tail, &self.outer);
         for (row, factor) in rows.chunks_exact(self.inner.len()).zip(self.outer.as_flattened()) {
@@ -271,122 +275,5 @@ impl<const D: usize> Network<D> {
             let (row, lane) = self.layout.place(D, node);
             self.activation(row, lane)
         })
-    }
-
-    /// Ŵ ← decay·Ŵ + weight·Y, with the Y of the last activation.
-    pub fn adapt(&mut self, decay: f64, weight: f64) {
-        #[cfg(target_arch = "x86_64")]
-        if has_wide_registers() {
-            // SAFETY: the processor has it.
-            return unsafe { self.adapt_wide(decay, weight) };
-        }
-        self.adapt_narrow(decay, weight);
-    }
-
-    /// As [`adapt`](Self::adapt), for a caller that knows the registers.
-    #[inline(always)]
-    pub(crate) fn adapt_here<V: Four>(&mut self, decay: f64, weight: f64) {
-        #[cfg(target_arch = "x86_64")]
-        if V::IS_WIDE {
-            // SAFETY: a wide register is in use.
-            return unsafe { self.adapt_wide(decay, weight) };
-        }
-        self.adapt_narrow(decay, weight);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn adapt_wide(&mut self, decay: f64, weight: f64) {
-        self.adapt_in::<Wide>(decay, weight);
-    }
-
-    #[inline(never)]
-    fn adapt_narrow(&mut self, decay: f64, weight: f64) {
-        self.adapt_in::<Narrow>(decay, weight);
-    }
-
-    #[inline(always)]
-    pub(super) fn adapt_in<V: Four>(&mut self, decay: f64, weight: f64) {
-        // What `output` would find, to the bit: the same operations in the same order.
-        let decay = V::splat(decay);
-        if matches!(self.layout, Layout::Star(_)) {
-            let common = self.outer[0][0];
-            let still = self.layout.still(D).min(self.weights.len());
-            let (w, y) = (self.weights.split_at_mut(still), self.inner.split_at(still));
-            let weight = V::splat(weight * common);
-            let of_still = adapt_row(w.0, y.0, decay, weight);
-            let of_moving = adapt_row(w.1, y.1, decay, weight);
-            self.kept = Some(of_still.lanes());
-            self.output = Some((V::splat(common) * (of_still + of_moving)).lanes());
-            return;
-        }
-        let outer = self.outer.as_flattened();
-        let weights = self.weights.as_mut_slice();
-        if V::IS_WIDE
-            && let (Ok(weights), Ok(inner)) = (
-                <&mut [Lanes; USUAL_GRID]>::try_from(&mut *weights),
-                <&[Lanes; USUAL_ROW]>::try_from(self.inner.as_slice()),
-            )
-        {
-            // The usual size: of known length, and the activations stay in registers.
-            let (rows, tail) = weights.split_at_mut(USUAL * USUAL_ROW);
-            let mut sums = adapt_row(tail, &self.outer[..TAIL], decay, V::splat(weight));
-            let mut activations = [V::splat(0.0); USUAL_ROW];
-            for i in 0..USUAL_ROW {
-                activations[i] = V::load(&inner[i]);
-            }
-            for row in 0..USUAL {
-                let factor = outer[row];
-                let by = V::splat(weight * factor);
-                let mut of_row = V::splat(0.0);
-                for i in 0..USUAL_ROW {
-                    let w = &mut rows[row * USUAL_ROW + i];
-                    let new = decay * V::load(w) + by * activations[i];
-                    *w = new.lanes();
-                    of_row = if i == 0 { new * activations[i] } else { of_row + new * activations[i] };
-                }
-                sums = sums + V::splat(factor) * of_row;
-            }
-            self.output = Some(sums.lanes());
-            return;
-        }
-        let rows = weights.len() - self.layout.tail(D);
-        let (rows, tail) = weights.split_at_mut(rows);
-        let mut sums = adapt_row(tail, &self.outer, decay, V::splat(weight));
-        for (row, factor) in rows.chunks_exact_mut(self.inner.len()).zip(outer) {
-            sums = sums + V::splat(*factor) * adapt_row(row, &self.inner, decay, V::splat(weight * factor));
-        }
-        self.output = Some(sums.lanes());
-    }
-
-    /// Ŵ ← decay·Ŵ + first·Y' + second·Y of a plain star, with the Y of the last activation and the Y' of the one before, both of
-    /// [`fill_plain_both`](Self::fill_plain_both).
-    #[inline(always)]
-    pub(crate) fn adapt_twice<V: Four>(&mut self, decay: f64, shares: [f64; 2]) {
-        if V::IS_WIDE { self.adapt_twice_in::<V>(decay, shares) } else { self.adapt_twice_narrow(decay, shares) }
-    }
-
-    #[inline(never)]
-    fn adapt_twice_narrow(&mut self, decay: f64, shares: [f64; 2]) {
-        self.adapt_twice_in::<Narrow>(decay, shares);
-    }
-
-    #[inline(always)]
-    fn adapt_twice_in<V: Four>(&mut self, decay: f64, [first, second]: [f64; 2]) {
-        const STILL: usize = USUAL_STAR - USUAL_ARM;
-        let (first, second) = (first * self.before_common, second * self.outer[0][0]);
-        let (Some(w), Some(y)) = (self.weights.first_chunk_mut::<USUAL_STAR>(), self.inner.first_chunk::<USUAL_STAR>())
-        else {
-            return;
-        };
-        let decay = V::splat(decay);
-        // Along the axes that stay, both differ in the common factor only.
-        self.kept = Some(adapt_row(&mut w[..STILL], &y[..STILL], decay, V::splat(first + second)).lanes());
-        let (first, second) = (V::splat(first), V::splat(second));
-        for i in 0..USUAL_ARM {
-            let learnt = first * V::load(&self.before[i]) + second * V::load(&y[STILL + i]);
-            w[STILL + i] = (decay * V::load(&w[STILL + i]) + learnt).lanes();
-        }
-        self.output = None;
     }
 }
