@@ -5,20 +5,23 @@ use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::slice;
 
-/// Numbers of a line of a processor's cache.
-const LINE: usize = 8;
+/// Bytes of a line of a processor's cache.
+const LINE: usize = 64;
 
-#[derive(Clone, Copy)]
-#[repr(C, align(64))]
-struct Line([f64; LINE]);
+/// Numbers before the first, at most.
+const BEFORE: usize = LINE / size_of::<f64>() - 1;
 
 /// Coordinates, as a list of numbers that begins where a line of a processor's cache does. Elsewhere every other wide register would be
 /// read from two lines, and written to two.
 ///
 /// It is used as a slice, made of a [`Vec`] or by collecting, and serialised as either.
+// An allocation that is aligned takes the system much longer than one that is somewhat larger.
 #[derive(Default)]
 pub struct Coordinates {
-    lines: Vec<Line>,
+    /// Never shorter than `first + length`.
+    memory: Vec<f64>,
+    /// Which number in memory is the first.
+    first: usize,
     length: usize,
 }
 
@@ -26,15 +29,20 @@ impl Coordinates {
     /// Makes it as long, with zeros where there is more than before.
     #[inline(never)]
     pub(crate) fn resize(&mut self, length: usize) {
-        let before = self.length.min(length);
-        self.lines.resize(length.div_ceil(LINE), Line([0.0; LINE]));
+        if length > self.length {
+            let longer: Vec<f64> = self.iter().copied().chain(std::iter::repeat(0.0)).take(length).collect();
+            self.assign(&longer);
+        }
         self.length = length;
-        self[before..].fill(0.0);
     }
 
     /// Makes it the same as a list; memory is asked for only if that is longer than any before.
     pub(crate) fn assign(&mut self, numbers: &[f64]) {
-        self.resize(numbers.len());
+        if self.memory.len() < self.first + numbers.len() || self.memory.is_empty() {
+            self.memory = vec![0.0; numbers.len() + BEFORE];
+            self.first = (LINE - self.memory.as_ptr().addr() % LINE) % LINE / size_of::<f64>();
+        }
+        self.length = numbers.len();
         self.copy_from_slice(numbers);
     }
 }
@@ -44,8 +52,8 @@ impl Deref for Coordinates {
 
     #[inline]
     fn deref(&self) -> &[f64] {
-        // SAFETY: lines are eight numbers each, without gaps, and there are enough of them.
-        unsafe { slice::from_raw_parts(self.lines.as_ptr().cast(), self.length) }
+        // SAFETY: so much of the memory is there, see `assign` and `resize`.
+        unsafe { self.memory.get_unchecked(self.first..self.first + self.length) }
     }
 }
 
@@ -53,19 +61,18 @@ impl DerefMut for Coordinates {
     #[inline]
     fn deref_mut(&mut self) -> &mut [f64] {
         // SAFETY: as above.
-        unsafe { slice::from_raw_parts_mut(self.lines.as_mut_ptr().cast(), self.length) }
+        unsafe { self.memory.get_unchecked_mut(self.first..self.first + self.length) }
     }
 }
 
 impl Clone for Coordinates {
     #[inline(never)]
     fn clone(&self) -> Self {
-        Self { lines: self.lines.clone(), length: self.length }
+        Self::from(&**self)
     }
 
     fn clone_from(&mut self, source: &Self) {
-        self.lines.clone_from(&source.lines);
-        self.length = source.length;
+        self.assign(source);
     }
 }
 
@@ -135,7 +142,7 @@ mod tests {
             coordinates.assign(&expected);
             assert_eq!(*coordinates, expected);
             assert_eq!(coordinates, expected.iter().copied().collect());
-            assert!(coordinates.as_ptr().addr().is_multiple_of(align_of::<Line>()));
+            assert!(coordinates.as_ptr().addr().is_multiple_of(LINE));
             let mut other = Coordinates::from(vec![1.0; 20]);
             other.clone_from(&coordinates);
             assert_eq!(other, coordinates.clone());

@@ -12,8 +12,15 @@ use crate::parameters::{Channel, Parameters};
 /// The size of numbers that are far from being unusable.
 pub(crate) const CALM: f64 = 1e40;
 
-/// What numbers may reach: sums of a hundred of them are still [usable](crate::plant::all_usable).
-const REACHED: f64 = 1e97;
+/// What coordinates may reach, so that signals and positions, sums of a hundred of them times [`FACTOR`], are still
+/// [usable](crate::plant::all_usable).
+const REACHED: f64 = 1e77;
+
+/// By what signals, positions and forces may exceed coordinates and inputs.
+const FACTOR: f64 = 1e20;
+
+/// What the steps after a look at the state may [cost](cost) together.
+pub(crate) const BUDGET: u32 = 4096;
 
 /// The most steps in a row whose results are not looked at.
 const MOST: u32 = 64;
@@ -27,13 +34,14 @@ pub(super) fn gain(parameters: &Parameters) -> f64 {
     of(&parameters.torque_channel).max(of(&parameters.force_channel))
 }
 
-/// The number of steps, at most [`MOST`], in which coordinates, positions and signals that were below [`CALM`] stay below [`REACHED`],
-/// if forces are at most `gain` times [`CALM`].
+/// What a step of this table costs of the [`BUDGET`], within which coordinates that were below [`CALM`] stay below [`REACHED`]; more than that
+/// if it may lead further at once.
 ///
-/// With m the largest coordinate and F the sum of the forces' sizes, a step leads to m' ≤ a (m + F), so m + F grows by at most 2a. Positions
-/// move by at most b (m' + F) / l.
+/// With m the largest coordinate and F the sum of the forces' sizes, a step leads to m' ≤ a (m + F), so m + F grows by at most 2a. If that many
+/// times k times is within reach, a step costs a k-th of the budget; steps of several tables that cost all of it together multiply by no more.
+/// Positions move by at most b (m' + F) / l.
 #[inline(never)]
-pub(super) fn steps(table: &Table, readings: &Readings, rigid: &Rigid, gain: f64, length: f64) -> u32 {
+pub(super) fn cost(table: &Table, readings: &Readings, rigid: &Rigid, gain: f64, length: f64) -> u32 {
     let size = |numbers: &[f64]| numbers.iter().map(|number| number.abs()).sum::<f64>();
     let mut growth = 1.0 + table.h * size(&rigid.gain);
     for held in &table.held {
@@ -44,13 +52,14 @@ pub(super) fn steps(table: &Table, readings: &Readings, rigid: &Rigid, gain: f64
     }
     let (signal, position) = readings.largest_sums();
     let travel = position * growth + table.h * (rigid.velocity.abs() * growth + size(&rigid.drift));
-    let most = f64::from(MOST);
-    let mut reached = 2.0 * gain * CALM * signal.max(4.0 * most * travel / length.min(1.0)).max(1.0);
-    let mut steps = 0;
+    let factor = signal.max(4.0 * f64::from(MOST) * travel / length.min(1.0));
     // A number that is none is not below.
-    while steps < MOST && reached * (2.0 * growth) < REACHED {
-        reached *= 2.0 * growth;
-        steps += 1;
+    let (mut steps, mut reached) = (0, 2.0 * gain * CALM);
+    if factor < FACTOR && gain < FACTOR {
+        while steps < MOST && reached * (2.0 * growth) < REACHED {
+            reached *= 2.0 * growth;
+            steps += 1;
+        }
     }
-    steps
+    BUDGET.checked_div(steps).map_or(u32::MAX, |share| share + 1)
 }

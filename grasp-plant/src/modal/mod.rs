@@ -28,7 +28,7 @@ mod twofold;
 mod undamped;
 mod vibration;
 
-pub(crate) use calm::CALM;
+pub(crate) use calm::{BUDGET, CALM};
 pub(crate) use step::{NEGLIGIBLE, Travel};
 pub(crate) use table::Table;
 
@@ -117,7 +117,7 @@ impl Modal {
     pub fn table_of(&self, h: f64) -> Table {
         let mut table = self.table();
         self.fill(&mut table, h);
-        table.calm_steps = calm::steps(&table, &self.readings, &self.rigid, self.gain, self.length);
+        table.calm_cost = calm::cost(&table, &self.readings, &self.rigid, self.gain, self.length);
         table
     }
 

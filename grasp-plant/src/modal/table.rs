@@ -59,8 +59,8 @@ pub(super) struct Ramped {
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     pub(super) h: f64,
-    /// For how many of these steps what is [calm](super::calm) stays usable.
-    pub(super) calm_steps: u32,
+    /// What a step costs of the [`BUDGET`](super::calm::BUDGET).
+    pub(super) calm_cost: u32,
     pub(super) held: Vec<Aligned<Held>>,
     pub(super) ramped: Vec<Aligned<Ramped>>,
 }
@@ -73,7 +73,7 @@ impl Table {
         let groups = blocks.div_ceil(LANES);
         Self {
             h: 0.0,
-            calm_steps: 0,
+            calm_cost: u32::MAX,
             held: vec![Aligned(Held { increment: square, gain }); groups],
             ramped: vec![Aligned(Ramped { gain, integral: square, integral_gain: gain }); groups],
         }
@@ -101,9 +101,10 @@ impl Table {
         }
     }
 
-    /// For how many steps a calm state needs no test of their results; of a table that is [kept](super::Modal::table_of).
-    pub fn calm_steps(&self) -> u32 {
-        self.calm_steps
+    /// What a step costs of the budget of steps without a look at the state; of a table that is [kept](super::Modal::table_of).
+    #[inline]
+    pub fn calm_cost(&self) -> u32 {
+        self.calm_cost
     }
 
     /// Every number, padding included.

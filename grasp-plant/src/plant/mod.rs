@@ -51,7 +51,7 @@ pub struct Plant {
     signals: Signals,
     state: State,
     model: Arc<Model>,
-    /// How many usual steps may follow before the state is looked at, if it is in modal coordinates and the last step was usual: see
+    /// What usual steps may cost before the state is looked at, if it is in modal coordinates and the last step was usual: see
     /// [`held_step`](Self::held_step). Zero when anything else has changed the state.
     calm: u32,
     /// Whether a tip may have pulled at the object at the end of the last step.
