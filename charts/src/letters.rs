@@ -203,6 +203,8 @@ pub(crate) struct Outline {
     /// Upwards; nothing if all are blank.
     pub(crate) path: Option<Path>,
     width: f64,
+    /// How much wider it is where other fonts have the letters that this one lacks: up to one em each.
+    wider: f64,
     /// Units per em.
     units: f64,
 }
@@ -280,12 +282,15 @@ fn shape(letters: &str, bold: bool) -> Option<Outline> {
     let plan = Arc::clone(face.plans.lock().unwrap_or_else(PoisonError::into_inner).entry(script).or_insert_with(plan));
     let shaped = shaper.shape(buffer, ShapeOptions::new().plan(Some(&plan)));
     let mut path = PathBuilder::new();
-    let mut width = 0;
+    let (mut width, mut wider) = (0, 0.0);
     for (info, position) in shaped.glyph_infos().iter().zip(shaped.glyph_positions()) {
         face.draw(GlyphId::new(info.glyph_id), (width + position.x_offset, position.y_offset), &mut path)?;
         width += position.x_advance;
+        if info.glyph_id == GlyphId::NOTDEF.to_u32() {
+            wider += (face.units - f64::from(position.x_advance)).max(0.0);
+        }
     }
-    Some(Outline { path: path.finish(), width: f64::from(width), units: face.units })
+    Some(Outline { path: path.finish(), width: f64::from(width), wider, units: face.units })
 }
 
 impl Outline {
@@ -296,9 +301,9 @@ impl Outline {
     }
 }
 
-/// How wide letters are, in em; nothing if the font cannot draw them.
+/// How wide letters are at most, here and in a browser, in em; nothing if the font cannot draw them.
 pub(crate) fn width(letters: &str, bold: bool) -> f64 {
-    outline(letters, bold).map_or(0.0, |outline| outline.width / outline.units)
+    outline(letters, bold).map_or(0.0, |outline| (outline.width + outline.wider) / outline.units)
 }
 
 /// Takes the outline of a glyph.
