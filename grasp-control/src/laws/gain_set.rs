@@ -1,6 +1,6 @@
 //! The gains of a law by name, although several structs own them.
 
-use parameter_table::{Admissible, InvalidParameter, Parameter, check, check_family};
+use parameter_table::{Admissible, InvalidParameter, Parameter, Range, replaced};
 
 /// All gains of a law.
 ///
@@ -35,9 +35,9 @@ pub trait GainSet: Copy + 'static {
     /// # Errors
     /// The first that is not a number in its range.
     fn check(&self) -> Result<(), InvalidParameter> {
-        let mut checker = Checker { gains: *self, result: Ok(()) };
+        let mut checker = Checker { gains: *self, verdict: Verdict(Ok(())) };
         Self::tables(&mut checker);
-        checker.result
+        checker.verdict.0
     }
 }
 
@@ -123,23 +123,39 @@ impl<G> Tables<G> for Setter<'_, G> {
 
 struct Checker<G> {
     gains: G,
-    result: Result<(), InvalidParameter>,
+    verdict: Verdict,
+}
+
+/// The first value that is not in its range. Compiled once for all tables, since it is part of every library.
+struct Verdict(Result<(), InvalidParameter>);
+
+impl Verdict {
+    #[inline(never)]
+    fn look(&mut self, name: &str, arm: &str, range: Range, value: f64) {
+        if self.0.is_ok() && !range.contains(value) {
+            let (name, admissible) = (replaced(name, "{}", arm), Admissible::Within(range));
+            self.0 = Err(InvalidParameter { name, value, admissible });
+        }
+    }
 }
 
 impl<G> Tables<G> for Checker<G> {
     fn one<T: Copy>(&mut self, _: Changes, table: &'static [Parameter<T>], owner: impl Fn(&mut G) -> &mut T) {
-        if self.result.is_ok() {
-            self.result = check(table, owner(&mut self.gains));
+        let owner = owner(&mut self.gains);
+        for row in table {
+            self.verdict.look(row.name, "{}", row.range, *(row.field)(owner));
         }
     }
 
     fn per_arm<T: Copy>(&mut self, _: Changes, table: &'static [Parameter<T>], owners: impl Fn(&mut G) -> &mut [T; 2]) {
-        if self.result.is_ok() {
-            self.result = check_family(table, owners(&mut self.gains));
+        for (arm, owner) in ["1", "2"].into_iter().zip(owners(&mut self.gains)) {
+            for row in table {
+                self.verdict.look(row.name, arm, row.range, *(row.field)(owner));
+            }
         }
     }
 }
 
 fn name_of_arm<T>(row: &Parameter<T>, number: usize) -> String {
-    row.name.replace("{}", &number.to_string())
+    replaced(row.name, "{}", &number.to_string())
 }
