@@ -61,7 +61,8 @@ fn unwritable_places_are_named() {
     let compare = dualarm(folder.path(), &["compare", "--no-package", "--step", "10"]);
     assert_fails(&compare, 2, "a step of 10 s is longer than the run from 0 s to 8 s");
     let compare = dualarm(folder.path(), &["compare", "--no-package"]);
-    assert_fails(&compare, 1, "there is no DualArmPlant.fmu in dist");
+    assert_fails(&compare, 1, "cannot read dist/DualArmPlant.fmu:");
+    assert_fails(&compare, 1, "`dualarm package` makes the FMUs, --fmus says where they are");
     assert_eq!(files(folder.path()), before);
 }
 
