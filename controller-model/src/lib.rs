@@ -173,7 +173,7 @@ impl Signals {
     /// Sets targets and errors.
     fn compare(&mut self, arms: &Arms) {
         self.outputs.targets = arms.targets(&self.inputs.reference);
-        self.outputs.errors = arms.errors(&self.inputs);
+        self.outputs.errors = self.outputs.targets.errors(&self.inputs);
     }
 
     /// Sets the time derivatives of targets and errors.
@@ -224,6 +224,12 @@ impl<L: FmuLaw> Controller<L> {
         self.signals.compare(&self.arms);
     }
 
+    /// The targets of the forces alone, as in [`Targets`]: a host that follows the forces reads one in every step.
+    fn force_targets(&mut self) {
+        let wanted = self.signals.inputs.reference.lambda1_ref;
+        self.signals.outputs.targets.lambda = [wanted, -wanted];
+    }
+
     fn extra(&mut self) {
         if let Some(law) = &self.law {
             self.extra = law.extra(&self.signals.inputs);
@@ -272,10 +278,11 @@ impl<L: FmuLaw> Declare for Controller<L> {
         variables.part(field!(Self, signals), variables::inputs);
         let rates = variables.evaluation(Self::rates);
         let (commands, targets) = (variables.evaluation(Self::commands), variables.evaluation(Self::targets));
+        let force_targets = variables.evaluation(Self::force_targets);
         variables.part(field!(Self, signals), |signals| {
             let (torque_also, force_also) = (L::TORQUE_ALSO_DEPENDS_ON, L::FORCE_ALSO_DEPENDS_ON);
             variables::commands(signals, commands, rates, torque_also, force_also);
-            variables::targets(signals, targets, rates);
+            variables::targets(signals, targets, force_targets, rates);
         });
         L::declare_extra(variables, rates);
         variables.parameters(Arms::PARAMETERS, |m| &mut m.arms);

@@ -95,7 +95,12 @@ pub(super) fn commands(
         .description("Commanded force on the object");
 }
 
-pub(super) fn targets(variables: &mut Variables<Signals>, targets: Evaluation, rates: Evaluation) {
+pub(super) fn targets(
+    variables: &mut Variables<Signals>,
+    targets: Evaluation,
+    force_targets: Evaluation,
+    rates: Evaluation,
+) {
     variables
         .output_field("theta1_d", targets, field!(Signals, outputs.targets.theta).element(0))
         .rate(rates, |m| &mut m.rates().targets.theta[0])
@@ -123,7 +128,7 @@ pub(super) fn targets(variables: &mut Variables<Signals>, targets: Evaluation, r
         .depends_on_states(NO_STATES)
         .description("Target of y_object, eq. (16) with the L/2 it leaves out");
     variables
-        .output_field("lambda2_d", targets, field!(Signals, outputs.targets.lambda).element(1))
+        .output_field("lambda2_d", force_targets, field!(Signals, outputs.targets.lambda).element(1))
         .rate(rates, |m| &mut m.rates().targets.lambda[1])
         .unit("N")
         .depends_linearly_on(["lambda1_ref"])

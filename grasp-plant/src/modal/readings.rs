@@ -140,8 +140,25 @@ impl Readings {
     /// d/dt EI w''(0) of both arms.
     #[inline(never)]
     pub fn root_moment_rates(&self, coordinates: &[f64]) -> [f64; ROOT_MOMENT.len()] {
+        #[cfg(target_arch = "x86_64")]
+        if crate::kernel::has_wide_registers() {
+            // SAFETY: the processor has it.
+            return unsafe { self.root_moment_rates_wide(coordinates) };
+        }
+        self.root_moment_rates_here::<Lanes>(coordinates)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx")]
+    fn root_moment_rates_wide(&self, coordinates: &[f64]) -> [f64; ROOT_MOMENT.len()] {
+        self.root_moment_rates_here::<Wide>(coordinates)
+    }
+
+    #[inline(always)]
+    fn root_moment_rates_here<V: Four>(&self, coordinates: &[f64]) -> [f64; ROOT_MOMENT.len()] {
         let (groups, _) = coordinates.as_chunks::<GROUP>();
-        products::<Lanes, 2, 2>(&self.root_rates, 0, groups).map(super::step::sum)
+        let [first, second] = products::<V, 2, 2>(&self.root_rates, 0, groups);
+        [super::step::sum(first), super::step::sum(second)]
     }
 
     /// w_1(l) and w_2(l).
