@@ -254,3 +254,19 @@ def test_another_order_is_for_co_simulation(plant: Fmu) -> None:
         slave.set(order=12)
         slave.start()
         slave.step(0.0, 1e-3, 1)
+
+
+def test_a_host_that_integrates_hears_of_a_grasp_that_pulls(plant: Fmu) -> None:
+    """A force that draws the object from the first arm: both arms' tips are held to it. Euler's steps are good enough for a sign."""
+    with Model(plant) as model:
+        model.fmi.setDebugLogging(True, [])
+        model.set(delta_F=0.5)
+        model.start()
+        for i in range(1, 31):
+            model.x = model.x + 1e-6 * model.rates()
+            model.set_time(1e-6 * i)
+            model.step_completed()
+        assert min(model.get("contact_force1", "contact_force2")) < -1e-3
+        model.fmi.terminate()
+        said = [message.text for message in model.log if "contact lost" in message.text]
+    assert len(said) == 1 and said[0].startswith("contact lost: tip ")

@@ -146,6 +146,24 @@ mod tests {
         }
     }
 
+    /// A step that was refused leaves no trace: the sizes of later steps are noted as without it.
+    #[test]
+    fn a_refused_step_of_another_size_leaves_no_trace() {
+        let inputs = Inputs { force_command: 0.1, ..Inputs::ZERO };
+        let mut plain = Plant::new(Parameters::default()).unwrap();
+        for _ in 0..3 {
+            plain.step(1e-4, &inputs, &Inputs::ZERO).unwrap();
+        }
+        let mut refused = plain.clone();
+        let rates = Inputs { object_disturbance: 1e200, ..Inputs::ZERO };
+        assert_eq!(refused.step(2e-4, &inputs, &rates), Err(crate::StepError::Overflow));
+        for plant in [&mut plain, &mut refused] {
+            plant.step(2e-4, &inputs, &Inputs::ZERO).unwrap();
+        }
+        assert_eq!(bits(&plain), bits(&refused));
+        assert_eq!(plain.state, refused.state);
+    }
+
     /// A few long steps of a plant, usual ones and general ones.
     fn compare(mut usual: Plant, inputs: impl Fn(u32) -> Inputs, steps: u32) -> (u32, u32) {
         let mut any = usual.clone();

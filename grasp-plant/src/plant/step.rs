@@ -28,6 +28,8 @@ impl Plant {
     /// Any step, whatever its size and inputs.
     #[inline(never)]
     pub(super) fn any_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        // Also a step that is refused may make its table the last.
+        self.calm = 0;
         if !(h > 0.0 && h.is_finite()) {
             return Err(StepError::NotPositive { h });
         }
@@ -86,7 +88,6 @@ impl Plant {
         }
         self.signals = signals;
         std::mem::swap(&mut self.state, next);
-        self.calm = 0;
         self.pulls = self.may_pull(inputs);
         Ok(())
     }
@@ -107,6 +108,7 @@ impl Plant {
             }
             i += 1.0;
         }
+        self.pulls = self.may_pull(inputs);
         Ok(())
     }
 

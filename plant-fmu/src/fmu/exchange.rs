@@ -224,7 +224,8 @@ impl ModelExchange for DualArmPlant {
     }
 
     fn step_completed(&mut self, moment: &mut Moment<'_>) -> Result<Completed, Failure> {
-        if self.watch_contact(moment.time) {
+        // The host has moved the plant, which knows of no step of its own.
+        if self.watch_contact(moment.time, true) {
             self.tell_of_contact(&mut |said| moment.warn(said));
         }
         let due = self.plant.as_ref().is_some_and(|plant| plant.contact_is_due(&self.inputs));

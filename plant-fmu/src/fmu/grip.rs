@@ -36,14 +36,14 @@ impl Grip {
         Self { until: start, ..Self::default() }
     }
 
-    /// Looks at the contacts at the end of a step, and returns the step's size.
+    /// Looks at the contacts at the end of a step, and returns the step's size. Where tips cannot leave the object, only if one `may_pull`.
     #[allow(clippy::inline_always)] // On the way of every step.
     #[inline(always)]
-    pub fn watch(&mut self, time: f64, plant: &Plant, inputs: &Inputs) -> f64 {
+    pub fn watch(&mut self, time: f64, plant: &Plant, inputs: &Inputs, may_pull: bool) -> f64 {
         let size = time - self.until;
         self.until = time;
         let Some(contact) = plant.state().contact.as_deref() else {
-            if plant.may_have_pulled() {
+            if may_pull {
                 self.pulled(time, size, plant.contact_force(inputs));
             }
             return size;

@@ -124,13 +124,14 @@ impl DualArmPlant {
     /// What the actuators at their limits are called, by the sum of 1, 2 and 4: no memory is asked for in a step.
     const LIMITED: [&str; 8] = ["", "tau1", "tau2", "tau1, tau2", "u", "tau1, u", "tau2, u", "tau1, tau2, u"];
 
-    /// Looks at the contacts after a step that ends at `time`. Whether the run ends there, so that it is time to say what became of them:
-    /// not only when it is terminated, which not every host does and after which few listen.
+    /// Looks at the contacts after a step that ends at `time`, and there, where they cannot open, only if a tip `may_pull`. Whether the run
+    /// ends there, so that it is time to say what became of them: not only when it is terminated, which not every host does and after
+    /// which few listen.
     #[allow(clippy::inline_always)] // On the way of every step.
     #[inline(always)]
-    fn watch_contact(&mut self, time: f64) -> bool {
+    fn watch_contact(&mut self, time: f64, may_pull: bool) -> bool {
         let Some(plant) = &self.plant else { return false };
-        let size = self.grip.watch(time, plant, &self.inputs);
+        let size = self.grip.watch(time, plant, &self.inputs, may_pull);
         self.stop_time.is_some_and(|stop| time > stop - 0.5 * size)
     }
 
@@ -273,7 +274,8 @@ impl Model for DualArmPlant {
         let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
         plant.step(step.size, &self.inputs, &self.input_rates).map_err(discarded)?;
         let is_limited = plant.is_any_limited(&self.inputs);
-        if self.watch_contact(step.time + step.size) {
+        let may_have_pulled = plant.may_have_pulled();
+        if self.watch_contact(step.time + step.size, may_have_pulled) {
             self.tell_of_contact(&mut |said| step.warn(said));
         }
         if is_limited {
