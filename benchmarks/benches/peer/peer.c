@@ -19,6 +19,12 @@
 typedef double four __attribute__((vector_size(32), aligned(8)));
 typedef int64_t four_bits __attribute__((vector_size(32), aligned(8)));
 #define ALWAYS static inline __attribute__((always_inline))
+/* Lanes of two vectors. Clang has only its own name for it, GCC before 12 only the other. */
+#ifdef __clang__
+#define SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#else
+#define SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (four_bits){__VA_ARGS__})
+#endif
 
 ALWAYS four all(double x) { return (four){x, x, x, x}; }
 ALWAYS four choose(four_bits which, four yes, four no) {
@@ -84,8 +90,8 @@ ALWAYS struct powers powers(four x) {
 #ifndef GROUPS
 #define GROUPS 4
 #endif
-/* Signals that every step reads; numbers far from being unusable; steps without a look at them. */
-enum { ROWS = 9, STEPS = 64 };
+/* Signals that every step reads; numbers far from being unusable; steps without a look at them, as many as ours makes of 0.1 ms. */
+enum { ROWS = 9, STEPS = 26 };
 #define CALM 1e40
 
 /* Fours begin where registers do: `peer.rs` gives such memory. */
@@ -313,11 +319,11 @@ ALWAYS void fill_grid(struct hub *hub, const struct axis *a, struct powers e) {
     ratios(a, 1, e, r);
     double common = e.up[3] > a->least ? e.up[3] : 0;
     /* Nodes 0, 1, 3, 4 of each axis side by side. */
-    four lo = __builtin_shuffle(r[0], r[1], (four_bits){0, 4, 2, 6}), hi = __builtin_shuffle(r[0], r[1], (four_bits){1, 5, 3, 7});
-    four lo2 = __builtin_shuffle(r[2], r[3], (four_bits){0, 4, 2, 6}), hi2 = __builtin_shuffle(r[2], r[3], (four_bits){1, 5, 3, 7});
-    four first = __builtin_shuffle(lo, lo2, (four_bits){0, 1, 4, 5});
-    four second = __builtin_shuffle(hi, hi2, (four_bits){0, 1, 4, 5});
-    four third = __builtin_shuffle(lo, lo2, (four_bits){2, 3, 6, 7});
+    four lo = SHUFFLE(r[0], r[1], 0, 4, 2, 6), hi = SHUFFLE(r[0], r[1], 1, 5, 3, 7);
+    four lo2 = SHUFFLE(r[2], r[3], 0, 4, 2, 6), hi2 = SHUFFLE(r[2], r[3], 1, 5, 3, 7);
+    four first = SHUFFLE(lo, lo2, 0, 1, 4, 5);
+    four second = SHUFFLE(hi, hi2, 0, 1, 4, 5);
+    four third = SHUFFLE(lo, lo2, 2, 3, 6, 7);
     four outer = first * common;
     hub->outer = outer;
     hub->common = common;

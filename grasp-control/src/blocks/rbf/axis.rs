@@ -103,7 +103,7 @@ impl Axis {
     pub fn ratios<V: Four>(&self, n: usize, group: usize, powers: [V; 2], common: f64) -> [V; MAX_PER_AXIS] {
         let mut ratios = self.plain_ratios(n, group, powers);
         if self.is_narrow {
-            // Products stay finite and normal numbers.
+            // Products of two stay finite and normal numbers.
             let least = if common > 0.0 { TINY } else { f64::INFINITY };
             for ratio in &mut ratios {
                 *ratio = ratio.above(least);
