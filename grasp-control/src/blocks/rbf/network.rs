@@ -213,9 +213,18 @@ impl<const D: usize> Network<D> {
     /// ‖Y‖² at the last activation: the gain with which the network learns there.
     #[must_use]
     pub fn learning_gain(&self) -> f64 {
-        let outer: f64 = self.outer.as_flattened()[..self.layout.rows()].iter().map(|factor| factor * factor).sum();
+        let factors = &self.outer.as_flattened()[..self.layout.rows()];
         // In the tail, the first axis has its activations alone.
         let alone = if self.layout.is_usual(D) { 1.0 } else { 0.0 };
+        if self.axis.is_narrow {
+            // The factors of an activation may be so tiny and so huge that their squares are not numbers.
+            let of_row = |factor: &f64| {
+                let activations = self.inner.as_flattened().iter().map(|ratio| factor * ratio);
+                activations.map(|activation| activation * activation).sum::<f64>() + alone * (factor * factor)
+            };
+            return factors.iter().map(of_row).sum();
+        }
+        let outer: f64 = factors.iter().map(|factor| factor * factor).sum();
         outer * (total(products(&self.inner, &self.inner)) + alone)
     }
 

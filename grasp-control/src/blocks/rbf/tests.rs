@@ -73,6 +73,23 @@ fn extreme_inputs_activate_nothing_and_give_no_nan() {
     }
 }
 
+/// Also where the factors of narrow Gaussians are so tiny and so huge that their squares are not numbers.
+#[test]
+fn the_learning_gain_is_the_sum_of_squared_activations() {
+    for width in [0.1, 0.15, 0.24, 0.25, 1.1] {
+        for layout in [Layout::Grid(2), Layout::Grid(5), Layout::Grid(9), Layout::Star(2)] {
+            let mut network = Network::<3>::new(layout, width);
+            for i in 0..1000_u32 {
+                let x = std::array::from_fn(|axis| 2.7 * (f64::from(i) * (1.0 + 0.37 * axis as f64)).sin());
+                network.activate(x);
+                let expected: f64 = network.activations().map(|activation| activation * activation).sum();
+                let gain = network.learning_gain();
+                assert!((gain - expected).abs() <= 1e-13 * expected, "{layout:?} {width} {x:?}: {gain} {expected}");
+            }
+        }
+    }
+}
+
 #[test]
 fn activations_survive_serialisation_by_recomputation() {
     let mut network = weighted::<3>(Layout::Grid(4), 0.6);
