@@ -132,3 +132,15 @@ def test_a_page_of_another_system(browser: Browser, tmp_path: Path) -> None:
         assert not re.search(r"\barms?\b", page.inner_text("main"))
         page.keyboard.press("End")
         assert shown_time(page) == pytest.approx(19.9)
+
+
+def test_a_page_of_extreme_values(browser: Browser, tmp_path: Path) -> None:
+    """Last digits that change, and both ends of all numbers: a picture with ticks, and no page that hangs."""
+    file = tmp_path / "extreme.csv"
+    rows = "".join(f"{k / 10},{10**16 + 2 * (k % 3)}.0,{(-1) ** k * 1e308!r},{k % 2}\n" for k in range(50))
+    file.write_text(f"time,digits,ends,usual\n{rows}", encoding="utf-8")
+    done = dualarm("report", str(file))
+    assert done.returncode == 0, done.stderr
+    with browser.open(tmp_path / "extreme.html") as opened:
+        opened.page.wait_for_selector("[data-signal=digits] canvas")
+        assert opened.page.locator(".chart canvas").count() == 3

@@ -53,9 +53,14 @@ impl Packer {
         }
     }
 
-    /// Adds a column.
+    /// Adds a column. If it reaches from one end of all numbers to the other, those at the ends become gaps.
     pub fn add(&mut self, values: &[f64]) -> Scale {
         let (low, high) = range(values);
+        if low.is_finite() && high - low == f64::INFINITY {
+            // No scale reaches from one end of all numbers to the other: what is at an end becomes a gap.
+            let inner = |value: &f64| if value.abs() < f64::MAX / 4.0 { *value } else { f64::NAN };
+            return self.add(&values.iter().map(inner).collect::<Vec<_>>());
+        }
         self.add_with(low, if high > low { (high - low) / f64::from(LEVELS) } else { 0.0 }, values)
     }
 
@@ -277,6 +282,18 @@ mod tests {
         assert!(columns[0][1].is_nan() && columns[0][3].is_nan(), "a gap in the curve");
         let mut packer = Packer::new();
         assert_eq!(packer.add(&[f64::NAN]), Scale { low: 0.0, quantum: 0.0, order: 1 });
+    }
+
+    #[test]
+    fn the_ends_of_all_numbers_are_gaps_where_no_scale_reaches_both() {
+        let values = [f64::MAX, 1e300, f64::MIN, 0.0, -1e308];
+        let mut packer = Packer::new();
+        let scale = packer.add(&values);
+        assert!(scale.quantum.is_finite());
+        let column = &unpack(&packer.finish(), values.len(), &[scale])[0];
+        assert!([0, 2, 4].iter().all(|end| column[*end].is_nan()), "{column:?}");
+        assert_eq!((column[1], column[3]), (1e300, 0.0));
+        assert_eq!(Packer::new().add(&[f64::MAX, f64::MAX]).low, f64::MAX, "one end alone is a number");
     }
 
     #[test]

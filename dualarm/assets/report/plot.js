@@ -125,7 +125,7 @@ function verticalRange(chart, curves, targets, times, { from, to }) {
       if (values[row] > high) high = values[row];
     }
   }
-  if (!(low <= high)) return [-1, 1];
+  if (!(low <= high && high - low < Infinity)) return [-1, 1];
   for (const values of targets) {
     // The target belongs into the picture until one looks closer than the curves are to it.
     const target = values[Math.min(last, values.length - 1)];
@@ -134,7 +134,9 @@ function verticalRange(chart, curves, targets, times, { from, to }) {
       high = Math.max(high, target);
     }
   }
-  const air = high > low ? 0.07 * (high - low) : Math.max(0.1 * Math.abs(high), 1e-6);
+  // Ticks have to be different numbers, however little of a large value changes.
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  const air = high > low ? Math.max(0.07 * (high - low), 1e-12 * size) : Math.max(0.1 * size, 1e-6);
   return [low - air, high + air];
 }
 

@@ -43,6 +43,28 @@ fn standard_output_is_the_tools_alone() {
     assert!(text(&done.stderr).contains("NOISE"), "what FMUs print is not lost");
 }
 
+/// As with `ulimit -f`, of which a shell's default action is to kill.
+#[test]
+fn a_file_that_may_not_grow_further_is_said_like_a_full_disk() {
+    let Some(folder) = hostile() else { return };
+    let mut command = command(folder.path(), "", &["simulate", "Hostile.fmu", "-o", "out/a.csv"]);
+    let limit = || {
+        let none = libc::rlimit { rlim_cur: 0, rlim_max: libc::RLIM_INFINITY };
+        // SAFETY: gives a limit in valid memory.
+        if unsafe { libc::setrlimit(libc::RLIMIT_FSIZE, &raw const none) } == 0 {
+            Ok(())
+        } else {
+            Err(std::io::Error::last_os_error())
+        }
+    };
+    // SAFETY: what is called between the copy and its program allocates nothing.
+    unsafe { std::os::unix::process::CommandExt::pre_exec(&mut command, limit) };
+    let done = command.output().unwrap();
+    assert_eq!(done.status.code(), Some(1), "{}", text(&done.stderr));
+    assert!(text(&done.stderr).contains("File too large"), "{}", text(&done.stderr));
+    assert_eq!(files(&folder.path().join("tmp")), [""; 0], "temporary files are gone");
+}
+
 #[test]
 fn a_standard_output_that_is_closed_is_a_failure() {
     let Some(folder) = hostile() else { return };

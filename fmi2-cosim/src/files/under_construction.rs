@@ -138,6 +138,8 @@ impl Part {
         let existing = fs::metadata(&target).ok();
         // The user must be allowed to write to the file, although a rename only needs the permission of the folder.
         let opened = existing.as_ref().map(|_| OpenOptions::new().write(true).open(&target)).transpose()?;
+        // An interrupt waits until the new file is among the unfinished ones.
+        let mut guard = unfinished();
         let part = match begin(&folder, existing.as_ref()) {
             Ok(part) => part,
             // If no file can be created beside it, an existing file can still be filled.
@@ -145,7 +147,8 @@ impl Part {
             Err(error) => return Err(error),
         };
         let beside = part.path().parent() == Some(folder.as_path());
-        begun(&mut unfinished(), part.path().to_owned());
+        begun(&mut guard, part.path().to_owned());
+        drop(guard);
         let way = match (existing, opened) {
             (Some(existing), Some(opened)) if !beside || !can_stand_for(&part, &existing) => Way::Fill(opened),
             _ => Way::Rename,

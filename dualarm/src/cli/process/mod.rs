@@ -37,7 +37,10 @@ static TEMPORARY_FOLDER: OnceLock<PathBuf> = OnceLock::new();
 pub fn run(work: impl FnOnce() -> u8) -> u8 {
     // An interrupt is held back until a process can clean up.
     #[cfg(unix)]
-    supervisor::block();
+    {
+        supervisor::block();
+        supervisor::keep_writing();
+    }
     files::remember_surroundings();
     // If the tool cannot create its own folder, it uses the common one: some commands need none at all.
     if let Ok(folder) = tempfile::Builder::new().prefix("dualarm-").tempdir() {

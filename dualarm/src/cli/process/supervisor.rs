@@ -105,6 +105,12 @@ pub fn block() {
     mask(libc::SIG_BLOCK);
 }
 
+/// Lets a file that may not grow further (`ulimit -f`) be an error like a full disk, not the end of the process.
+pub fn keep_writing() {
+    // SAFETY: sets an action that runs no code.
+    unsafe { libc::signal(libc::SIGXFSZ, libc::SIG_IGN) };
+}
+
 /// Delivers the signals that [`block`] held back.
 pub fn unblock() {
     mask(libc::SIG_UNBLOCK);
