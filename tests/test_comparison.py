@@ -253,6 +253,13 @@ def test_presets_of_one_controller_are_told_apart_and_run_in_any_scenario(tmp_pa
     assert (done.returncode, "cannot read" in done.stderr) == (1, True), done.stderr
 
 
+def test_a_search_writes_what_other_commands_take(tmp_path: Path) -> None:
+    """`--controllers` takes .toml: a search of an hour must not end in a file that it refuses."""
+    done = dualarm("tune", "--controller", "pd", "--out", str(tmp_path / "gains"))
+    assert done.returncode == 2 and "its name must end in .toml" in done.stderr, done.stderr
+    assert not list(tmp_path.iterdir())
+
+
 def test_misspelt_names_are_answered(tmp_path: Path) -> None:
     for arguments, text in (
         (("compare", "--no-package", "--cases", "heavy5"), "did you mean heavy-5"),

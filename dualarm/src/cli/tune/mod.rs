@@ -171,6 +171,13 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         report::check(page, &[])?;
     }
     task.check(&lab)?;
+    if let Some(out) = arguments.out.as_ref().filter(|out| out.extension().is_none_or(|extension| extension != "toml"))
+    {
+        let out = out.display();
+        return Err(Failure::usage(format!(
+            "cannot write the gains to {out}: its name must end in .toml, as other commands ask for ({out}.toml, say)"
+        )));
+    }
     let key = &task.contender.key;
     let out = arguments.out.clone().unwrap_or_else(|| PathBuf::from(format!("results/tuned-{key}.toml")));
     let state = arguments.state.clone().unwrap_or_else(|| out.with_extension("jsonl"));

@@ -45,8 +45,15 @@ struct CaseDocument<'a> {
 }
 
 pub(super) fn summary(task: &Task, best: &Best, found: &[Option<Cell>]) -> String {
-    let mut text =
-        format!("objective {:.4}, found by evaluation {} of {}\n\n", best.cost, best.evaluation, task.evaluations);
+    let (cost, evaluations) = (best.cost, task.evaluations);
+    let mut text = match best.evaluation {
+        1 if evaluations > 1 => {
+            format!(
+                "objective {cost:.4}, that of the start: none of {evaluations} evaluations was better, more may be\n\n"
+            )
+        }
+        evaluation => format!("objective {cost:.4}, found by evaluation {evaluation} of {evaluations}\n\n"),
+    };
     for (dimension, value) in task.dimensions.iter().zip(&best.values) {
         let at_edge = *value <= dimension.low || *value >= dimension.high;
         let remark = if at_edge { "  at the edge of its range" } else { "" };
