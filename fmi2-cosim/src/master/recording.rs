@@ -149,13 +149,7 @@ impl Recording {
 
     /// The row for the present state of the components, which come in the order of their descriptions.
     pub(crate) fn read<'a>(&mut self, instances: impl Iterator<Item = &'a mut Instance>) -> Result<&[f64], CallError> {
-        let mut ports = self.ports.iter_mut();
-        for instance in instances {
-            // Without ports nothing is recorded.
-            let Some(port) = ports.next() else { break };
-            port.read(instance, &mut self.values)?;
-        }
-        Ok(&self.values)
+        read(&mut self.ports, &mut self.values, instances, |_, _| false)
     }
 
     /// The row with only those columns new that are followed. `known` writes those of a component, if it has them already.
@@ -165,15 +159,27 @@ impl Recording {
         instances: impl Iterator<Item = &'a mut Instance>,
         known: impl Fn(usize, &mut [f64]) -> bool,
     ) -> Result<&[f64], CallError> {
-        let mut ports = self.followed.iter_mut();
-        for (index, instance) in instances.enumerate() {
-            let Some(port) = ports.next() else { break };
-            if !known(index, &mut self.values) {
-                port.read(instance, &mut self.values)?;
-            }
-        }
-        Ok(&self.values)
+        read(&mut self.followed, &mut self.values, instances, known)
     }
+}
+
+/// Reads the ports of the components into the row, but for those that `known` writes.
+#[inline]
+fn read<'a, 'row>(
+    ports: &mut [Port],
+    row: &'row mut [f64],
+    instances: impl Iterator<Item = &'a mut Instance>,
+    known: impl Fn(usize, &mut [f64]) -> bool,
+) -> Result<&'row [f64], CallError> {
+    let mut ports = ports.iter_mut();
+    for (index, instance) in instances.enumerate() {
+        // Without ports nothing is recorded.
+        let Some(port) = ports.next() else { break };
+        if !known(index, row) {
+            port.read(instance, row)?;
+        }
+    }
+    Ok(row)
 }
 
 /// Name of the column of times, the first one of every table.

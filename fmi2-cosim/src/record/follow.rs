@@ -86,12 +86,6 @@ impl Follow {
         &self.picked.table
     }
 
-    /// What was kept, but for single precision.
-    #[must_use]
-    pub fn into_table(self) -> Table {
-        self.picked.table
-    }
-
     /// What was kept: the table, and the columns in single precision, which are as long.
     #[must_use]
     pub fn into_parts(mut self) -> (Table, Singles) {
