@@ -226,8 +226,7 @@ impl<L: FmuLaw> Controller<L> {
 
     /// The targets of the forces alone, as in [`Targets`]: a host that follows the forces reads one in every step.
     fn force_targets(&mut self) {
-        let wanted = self.signals.inputs.reference.lambda1_ref;
-        self.signals.outputs.targets.lambda = [wanted, -wanted];
+        self.signals.outputs.targets.lambda = self.signals.inputs.reference.lambda();
     }
 
     fn extra(&mut self) {

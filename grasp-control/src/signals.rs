@@ -75,6 +75,15 @@ pub struct References {
     pub theta1_ref: f64,
 }
 
+impl References {
+    /// The targets λᵢᵈ of both multipliers \[N\], λ₂ᵈ = −λ₁ᵈ (16).
+    #[must_use]
+    #[inline]
+    pub fn lambda(&self) -> [f64; 2] {
+        [self.lambda1_ref, -self.lambda1_ref]
+    }
+}
+
 impl Default for References {
     /// The paper's task: λ₁ᵈ = −0.5 N, θ₁ᵈ = 3°.
     fn default() -> Self {

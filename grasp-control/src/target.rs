@@ -62,7 +62,7 @@ impl Arms {
         let References { lambda1_ref, theta1_ref } = *reference;
         let l = self.length;
         Targets {
-            lambda: [lambda1_ref, -lambda1_ref],
+            lambda: reference.lambda(),
             theta: [theta1_ref, theta1_ref + slopes.theta2 * lambda1_ref],
             y_object: l * theta1_ref + slopes.y * lambda1_ref + 0.5 * self.hub_distance,
         }
