@@ -303,10 +303,11 @@ fn pair_cost(folder: &Path, what: &'static str, scenario: &Controller, count: us
     // All pairs take a step, then all the next: each finds the caches as the others left them.
     let rounds = u32::try_from(4000 / count.min(4000)).unwrap_or(1).max(1);
     let step = nanoseconds(rounds, || pairs.iter_mut().for_each(Pair::step)) / count as f64;
-    let peer = Peers::compile(has_wide_registers(), 8).and_then(|peers| PeerPair::new(&peers, folder));
-    let in_c = match peer {
-        Ok(mut peer) if count == 1 && what == "pair" => nanoseconds(4000, || peer.step()),
-        _ => f64::NAN,
+    let in_c = if count == 1 && what == "pair" {
+        let peer = Peers::compile(has_wide_registers(), 8).and_then(|peers| PeerPair::new(&peers, folder));
+        peer.map_or(f64::NAN, |mut peer| nanoseconds(4000, || peer.step()))
+    } else {
+        f64::NAN
     };
     Ok(Cost { what, order: 8, count, step, in_c, start, memory })
 }
