@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -117,13 +118,19 @@ def test_a_page_of_saved_results(browser: Browser, tmp_path: Path) -> None:
         assert page.get_by_role("button", name="mine", exact=True).count() == 1
 
 
+def reported(file: Path, text: str) -> subprocess.CompletedProcess[str]:
+    """The command that made the page of a CSV file with this text."""
+    file.write_text(text, encoding="utf-8")
+    done = dualarm("report", str(file))
+    assert done.returncode == 0, done.stderr
+    return done
+
+
 def test_a_page_of_another_system(browser: Browser, tmp_path: Path) -> None:
     """Without a grasp there are curves, under their names and with their units, and no word of arms."""
     file = tmp_path / "tank.csv"
     rows = "".join(f"{k / 10},{20 + k % 7},{k * 1e-9},{'on' if k % 2 else 'off'}\n" for k in range(200))
-    file.write_text(f"Time,T [K],leak [m3/s],pump\n{rows}", encoding="utf-8")
-    done = dualarm("report", str(file))
-    assert done.returncode == 0, done.stderr
+    done = reported(file, f"Time,T [K],leak [m3/s],pump\n{rows}")
     assert done.stdout.strip() == str(tmp_path / "tank.html")
     with browser.open(tmp_path / "tank.html") as opened:
         page = opened.page
@@ -138,9 +145,7 @@ def test_a_page_of_extreme_values(browser: Browser, tmp_path: Path) -> None:
     """Last digits that change, and both ends of all numbers: a picture with ticks, and no page that hangs."""
     file = tmp_path / "extreme.csv"
     rows = "".join(f"{k / 10},{10**16 + 2 * (k % 3)}.0,{(-1) ** k * 1e308!r},{k % 2}\n" for k in range(50))
-    file.write_text(f"time,digits,ends,usual\n{rows}", encoding="utf-8")
-    done = dualarm("report", str(file))
-    assert done.returncode == 0, done.stderr
+    reported(file, f"time,digits,ends,usual\n{rows}")
     with browser.open(tmp_path / "extreme.html") as opened:
         opened.page.wait_for_selector("[data-signal=digits] canvas")
         assert opened.page.locator(".chart canvas").count() == 3
