@@ -104,5 +104,5 @@ impl<M: ModelExchange> Equations<'_, M> {
 /// The relative tolerance of the experiment, if the host has named one.
 #[must_use]
 pub fn tolerance(step: &Step<'_>) -> Option<f64> {
-    step.tolerance
+    step.tolerance()
 }

@@ -30,6 +30,7 @@ mod naming;
 mod out;
 #[doc(hidden)]
 pub mod packaging;
+mod pairs;
 mod phase;
 mod place;
 mod problems;

@@ -145,20 +145,25 @@ pub struct Step<'a> {
     pub(crate) warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>),
     /// The layout of the model's variables, if a host makes the step.
     pub(crate) layout: Option<&'a Layout>,
-    /// Relative tolerance, if the host has named one.
-    pub(crate) tolerance: Option<f64>,
+    /// What the host has set up, if it makes the step.
+    pub(crate) experiment: &'a Option<Experiment>,
 }
 
 impl<'a> Step<'a> {
     /// A step outside of any host, for tests and benchmarks; warnings go to `warn`.
     pub fn new(time: f64, size: f64, warn: &'a mut dyn FnMut(std::fmt::Arguments<'_>)) -> Self {
-        Self { time, size, warn, layout: None, tolerance: None }
+        Self { time, size, warn, layout: None, experiment: &None }
     }
 
     /// Tells the host's user something: logged in category `logStatusWarning` with status `fmi2Warning`. The step's own
     /// status stays `fmi2OK`, because hosts stop at any other.
     pub fn warn(&mut self, message: std::fmt::Arguments<'_>) {
         (self.warn)(message);
+    }
+
+    /// Relative tolerance, if the host has named one.
+    pub(crate) fn tolerance(&self) -> Option<f64> {
+        self.experiment.and_then(|experiment| experiment.tolerance)
     }
 }
 

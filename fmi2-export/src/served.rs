@@ -116,12 +116,12 @@ impl Served {
     /// Whether `fmi2Fatal` has been returned: then "it is not possible to call any other function for any of the FMU instances"
     /// (FMI 2.0.4, section 2.1.3).
     pub(crate) fn is_lost(&self) -> bool {
-        self.lost.load(Ordering::Relaxed)
+        self.lost.load(Ordering::SeqCst)
     }
 
     /// For as long as the library stays loaded.
     pub(crate) fn lose(&self) {
-        self.lost.store(true, Ordering::Relaxed);
+        self.lost.store(true, Ordering::SeqCst);
     }
 }
 

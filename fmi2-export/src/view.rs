@@ -7,6 +7,7 @@ use std::ptr;
 use crate::access::{Access, Narrowed};
 use crate::any_model::AnyModel;
 use crate::layout::RealSlot;
+use crate::pairs::Two;
 use crate::place::Place;
 use crate::variable::Variable;
 
@@ -121,23 +122,20 @@ impl<'a> View<'a> {
     /// So many variables must follow each other in memory from this offset on.
     #[inline]
     pub unsafe fn set_run(&mut self, offset: u32, values: &[f64]) {
-        let places = self.model.wrapping_byte_add(offset as usize).cast::<f64>();
-        for (i, value) in values.iter().enumerate() {
-            // SAFETY: the caller's promise; volatile for the reason in `run`.
-            unsafe { places.add(i).write_volatile(ptr::from_ref(value).read_volatile()) };
-        }
+        let places = self.model.wrapping_byte_add(offset as usize).cast();
+        // SAFETY: the caller's promise.
+        unsafe { copy(values.as_ptr(), places, values.len()) };
     }
 
-    /// Numbers that stand side by side. One by one: the compiler would read several at once, and where these have just been written one by
-    /// one, a processor waits until they are in its cache.
+    /// Reads numbers that stand side by side.
     ///
     /// # Safety
-    /// So many variables must follow each other in memory from this offset on.
+    /// So many variables must follow each other in memory from this offset on, and there must be room for them.
     #[inline]
-    pub unsafe fn run(&self, offset: u32, count: usize) -> impl Iterator<Item = f64> {
-        let places = self.model.wrapping_byte_add(offset as usize).cast::<f64>();
+    pub unsafe fn get_run(&self, offset: u32, values: *mut f64, count: usize) {
+        let places = self.model.wrapping_byte_add(offset as usize).cast();
         // SAFETY: the caller's promise.
-        (0..count).map(move |i| unsafe { places.add(i).read_volatile() })
+        unsafe { copy(places, values, count) };
     }
 
     /// The value of a real variable that has an offset.
@@ -228,6 +226,16 @@ impl<'a> View<'a> {
         }
     }
 
+    /// Runs the one evaluation that has this bit.
+    ///
+    /// # Safety
+    /// There must be one.
+    #[inline]
+    pub unsafe fn evaluate_one(&mut self, todo: u64) {
+        // SAFETY: the caller's promise; of the declarations.
+        unsafe { self.declared.evaluations.get_unchecked(todo.trailing_zeros() as usize)(self.model) };
+    }
+
     /// Runs evaluations, a bit each.
     #[inline]
     pub fn evaluate(&mut self, mut todo: u64) {
@@ -248,5 +256,25 @@ impl<'a> View<'a> {
     pub unsafe fn numbers(self, array: &NumbersOf) -> &'a [f64] {
         // SAFETY: the caller's promise; nobody else has the model for as long.
         unsafe { &*array(self.model) }
+    }
+}
+
+/// Copies numbers.
+///
+/// # Safety
+/// So many must be readable, and so many writable.
+#[inline]
+unsafe fn copy(from: *const f64, to: *mut f64, count: usize) {
+    let Some(last) = count.checked_sub(1) else { return };
+    let mut i = 0;
+    // SAFETY: the caller's promise.
+    unsafe {
+        while i < last {
+            Two::read(from.add(i)).write(to.add(i));
+            i += 2;
+        }
+        if i == last {
+            *to.add(i) = *from.add(i);
+        }
     }
 }

@@ -45,18 +45,7 @@ pub unsafe fn values<'a>(vr: *const u32, value: *const f64, length: usize) -> Re
     unsafe { Ok((slice(vr, length, "vr")?, slice(value, length, "value")?)) }
 }
 
-/// The same, if they are right, which is found out at once; empty ones may not seem so.
-///
-/// # Safety
-/// As [`slice`].
-#[inline(always)]
-pub unsafe fn right_values<'a>(vr: *const u32, value: *const f64, length: usize) -> Option<(&'a [u32], &'a [f64])> {
-    // SAFETY: the caller's promise; they are right, as in `slice`.
-    are_right(vr, value, length)
-        .then(|| unsafe { (std::slice::from_raw_parts(vr, length), std::slice::from_raw_parts(value, length)) })
-}
-
-/// Value references, and places for values: as [`values`].
+/// Value references, and places for values: as [`slice`] and [`out`].
 ///
 /// # Safety
 /// As [`slice`] and [`out`].
@@ -65,25 +54,13 @@ pub unsafe fn places<'a>(vr: *const u32, value: *mut f64, length: usize) -> Resu
     unsafe { Ok((slice(vr, length, "vr")?, out(value, length, "value")?)) }
 }
 
-/// The same, if they are right: as [`right_values`].
-///
-/// # Safety
-/// As [`slice`] and [`out`].
+/// Whether both pointers pass [`check`]. Those of empty arrays may be null all the same.
 #[inline(always)]
-pub unsafe fn right_places<'a>(vr: *const u32, value: *mut f64, length: usize) -> Option<(&'a [u32], Out<'a, f64>)> {
-    // SAFETY: the caller's promise; they are right, as in `slice` and `out`.
-    are_right(vr, value, length).then(|| unsafe {
-        let places = std::slice::from_raw_parts_mut(value.cast::<MaybeUninit<f64>>(), length);
-        (std::slice::from_raw_parts(vr, length), Out::new(places))
-    })
-}
-
-/// Whether both arrays pass [`check`]; an empty one that is null does not, and is looked at again.
-#[inline(always)]
-fn are_right(vr: *const u32, value: *const f64, length: usize) -> bool {
-    const TOO_LONG: u32 = (isize::MAX as usize / size_of::<f64>() + 1).trailing_zeros();
-    let wrong = (vr.addr() & (align_of::<u32>() - 1)) | (value.addr() & (align_of::<f64>() - 1)) | (length >> TOO_LONG);
-    wrong == 0 && !vr.is_null() && !value.is_null()
+pub fn are_right(vr: *const u32, value: *const f64) -> bool {
+    // One look at the last bits of both.
+    const { assert!(align_of::<f64>() == 2 * align_of::<u32>()) };
+    let aligned = (vr.addr() << 1 | value.addr()) & (align_of::<f64>() - 1) == 0;
+    aligned && !vr.is_null() && !value.is_null()
 }
 
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! A memory barrier that every processor passes, and a number for each thread: what [`Guard`](super::guard::Guard) needs of the system.
 //! Where there is none of it, guards have no owners.
 
-pub use system::{barrier, can_bar, this_thread};
+pub use system::{HAS_BARRIER, barrier, can_bar, this_thread};
 
 /// Linux has the system call `membarrier` since version 4.14 (2017). Sandboxes may forbid it.
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -9,6 +9,9 @@ mod system {
     use std::arch::asm;
     use std::ffi::{c_int, c_long};
     use std::sync::atomic::{AtomicU8, Ordering};
+
+    /// Whether there can be such a barrier: [`can_bar`] asks the system.
+    pub const HAS_BARRIER: bool = true;
 
     unsafe extern "C" {
         /// Of the C library, which is linked anyway.
@@ -73,6 +76,8 @@ mod system {
 
 #[cfg(not(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64"))))]
 mod system {
+    pub const HAS_BARRIER: bool = false;
+
     /// Nobody relies on it: there are no owners.
     pub fn barrier() {}
 

@@ -9,20 +9,35 @@
 //!
 //! Each owner has a mark of its own: one that was stopped between its first look and its store may write it after others have become owners.
 //!
+//! The mark of an owner that is not inside also tells whether the instance is ready for the short way of a call: then that need not ask for
+//! what is so between almost all steps. Whoever leaves says how it is, and only the owner changes it, but for [`Guard::disown`].
+//!
 //! Taking ownership away takes microseconds. Where threads take turns, it happens a few times, and then they all swap.
 
 // On the way of every step, in a crate that is compiled for size.
 #![allow(clippy::inline_always)]
 
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicUsize, Ordering, compiler_fence};
+use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering, compiler_fence};
 
-use super::barrier::{barrier, can_bar, this_thread};
+use super::barrier::{HAS_BARRIER, barrier, can_bar, this_thread};
+
+/// Whether a guard can have an owner.
+pub const HAS_OWNERS: bool = HAS_BARRIER;
 
 /// An owner that is none. No thread has such a number, nor the next.
 const NOBODY: usize = usize::MAX;
 
 /// Somebody has taken ownership away, and no barrier has been passed since.
 const UNCERTAIN: usize = usize::MAX - 1;
+
+/// Marks.
+///
+/// Nobody is inside, and the owner can take the short way.
+const READY: u8 = 0;
+/// A call is running, or somebody looks whether it can.
+const INSIDE: u8 = 1;
+/// Nobody is inside, and a call is to look at everything.
+const UNREADY: u8 = 2;
 
 /// How many owners an instance has at most, one after the other: a host that makes and frees instances on one thread and
 /// uses them on another needs two for a run. Their numbers fit into the bits that are 0 in the number of a thread.
@@ -33,10 +48,11 @@ const OWNERS: usize = 4;
 pub struct Guard {
     /// The owner's thread, and in its last bits how many owners there were before: no two owners have the same.
     owner: AtomicUsize,
-    /// For each owner: it is inside, or is looking whether it still is the owner.
-    owners_inside: [AtomicBool; OWNERS],
-    /// A thread that is not the owner is inside, or is looking whether the owner is. What follows is written by that thread alone.
-    is_other_inside: AtomicBool,
+    /// For each owner its mark: when it looks whether it still is the owner, it is inside already.
+    owners: [AtomicU8; OWNERS],
+    /// The mark of a thread that is not the owner; it is inside when it looks whether the owner is. What follows is written by that thread
+    /// alone.
+    other: AtomicU8,
     /// How often ownership has been taken away: the number of the next owner.
     losses: AtomicU8,
     /// The thread that was inside last without being the owner.
@@ -44,13 +60,13 @@ pub struct Guard {
 }
 
 /// A call under way: its mark, to be taken away when it ends.
-pub struct Entered<'g>(&'g AtomicBool);
+pub struct Entered<'g>(&'g AtomicU8);
 
 impl Entered<'_> {
-    /// The call has ended.
+    /// The call has ended; whether the next one can take the short way.
     #[inline(always)]
-    pub fn leave(self) {
-        self.0.store(false, Ordering::Release);
+    pub fn leave(self, is_ready: bool) {
+        self.0.store(if is_ready { READY } else { UNREADY }, Ordering::Release);
     }
 }
 
@@ -59,49 +75,59 @@ impl Guard {
     pub const fn new() -> Self {
         Self {
             owner: AtomicUsize::new(NOBODY),
-            owners_inside: [const { AtomicBool::new(false) }; OWNERS],
-            is_other_inside: AtomicBool::new(false),
+            owners: [const { AtomicU8::new(UNREADY) }; OWNERS],
+            other: AtomicU8::new(UNREADY),
             losses: AtomicU8::new(0),
             last: AtomicUsize::new(NOBODY),
         }
     }
 
-    /// Whether the call that has entered is the owner's.
-    pub fn is_by_owner(&self, entered: &Entered<'_>) -> bool {
-        !std::ptr::eq(entered.0, &raw const self.is_other_inside)
-    }
-
     /// Begins a call; `None` if one is running already: from within it, or on another thread.
-    #[inline(always)]
+    #[inline]
     pub fn enter(&self) -> Option<Entered<'_>> {
-        self.enter_as_owner().or_else(|| self.enter_as_any())
+        let owner = self.owner.load(Ordering::Relaxed);
+        let own = self.owners.get(owner ^ this_thread());
+        own.and_then(|mark| if is_inside(mark) { None } else { self.enter_if_still(owner, mark) })
+            .or_else(|| self.enter_as_any())
     }
 
-    /// Begins a call if this thread is the owner and no call is running.
+    /// Begins a call if this thread is the owner, no call is running, and the instance is ready for the short way.
     #[inline(always)]
-    pub fn enter_as_owner(&self) -> Option<Entered<'_>> {
-        let owner = self.owner.load(Ordering::Relaxed);
-        let inside = self.owners_inside.get(owner ^ this_thread())?;
-        if inside.load(Ordering::Relaxed) {
+    pub fn enter_shortly(&self) -> Option<Entered<'_>> {
+        if !HAS_OWNERS {
             return None;
         }
-        self.enter_if_still(owner, inside)
+        let owner = self.owner.load(Ordering::Relaxed);
+        let mark = self.owners.get(owner ^ this_thread())?;
+        if mark.load(Ordering::Relaxed) != READY {
+            return None;
+        }
+        self.enter_if_still(owner, mark)
     }
 
-    /// Begins a call of the thread that was the `owner` a moment ago, if it still is. `inside` is its mark, which nobody else writes.
+    /// Begins a call of the thread that was the `owner` a moment ago, if it still is, with its mark, which nobody else writes.
     #[inline(always)]
-    fn enter_if_still<'g>(&'g self, owner: usize, inside: &'g AtomicBool) -> Option<Entered<'g>> {
-        let entered = Entered(inside);
-        inside.store(true, Ordering::Relaxed);
+    fn enter_if_still<'g>(&'g self, owner: usize, mark: &'g AtomicU8) -> Option<Entered<'g>> {
+        let entered = Entered(mark);
+        mark.store(INSIDE, Ordering::Relaxed);
         // The compiler keeps the order. That the processor may not is what the other thread's barrier is for.
         compiler_fence(Ordering::SeqCst);
         if self.owner.load(Ordering::Relaxed) == owner {
             // What threads before this one did, it has seen when it became the owner.
             Some(entered)
         } else {
-            entered.leave();
+            // Nobody takes the short way with the mark of an owner of before, whatever it says.
+            entered.leave(true);
             None
         }
+    }
+
+    /// Takes ownership away, whoever has it: no call takes the short way until one has ended that asks for everything.
+    ///
+    /// What has changed for that must be stored before, and loaded by who says that the instance is ready, both in the one order of all
+    /// (`SeqCst`).
+    pub fn disown(&self) {
+        self.owner.store(UNCERTAIN, Ordering::SeqCst);
     }
 
     /// Begins a call of any thread.
@@ -111,36 +137,36 @@ impl Guard {
         let thread = this_thread();
         let owner = self.owner.load(Ordering::Relaxed);
         // The owner from within its own call loses nothing by it.
-        if self.owners_inside.get(owner ^ thread).is_some_and(|inside| inside.load(Ordering::Relaxed)) {
+        if self.owners.get(owner ^ thread).is_some_and(is_inside) {
             return None;
         }
-        if self.is_other_inside.swap(true, Ordering::Acquire) {
+        if self.other.swap(INSIDE, Ordering::Acquire) == INSIDE {
             return None;
         }
-        let entered = Entered(&self.is_other_inside);
+        let entered = Entered(&self.other);
         if self.owner.load(Ordering::Relaxed) != NOBODY {
             self.owner.store(UNCERTAIN, Ordering::Relaxed);
             barrier();
             self.losses.store(self.losses.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
             self.owner.store(NOBODY, Ordering::Relaxed);
         }
-        if self.owners_inside.iter().any(|inside| inside.load(Ordering::Acquire)) {
-            entered.leave();
+        if self.owners.iter().any(|mark| mark.load(Ordering::Acquire) == INSIDE) {
+            entered.leave(false);
             return None;
         }
         let number = usize::from(self.losses.load(Ordering::Relaxed));
         let owner = thread | number;
         // A thread whose own number uses the last bits never owns anything.
-        if let Some(inside) = self.owners_inside.get(number)
+        if let Some(mark) = self.owners.get(number)
             && owner ^ thread == number
             && self.last.load(Ordering::Relaxed) == thread
             && can_bar()
         {
-            inside.store(true, Ordering::Relaxed);
-            self.owner.store(owner, Ordering::Relaxed);
+            mark.store(INSIDE, Ordering::Relaxed);
+            self.owner.store(owner, Ordering::SeqCst);
             // Whoever enters now sees both.
-            entered.leave();
-            return Some(Entered(inside));
+            entered.leave(false);
+            return Some(Entered(mark));
         }
         self.last.store(thread, Ordering::Relaxed);
         Some(entered)
@@ -148,8 +174,13 @@ impl Guard {
 
     /// Whether a call is running. Of calls on other threads what is seen may be out of date.
     pub fn is_busy(&self) -> bool {
-        self.owners_inside.iter().chain([&self.is_other_inside]).any(|inside| inside.load(Ordering::Relaxed))
+        self.owners.iter().chain([&self.other]).any(is_inside)
     }
+}
+
+/// Whether a mark says so. Of another thread's what is seen may be out of date.
+fn is_inside(mark: &AtomicU8) -> bool {
+    mark.load(Ordering::Relaxed) == INSIDE
 }
 
 #[cfg(test)]
@@ -176,7 +207,7 @@ mod tests {
                     // SAFETY: nobody else is inside.
                     unsafe { *self.value.get() += 1 };
                     counted += 1;
-                    entered.leave();
+                    entered.leave(true);
                 }
             }
             counted
@@ -232,7 +263,7 @@ mod tests {
                     "{calls_before}"
                 );
             }
-            entered.leave();
+            entered.leave(true);
             assert!(!counter.guard.is_busy());
             assert_eq!(counter.count(3), 3);
         }
@@ -259,7 +290,7 @@ mod tests {
         counter.count(2);
         let guard = &counter.guard;
         let owner = guard.owner.load(Ordering::Relaxed);
-        let Some(inside) = guard.owners_inside.get(owner ^ this_thread()) else {
+        let Some(inside) = guard.owners.get(owner ^ this_thread()) else {
             assert!(!can_bar(), "no owner where there can be one");
             return;
         };

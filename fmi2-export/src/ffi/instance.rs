@@ -6,8 +6,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::guard::{Entered, Guard};
 use super::logger::Logger;
+use super::panics;
 use super::types::Component;
 use crate::categories::Category;
+use crate::model::Failure;
 use crate::served::Served;
 use crate::slave::Slave;
 use crate::status::{Outcome, Refusal, Status};
@@ -25,14 +27,19 @@ pub struct Shared {
 
 #[repr(C)]
 pub struct Instance {
-    pub library: &'static Served,
     pub slave: Slave,
+    pub library: &'static Served,
     /// Which model of the library, for tidying up.
     pub model: usize,
     pub logger: Logger,
 }
 
 impl Instance {
+    /// Makes it ready for the short way of calls, if it can take it: see [`enter_shortly`].
+    fn is_ready(&mut self) -> bool {
+        self.slave.is_ready() && !self.library.is_lost()
+    }
+
     /// Tells of a step in the instance's life.
     pub fn event(&self, what: &str) {
         self.logger.log(Status::Ok, Category::Events, format_args!("{what}"));
@@ -55,26 +62,26 @@ pub unsafe fn occupy<'c>(component: Component) -> Option<(&'c Shared, Entered<'c
     Some((shared, shared.guard.enter()?))
 }
 
-/// The short way of a call that is made at every step, if the host's thread owns the instance: runs it and tells how it went. `None` if
-/// this is no usual call: then nothing has happened, and [`call`] is to make it.
+/// Begins the short way of a call that is made at every step, if the host's thread owns the instance and it is ready, as between steps
+/// without ramps. If `None`, nothing has happened, and [`call`] is to make it, which looks at everything.
+///
+/// A function that takes the short way calls nothing besides the model: it ends with the call that makes up for it, so that it has nothing to keep in
+/// registers meanwhile.
 ///
 /// # Safety
 /// As [`occupy`].
 #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
 #[inline(always)]
-pub unsafe fn call_shortly(component: Component, run: impl FnOnce(&mut Instance) -> Option<Status>) -> Option<Status> {
+pub unsafe fn enter_shortly<'c>(component: Component) -> Option<(&'c mut Instance, Entered<'c>)> {
     let pointer = component.cast::<Shared>();
     if pointer.is_null() || !pointer.is_aligned() {
         return None;
     }
     // SAFETY: not null, aligned; the rest is the caller's promise.
     let shared = unsafe { &*pointer };
-    let entered = shared.guard.enter_as_owner()?;
+    let entered = shared.guard.enter_shortly()?;
     // SAFETY: the only reference until the call has ended.
-    let instance = unsafe { &mut *shared.instance.get() };
-    let status = if instance.library.is_lost() { None } else { run(instance) };
-    entered.leave();
-    status
+    Some((unsafe { &mut *shared.instance.get() }, entered))
 }
 
 /// Runs a call on an instance; refusals are logged, panics caught. Nothing is logged about a call from within another
@@ -83,32 +90,65 @@ pub unsafe fn call_shortly(component: Component, run: impl FnOnce(&mut Instance)
 /// # Safety
 /// As [`occupy`].
 pub unsafe fn call(component: Component, run: impl FnOnce(&mut Instance) -> Outcome) -> Status {
-    // SAFETY: the caller's promise.
-    unsafe { call_anyhow(component, |instance, _| run(instance)) }
+    // SAFETY: the host's promise, see the module `ffi`.
+    match unsafe { begin(component) } {
+        Ok((instance, entered)) => {
+            let result = catch_unwind(AssertUnwindSafe(|| run(instance)));
+            end(instance, entered, result)
+        }
+        Err(status) => status,
+    }
 }
 
-/// As [`call`], where [`call_shortly`] comes first: tells whether the host's thread owns the instance, with which the short way has been tried.
-/// (In the call with which it becomes the owner it has not.)
+/// Begins a call. Apart from it, once for all calls.
 ///
 /// # Safety
 /// As [`occupy`].
-pub unsafe fn call_anyhow(component: Component, run: impl FnOnce(&mut Instance, bool) -> Outcome) -> Status {
-    // SAFETY: the host's promise, see the module `ffi`.
-    let Some((shared, entered)) = (unsafe { occupy(component) }) else { return Status::Error };
+#[inline(never)]
+unsafe fn begin<'c>(component: Component) -> Result<(&'c mut Instance, Entered<'c>), Status> {
+    // SAFETY: the caller's promise.
+    let (shared, entered) = unsafe { occupy(component) }.ok_or(Status::Error)?;
     // SAFETY: the only reference until the call has ended.
     let instance = unsafe { &mut *shared.instance.get() };
-    let status = if instance.library.is_lost() {
-        refused(instance, lost())
-    } else {
-        let is_by_owner = shared.guard.is_by_owner(&entered);
-        match catch_unwind(AssertUnwindSafe(|| run(instance, is_by_owner))) {
-            Ok(Ok(())) => Status::Ok,
-            Ok(Err(refusal)) => refused(instance, refusal),
-            Err(panic) => panicked(instance, panic),
-        }
+    if instance.library.is_lost() { Err(end(instance, entered, Ok(Err(lost())))) } else { Ok((instance, entered)) }
+}
+
+/// Ends a call, which has had this result or panicked.
+#[inline(never)]
+fn end(instance: &mut Instance, entered: Entered<'_>, result: std::thread::Result<Outcome>) -> Status {
+    let status = match result {
+        Ok(Ok(())) => Status::Ok,
+        Ok(Err(refusal)) => refused(instance, refusal),
+        Err(panic) => panicked(instance, panic),
     };
-    entered.leave();
+    entered.leave(instance.is_ready());
     status
+}
+
+/// Ends a call that began with [`enter_shortly`], and in which the model has failed. It finds the instance anew, so that nothing is kept for
+/// it on the way of a step.
+///
+/// # Safety
+/// The call must have entered this component, and not use the instance any more.
+#[cold]
+#[inline(never)]
+pub unsafe fn end_failed(component: Component, entered: Entered<'_>, failure: Failure) -> Status {
+    // SAFETY: the caller's promise.
+    let instance = unsafe { &mut *(*component.cast::<Shared>()).instance.get() };
+    let refusal = instance.slave.failed_step(failure);
+    end(instance, entered, Ok(Err(refusal)))
+}
+
+/// As [`end_failed`], if it has panicked.
+///
+/// # Safety
+/// As [`end_failed`].
+#[cold]
+#[inline(never)]
+pub unsafe fn end_panicked(component: Component, entered: Entered<'_>, panic: Box<dyn Any + Send>) -> Status {
+    // SAFETY: the caller's promise.
+    let instance = unsafe { &mut *(*component.cast::<Shared>()).instance.get() };
+    end(instance, entered, Err(panic))
 }
 
 /// Why nothing can be called any more.
@@ -120,12 +160,19 @@ pub fn lost() -> Refusal {
     Refusal::fatal(message)
 }
 
+/// From now on all calls for any instance are refused.
+#[cold]
+pub fn lose(library: &Served) {
+    library.lose();
+    panics::disown_all();
+}
+
 #[cold]
 #[inline(never)]
-#[allow(clippy::needless_pass_by_value)] // Dropped here, once, and not in each C function.
+#[allow(clippy::needless_pass_by_value)] // Dropped here.
 fn refused(instance: &mut Instance, refusal: Refusal) -> Status {
     if refusal.status() == Status::Fatal {
-        instance.library.lose();
+        lose(instance.library);
         instance.slave.poison();
     }
     let status = refusal.status();
@@ -135,7 +182,7 @@ fn refused(instance: &mut Instance, refusal: Refusal) -> Status {
 
 #[cold]
 #[inline(never)]
-pub fn panicked(instance: &mut Instance, panic: Box<dyn Any + Send>) -> Status {
+fn panicked(instance: &mut Instance, panic: Box<dyn Any + Send>) -> Status {
     let message = message(panic);
     instance.slave.poison();
     instance.logger.log(Status::Error, Category::Error, format_args!("internal error in the model: {message}"));

@@ -7,7 +7,7 @@ use std::ptr;
 
 use super::arguments::{strings, text};
 use super::guard::Guard;
-use super::instance::{Instance, Shared, call, guarded, lost, occupy};
+use super::instance::{Instance, Shared, call, guarded, lose, lost, occupy};
 use super::logger::Logger;
 use super::panics;
 use super::types::{Boolean, CO_SIMULATION, CallbackFunctions, Component, MODEL_EXCHANGE};
@@ -77,7 +77,7 @@ pub unsafe fn instantiate(
     let (status, reason) = match result {
         Ok(Ok((model, slave))) => {
             logger.log(Status::Ok, Category::Events, format_args!("instantiated"));
-            let instance = UnsafeCell::new(Instance { library, slave, model, logger });
+            let instance = UnsafeCell::new(Instance { slave, library, model, logger });
             let shared = Box::into_raw(Box::new(Shared { guard: Guard::new(), instance }));
             // SAFETY: just made; `free_instance` forgets the guard first.
             unsafe { panics::watch(&raw const (*shared).guard) };
@@ -87,7 +87,7 @@ pub unsafe fn instantiate(
         Err(message) => (Status::Error, format!("internal error in the model: {message}")),
     };
     if status == Status::Fatal {
-        library.lose();
+        lose(library);
     }
     // "If a null pointer is returned, then functions->logger is called with detailed information about the reason."
     logger.enable_all();

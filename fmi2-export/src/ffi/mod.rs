@@ -30,8 +30,8 @@ mod step;
 pub mod types;
 mod values;
 
-/// The functions behind the C symbols that [`export!`](crate::export) defines. Those that are not on the way of a step are not inlined there:
-/// here they are compiled for size, in the library's own crate for speed.
+/// The functions behind the C symbols that [`export!`](crate::export) defines. Most are not inlined there: here they are compiled for size, in
+/// the library's own crate for speed. That also suits the calls of a step, whose lists are short: their loops are not unrolled.
 pub mod calls {
     pub use super::exchange::*;
     pub use super::life::*;

@@ -2,16 +2,43 @@
 #![allow(clippy::missing_safety_doc)] // One rule for all of them: see the module `ffi`.
 
 use std::ffi::{c_char, c_int};
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::arguments::out;
-use super::instance::{Instance, call};
+use super::instance::{Instance, call, end_failed, end_panicked, enter_shortly};
 use super::types::{Boolean, Component, status_kind};
 use crate::categories::Category;
 use crate::phase::{Call, Kind};
 use crate::status::{Refusal, Status};
 
 /// `fmi2DoStep`.
-pub unsafe fn do_step(component: Component, time: f64, size: f64, _no_set_state_before: Boolean) -> Status {
+#[inline(never)]
+pub unsafe extern "C" fn do_step(component: Component, time: f64, size: f64, _no_set_state_before: Boolean) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`.
+    unsafe {
+        let Some((instance, entered)) = enter_shortly(component) else { return do_any_step(component, time, size) };
+        if !instance.slave.is_usual_step(time, size) {
+            entered.leave(true);
+            return do_any_step(component, time, size);
+        }
+        let logger = &instance.logger;
+        let slave = &mut instance.slave;
+        let mut warn = |said: fmt::Arguments<'_>| logger.log(Status::Warning, Category::Warning, said);
+        match catch_unwind(AssertUnwindSafe(|| slave.step(time, size, &mut warn))) {
+            Ok(Ok(())) => {
+                entered.leave(true);
+                Status::Ok
+            }
+            Ok(Err(failure)) => end_failed(component, entered, failure),
+            Err(panic) => end_panicked(component, entered, panic),
+        }
+    }
+}
+
+/// A C function, which never unwinds: so nothing has to be done after it.
+#[inline(never)]
+unsafe extern "C" fn do_any_step(component: Component, time: f64, size: f64) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
         call(component, |instance| {

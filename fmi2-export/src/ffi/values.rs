@@ -4,34 +4,55 @@
 use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::arguments::{out, places, right_places, right_values, slice, strings, values};
-use super::instance::{call, call_anyhow, call_shortly, panicked};
+use super::arguments::{are_right, out, places, slice, strings, values};
+use super::instance::{call, end_panicked, enter_shortly};
 use super::types::{Boolean, Component, ValueReference};
 use crate::status::{Refusal, Status};
 
 /// `fmi2GetReal`.
-pub unsafe fn get_real(component: Component, vr: *const ValueReference, count: usize, value: *mut f64) -> Status {
+#[inline(never)]
+pub unsafe extern "C" fn get_real(
+    component: Component,
+    vr: *const ValueReference,
+    count: usize,
+    value: *mut f64,
+) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        let shortly = call_shortly(component, |instance| {
-            let (references, places) = right_places(vr, value, count)?;
-            match catch_unwind(AssertUnwindSafe(|| instance.slave.get_shortly(references, places))) {
-                Ok(done) => done.then_some(Status::Ok),
-                Err(panic) => Some(panicked(instance, panic)),
+        if !are_right(vr, value) {
+            return get_any_real(component, vr, count, value);
+        }
+        let Some((instance, entered)) = enter_shortly(component) else {
+            return get_any_real(component, vr, count, value);
+        };
+        let slave = &mut instance.slave;
+        match catch_unwind(AssertUnwindSafe(|| slave.get_shortly(vr, value, count))) {
+            Ok(true) => {
+                entered.leave(true);
+                Status::Ok
             }
-        });
-        shortly.unwrap_or_else(|| get_any_real(component, vr, count, value))
+            Ok(false) => {
+                entered.leave(true);
+                get_any_real(component, vr, count, value)
+            }
+            Err(panic) => end_panicked(component, entered, panic),
+        }
     }
 }
 
+/// A C function, which never unwinds: so nothing has to be done after it.
 #[inline(never)]
-unsafe fn get_any_real(component: Component, vr: *const ValueReference, count: usize, value: *mut f64) -> Status {
+unsafe extern "C" fn get_any_real(
+    component: Component,
+    vr: *const ValueReference,
+    count: usize,
+    value: *mut f64,
+) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        call_anyhow(component, |instance, has_looked| {
+        call(component, |instance| {
             let (references, places) = places(vr, value, count)?;
-            let slave = &mut instance.slave;
-            if has_looked { slave.get_each_real(references, places) } else { slave.get_real(references, places) }
+            instance.slave.get_real(references, places)
         })
     }
 }
@@ -78,25 +99,41 @@ pub unsafe fn get_string(
 }
 
 /// `fmi2SetReal`.
-pub unsafe fn set_real(component: Component, vr: *const ValueReference, count: usize, value: *const f64) -> Status {
+#[inline(never)]
+pub unsafe extern "C" fn set_real(
+    component: Component,
+    vr: *const ValueReference,
+    count: usize,
+    value: *const f64,
+) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        let shortly = call_shortly(component, |instance| {
-            let (references, values) = right_values(vr, value, count)?;
-            instance.slave.set_shortly(references, values).then_some(Status::Ok)
-        });
-        shortly.unwrap_or_else(|| set_any_real(component, vr, count, value))
+        if are_right(vr, value)
+            && let Some((instance, entered)) = enter_shortly(component)
+        {
+            let is_done = instance.slave.set_shortly(vr, value, count);
+            entered.leave(true);
+            if is_done {
+                return Status::Ok;
+            }
+        }
+        set_any_real(component, vr, count, value)
     }
 }
 
+/// A C function, which never unwinds: so nothing has to be done after it.
 #[inline(never)]
-unsafe fn set_any_real(component: Component, vr: *const ValueReference, count: usize, value: *const f64) -> Status {
+unsafe extern "C" fn set_any_real(
+    component: Component,
+    vr: *const ValueReference,
+    count: usize,
+    value: *const f64,
+) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        call_anyhow(component, |instance, has_looked| {
+        call(component, |instance| {
             let (references, values) = values(vr, value, count)?;
-            let slave = &mut instance.slave;
-            if has_looked { slave.set_each_real(references, values) } else { slave.set_real(references, values) }
+            instance.slave.set_real(references, values)
         })
     }
 }

@@ -107,34 +107,19 @@ impl Layout {
     fn find_runs(&mut self) {
         let mut next: Option<RealSlot> = None;
         for real in self.reals.iter_mut().rev() {
-            if real.needs & RealSlot::NO_SHORT_WAY == 0 {
+            let has_evaluation = (real.needs.trailing_zeros() as usize) < self.evaluations.len() || real.needs == 0;
+            if real.needs & RealSlot::NO_SHORT_WAY == 0 && has_evaluation {
                 real.run = next.filter(|next| real.is_like(next)).map_or(1, |next| next.run.saturating_add(1));
             }
             next = (real.run > 0).then_some(*real);
         }
     }
 
-    /// The first of the real variables to which these references lead, if they stand side by side, one reference after the other: what is
-    /// known of it holds for all.
+    /// What is known of so many real variables from this reference on, if they stand side by side and have a short way.
     #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
     #[inline(always)]
-    pub fn run(&self, references: &[u32]) -> Option<&RealSlot> {
-        let first = *references.first()?;
-        let real = self.reals.get(first as usize)?;
-        if references.len() > usize::from(real.run) {
-            return None;
-        }
-        // Two at a time: they are one number, whose halves grow by two.
-        let both = |first: u32, second: u32| u64::from(first) | u64::from(second) << 32;
-        let mut expected = both(first, first.wrapping_add(1));
-        let (pairs, rest) = references.as_chunks::<2>();
-        for [first, second] in pairs {
-            if both(*first, *second) != expected {
-                return None;
-            }
-            expected = expected.wrapping_add(both(2, 2));
-        }
-        rest.iter().all(|last| u64::from(*last) == expected & u64::from(u32::MAX)).then_some(real)
+    pub fn run(&self, first: u32, count: usize) -> Option<&RealSlot> {
+        self.reals.get(first as usize).filter(|real| count <= usize::from(real.run))
     }
 
     /// The evaluation to run before reading a real variable, as a bit; 0 if none.

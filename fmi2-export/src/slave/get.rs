@@ -5,33 +5,47 @@ use std::ffi::CString;
 use super::{Slave, find};
 use crate::layout::{Layout, RealSlot, Slot};
 use crate::out::Out;
+use crate::pairs::follow_each_other;
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::view::{Value, View};
 
 impl Slave {
-    /// Reads variables between steps, if all have a short way; whether they have.
+    /// Reads variables of an instance that is ready, if their references follow each other and they stand side by side; whether it has.
+    ///
+    /// # Safety
+    /// So many references must be there, and so many places for values, if there are any.
     #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
     #[inline(always)]
-    pub fn get_shortly(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
-        if self.frame.phase != Phase::StepComplete {
+    pub unsafe fn get_shortly(&mut self, references: *const u32, values: *mut f64, count: usize) -> bool {
+        if count == 0 {
             return false;
         }
-        let (layout, mut view) = self.subject.view();
-        let Some(first) = layout.run(references) else { return self.get_near(references, values) };
-        let todo = u64::from(first.needs) & self.frame.stale;
-        if todo != 0 {
-            self.frame.stale &= !todo;
-            view.evaluate(todo);
+        // SAFETY: the caller's promise.
+        let first = unsafe { *references };
+        let Some(real) = self.subject.layout().run(first, count) else { return false };
+        // SAFETY: the caller's promise.
+        if !follow_each_other(unsafe { std::slice::from_raw_parts(references, count) }, first) {
+            return false;
         }
-        // SAFETY: so many stand side by side.
-        values.write(unsafe { view.run(first.offset, references.len()) });
+        let offset = real.offset;
+        // Alike as they are, one evaluation does for all.
+        let todo = u64::from(real.needs) & self.frame.stale;
+        if todo != 0 {
+            self.frame.stale ^= todo;
+            // SAFETY: a variable has one evaluation, and what is in a run has none that is not declared.
+            unsafe { self.subject.view().1.evaluate_one(todo) };
+        }
+        // SAFETY: so many stand side by side; the rest is the caller's promise.
+        unsafe { self.subject.view().1.get_run(offset, values, count) };
         true
     }
 
-    /// As [`get_shortly`](Self::get_shortly), wherever they stand.
-    #[inline(never)]
-    fn get_near(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
+    /// Reads variables between steps, if none is elsewhere; whether it has.
+    pub fn get_near(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
+        if self.frame.phase != Phase::StepComplete {
+            return false;
+        }
         let (layout, mut view) = self.subject.view();
         let mut needs = 0;
         for reference in references {
@@ -50,7 +64,7 @@ impl Slave {
     }
 
     pub fn get_real(&mut self, references: &[u32], mut values: Out<'_, f64>) -> Outcome {
-        if self.get_shortly(references, values.again()) { Ok(()) } else { self.get_each_real(references, values) }
+        if self.get_near(references, values.again()) { Ok(()) } else { self.get_each_real(references, values) }
     }
 
     /// As [`get_real`](Self::get_real), without looking for a short way.

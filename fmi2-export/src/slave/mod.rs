@@ -71,8 +71,10 @@ impl Frame {
 
 #[repr(C)] // First what every call needs: of a thousand instances each has been pushed out of the processor's cache.
 pub(crate) struct Slave {
-    frame: Frame,
     subject: Subject,
+    frame: Frame,
+    /// No step of an instance that is [ready](Self::is_ready) may end later (s): the stop time, if there is one.
+    end: f64,
     guid: &'static str,
     resources: Resources,
     /// Scratch for directional derivatives: a model all of whose real inputs and outputs are zero.
@@ -99,8 +101,9 @@ impl Slave {
         Ok(Self {
             guid,
             resources,
-            frame: Frame::new(kind),
             subject: Subject::new(layout, model),
+            frame: Frame::new(kind),
+            end: f64::MAX,
             direction: None,
             strings: Vec::new(),
             values: Vec::new(),

@@ -3,34 +3,67 @@
 use super::{Slave, all, find, out_of_range};
 use crate::access::Access;
 use crate::any_model::AnyModel;
-use crate::layout::{Layout, RealSlot, Slot, settable};
+use crate::layout::{Layout, RealSlot, Slot};
+use crate::pairs::{Range, TWO_LATER, Two, both, two};
 use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 use crate::variable::{Causality, Variable};
 use crate::view::View;
 
 impl Slave {
-    /// Sets inputs between steps, if all have a short way and take these values; whether it has.
+    /// Sets inputs of an instance that is ready, if their references follow each other, they stand side by side, and take these values;
+    /// whether it has.
+    ///
+    /// # Safety
+    /// So many references and values must be there, if there are any.
     #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
     #[inline(always)]
-    pub fn set_shortly(&mut self, references: &[u32], values: &[f64]) -> bool {
-        if self.frame.phase != Phase::StepComplete {
+    pub unsafe fn set_shortly(&mut self, references: *const u32, values: *const f64, count: usize) -> bool {
+        if count == 0 {
             return false;
         }
+        // SAFETY: the caller's promise.
+        let first = unsafe { *references };
+        let Some(real) = self.layout().run(first, count) else { return false };
+        if !is_input(real) {
+            return false;
+        }
+        // SAFETY: the caller's promise.
+        let (references, values) =
+            unsafe { (std::slice::from_raw_parts(references, count), std::slice::from_raw_parts(values, count)) };
+        // An odd number of them leaves pairs behind the first.
+        let mut i = count % 2;
+        if i == 1 && !real.accepts(values[0]) {
+            return false;
+        }
+        let (mut expected, mut range) = (both(first, i), Range::new(real.min, real.max));
+        while i < count {
+            // SAFETY: an even number of both is left.
+            let (reference, value) = unsafe { (two(references, i), Two::read(values.as_ptr().add(i))) };
+            if reference != expected {
+                return false;
+            }
+            expected = expected.wrapping_add(TWO_LATER);
+            range.add(value);
+            i += 2;
+        }
+        if !range.has_all() {
+            return false;
+        }
+        let offset = real.offset;
+        // Only now, so that nothing is kept in registers meanwhile.
         let (layout, mut view) = self.subject.view();
-        let Some(first) = layout.run(references) else { return self.set_near(references, values) };
-        if !is_input(first) || !values.iter().all(|value| first.accepts(*value)) {
-            return false;
-        }
         // SAFETY: so many stand side by side as there are references, and so values.
-        unsafe { view.set_run(first.offset, values) };
+        unsafe { view.set_run(offset, values) };
         self.frame.stale |= layout.input_dependent;
         true
     }
 
-    /// As [`set_shortly`](Self::set_shortly), wherever they stand.
-    #[inline(never)]
-    fn set_near(&mut self, references: &[u32], values: &[f64]) -> bool {
+    /// Sets inputs between steps, if none is elsewhere and all take these values; whether it has.
+    pub fn set_near(&mut self, references: &[u32], values: &[f64]) -> bool {
+        if self.frame.phase != Phase::StepComplete {
+            return false;
+        }
         let (layout, mut view) = self.subject.view();
         for (reference, value) in references.iter().zip(values) {
             match layout.reals.get(*reference as usize) {
@@ -45,7 +78,7 @@ impl Slave {
     }
 
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
-        if self.set_shortly(references, values) { Ok(()) } else { self.set_each_real(references, values) }
+        if self.set_near(references, values) { Ok(()) } else { self.set_each_real(references, values) }
     }
 
     /// As [`set_real`](Self::set_real), without looking for a short way.
@@ -193,11 +226,11 @@ impl Slave {
     }
 }
 
-/// Whether it is an input that can be set between steps.
+/// Whether it is an input, which can be set between steps: see [`settable`](crate::layout::settable).
 #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
 #[inline(always)]
 fn is_input(real: &RealSlot) -> bool {
-    real.kind == Causality::Input.bit() && real.settable & settable::STEPPING != 0
+    real.kind == Causality::Input.bit()
 }
 
 /// What kinds of variables a call sets.

@@ -8,6 +8,16 @@ use crate::phase::{Call, Phase};
 use crate::status::{Outcome, Refusal};
 
 impl Slave {
+    /// Whether an instance that is [ready](Self::is_ready) can make this step at once: it begins at the time that it has itself, as most hosts
+    /// tell it, but for their last bits.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
+    pub fn is_usual_step(&self, time: f64, size: f64) -> bool {
+        let (now, end) = (self.frame.time, time + size);
+        // Our own time is finite, so this one is, too; and a size that is NaN or not positive leads to no later time.
+        (time - now).abs() <= LAST_BITS * now.abs() && end > time && end <= self.end
+    }
+
     /// Makes a step. What the model says of it meanwhile goes to `warn` and does not change how the call went: the step was
     /// done, and hosts stop at any status but OK.
     pub fn do_step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Outcome {
@@ -17,25 +27,30 @@ impl Slave {
         if ramped {
             self.check_ramps(size)?;
         }
-        let tolerance = self.frame.experiment.as_ref().and_then(|experiment| experiment.tolerance);
-        let (layout, model) = self.subject.parts();
-        let result = model.step(&mut Step { time, size, warn, layout: Some(layout), tolerance });
-        self.frame.stale = all();
-        match result {
-            Ok(()) => {
-                self.frame.time = time + size;
-                if ramped {
-                    self.finish_ramps(size);
-                }
-                Ok(())
-            }
-            Err(failure) => Err(self.failed_step(failure)),
+        self.step(time, size, warn).map_err(|failure| self.failed_step(failure))?;
+        if ramped {
+            self.finish_ramps(size);
         }
+        Ok(())
     }
 
+    /// Has the model make a step that has been checked, without ramps.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
+    pub fn step(&mut self, time: f64, size: f64, warn: &mut dyn FnMut(fmt::Arguments<'_>)) -> Result<(), Failure> {
+        let (layout, model) = self.subject.parts();
+        let result =
+            model.step(&mut Step { time, size, warn, layout: Some(layout), experiment: &self.frame.experiment });
+        self.frame.stale = all();
+        result?;
+        self.frame.time = time + size;
+        Ok(())
+    }
+
+    /// After a step that the model could not make.
     #[cold]
     #[inline(never)]
-    fn failed_step(&mut self, failure: Failure) -> Refusal {
+    pub fn failed_step(&mut self, failure: Failure) -> Refusal {
         // Only a step can be discarded.
         if let Failure::Discard(message) = failure {
             self.frame.phase = Phase::StepFailed;
@@ -51,6 +66,9 @@ impl Slave {
     }
 }
 
+/// Share of a time by which two ways to compute it differ: a product and a sum.
+const LAST_BITS: f64 = 16.0 * f64::EPSILON;
+
 /// How much a host's clock may be off ours when a step of this size begins or ends (s).
 ///
 /// Hosts compute communication points as start + i·h, by adding up h (a million additions of 0.1 ms end 2 ns late, 10⁸ of 1 µs
@@ -59,25 +77,13 @@ impl Slave {
 fn rounding(time: f64, size: f64) -> f64 {
     const MICROSECOND: f64 = 1e-6;
     let clocks = MICROSECOND + f64::from(f32::EPSILON) * time.abs();
-    clocks.min(0.25 * size) + 16.0 * f64::EPSILON * time.abs()
+    clocks.min(0.25 * size) + LAST_BITS * time.abs()
 }
 
 impl Slave {
     /// Checks a step's start and size against the clock.
-    #[inline]
-    fn check_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
-        let end = time + size;
-        let past = self.frame.experiment.and_then(|e| e.stop_time).is_some_and(|stop| end > stop);
-        // Most hosts tell our own time, which is finite: no need to know then what rounding would be.
-        if time == self.frame.time && size > 0.0 && end > time && end <= f64::MAX && !past {
-            Ok(())
-        } else {
-            self.check_unusual_step(time, size)
-        }
-    }
-
     #[inline(never)]
-    fn check_unusual_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
+    fn check_step(&self, time: f64, size: f64) -> Result<(), Refusal> {
         if !(size.is_finite() && size > 0.0) {
             return Err(Refusal::error(format!("communicationStepSize is {size:?}, it must be positive and finite")));
         }
