@@ -12,7 +12,7 @@ pub(crate) trait AnyModel: Any + Send + Sync {
     fn copy(&self) -> Box<dyn AnyModel>;
     /// Another one of this type, with its default values.
     fn fresh(&self) -> Box<dyn AnyModel>;
-    /// Makes it what another one is; false if that is of another type.
+    /// Makes it what another one is, in the memory that it has; false if that is of another type.
     fn assign(&mut self, from: &dyn AnyModel) -> bool;
     /// Begins anew. What the model before has computed is passed on, unless it cannot be trusted.
     fn renew(&mut self, resources: &Resources, inherits: bool) -> Result<(), Failure>;
@@ -53,7 +53,7 @@ impl<M: Model> AnyModel for M {
         let from: &dyn Any = from;
         let from = from.downcast_ref();
         if let Some(from) = from {
-            *self = copied(from);
+            self.clone_from(from);
         }
         from.is_some()
     }

@@ -45,16 +45,13 @@ impl Handles {
         self.first().wrapping_add(number)
     }
 
-    /// Puts another state under a known handle. False if the handle is not known.
-    pub fn replace(&self, handle: usize, owner: usize, snapshot: Snapshot) -> bool {
+    /// Puts another state under a known handle, and gives the one before. None if the handle is not known.
+    pub fn replace(&self, handle: usize, owner: usize, snapshot: Snapshot) -> Option<Snapshot> {
         let number = handle.wrapping_sub(self.first());
         let mut snapshots = self.lock();
-        let Ok(place) = snapshots.place(number) else { return false };
-        let old = std::mem::replace(&mut snapshots.list[place], Saved { number, owner, snapshot });
+        let place = snapshots.place(number).ok()?;
         // A model's destructor must not run while the lock is held.
-        drop(snapshots);
-        drop(old);
-        true
+        Some(std::mem::replace(&mut snapshots.list[place], Saved { number, owner, snapshot }).snapshot)
     }
 
     pub fn snapshot(&self, handle: usize) -> Option<Snapshot> {
@@ -63,29 +60,25 @@ impl Handles {
         snapshots.place(number).ok().map(|place| Arc::clone(&snapshots.list[place].snapshot))
     }
 
-    /// Forgets a state. False if the handle is not known.
-    pub fn forget(&self, handle: usize) -> bool {
+    /// Forgets a state, and gives it to the caller. None if the handle is not known.
+    pub fn forget(&self, handle: usize) -> Option<Snapshot> {
         let number = handle.wrapping_sub(self.first());
-        let forgotten = self.remove(|snapshots| Some(snapshots.list.remove(snapshots.place(number).ok()?)));
-        forgotten.is_some()
-    }
-
-    /// Forgets all states an instance has saved, and hands them over to be dropped.
-    pub fn forget_all_of(&self, owner: usize) -> impl Iterator<Item = Snapshot> {
-        let its = |saved: &mut Saved| saved.owner == owner;
-        let forgotten: Vec<Saved> = self.remove(|snapshots| snapshots.list.extract_if(.., its).collect());
-        forgotten.into_iter().map(|saved| saved.snapshot)
-    }
-
-    /// Removes states, which the caller drops: models have destructors, and these must not run while the lock is held.
-    fn remove<T>(&self, remove: impl FnOnce(&mut Snapshots) -> T) -> T {
         let mut snapshots = self.lock();
-        let removed = remove(&mut snapshots);
+        let place = snapshots.place(number).ok()?;
+        // A model's destructor must not run while the lock is held.
+        Some(snapshots.list.remove(place).snapshot)
+    }
+
+    /// Forgets all states of an instance that is going, and hands them over to be dropped: see above.
+    pub fn forget_all_of(&self, owner: usize) -> impl Iterator<Item = Snapshot> {
+        let mut snapshots = self.lock();
+        let forgotten: Vec<Saved> = snapshots.list.extract_if(.., |saved| saved.owner == owner).collect();
         if snapshots.list.is_empty() {
             // No memory is left in a static.
             snapshots.list = Vec::new();
         }
-        removed
+        drop(snapshots);
+        forgotten.into_iter().map(|saved| saved.snapshot)
     }
 
     /// Locks; what a panicking thread left is consistent, since every critical section is a single operation.

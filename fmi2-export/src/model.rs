@@ -36,7 +36,8 @@ pub trait Declare: Sized {
 ///    or ramps if the host gave derivatives to inputs declared with [`ramp`](crate::VariableBuilder::ramp).
 /// 4. Outputs are filled in by the evaluations declared with [`Variables::evaluation`], only when the host asks for them.
 ///
-/// Saving a state is `Clone`; serialising it is `Serialize`. Derived data (factorised matrices, caches) can be skipped
+/// Saving a state is `Clone`; serialising it is `Serialize`. A state that is restored, or saved in the memory of one that was freed, is
+/// `clone_from`: a model with lists can write that so that it needs no new memory. Derived data (factorised matrices, caches) can be skipped
 /// with `#[serde(skip)]` and rebuilt in [`restored`](Model::restored).
 pub trait Model: Declare + Clone + Default + Serialize + DeserializeOwned + Send + Sync + 'static {
     /// Computes the initial state from the parameters, and from the inputs at the start if it depends on them: outputs

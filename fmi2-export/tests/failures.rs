@@ -177,8 +177,14 @@ fn destructors_that_panic_harm_neither_saved_states_nor_other_instances() {
     let others = other.save();
     {
         let slave = with_fault(&fmu, State::StepComplete, Fault::DropPanics);
-        let (mut first, _second, _third) = (slave.save(), slave.save(), slave.save());
-        assert_eq!(fmu.fmi2FreeFMUstate(slave.component, &mut first), ERROR);
+        let (mut first, mut second, _third) = (slave.save(), slave.save(), slave.save());
+        // The first is kept for its memory until there is the second.
+        for state in [&mut first, &mut second] {
+            assert_eq!(fmu.fmi2FreeFMUstate(slave.component, state), OK);
+            assert!(state.is_null());
+        }
+        let saved = slave.save();
+        assert_eq!(fmu.fmi2SetFMUstate(slave.component, saved), ERROR, "the state before is dropped");
         // The others go with the instance.
     }
     assert_eq!(fmu.fmi2SetFMUstate(other.component, others), OK);

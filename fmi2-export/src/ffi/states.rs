@@ -5,8 +5,9 @@ use std::ffi::c_char;
 use std::ptr;
 
 use super::arguments::{initialized, out, slice};
-use super::instance::{Instance, call};
+use super::instance::{Instance, call, guarded};
 use super::types::{Component, FmuState};
+use crate::slave::Snapshot;
 use crate::status::{Refusal, Status};
 
 /// `fmi2GetFMUstate`.
@@ -16,12 +17,13 @@ pub unsafe fn get_fmu_state(component: Component, state: *mut FmuState) -> Statu
     unsafe {
         call(component, |instance| {
             let state = initialized(state, "FMUstate")?;
-            let snapshot = instance.slave.save();
+            let snapshot = save(instance);
             let owner = component.addr();
             if state.is_null() {
                 *state = ptr::without_provenance_mut(instance.library.states.keep(owner, snapshot));
-            } else if !instance.library.states.replace(state.addr(), owner, snapshot) {
-                return Err(unknown_state());
+            } else {
+                let before = instance.library.states.replace(state.addr(), owner, snapshot);
+                keep(instance, before.ok_or_else(unknown_state)?);
             }
             Ok(())
         })
@@ -49,14 +51,36 @@ pub unsafe fn free_fmu_state(component: Component, state: *mut FmuState) -> Stat
             let state = initialized(state, "FMUstate")?;
             // "If a null pointer is provided, the call is ignored."
             if !state.is_null() {
-                if !instance.library.states.forget(state.addr()) {
-                    return Err(unknown_state());
-                }
+                let forgotten = instance.library.states.forget(state.addr()).ok_or_else(unknown_state)?;
                 *state = ptr::null_mut();
+                keep(instance, forgotten);
             }
             Ok(())
         })
     }
+}
+
+/// Saves the state, in the memory of the one that was freed last if it can be.
+fn save(instance: &mut Instance) -> Snapshot {
+    if let Some(mut spare) = instance.slave.spare.take() {
+        if guarded(|| instance.slave.save_in(&mut spare)) == Ok(true) {
+            return spare;
+        }
+        discard(spare);
+    }
+    instance.slave.save()
+}
+
+/// Keeps a state that nobody needs any more for its memory: hosts that try steps save one before each.
+fn keep(instance: &mut Instance, freed: Snapshot) {
+    if let Some(before) = instance.slave.spare.replace(freed) {
+        discard(before);
+    }
+}
+
+/// A panic in the destructor of a state that the host knows no more is no reason for a call to fail.
+fn discard(snapshot: Snapshot) {
+    let _ = guarded(|| drop(snapshot));
 }
 
 fn unknown_state() -> Refusal {
@@ -120,7 +144,7 @@ pub unsafe fn deserialize_fmu_state(
             let snapshot = instance.slave.decode(bytes)?;
             let owner = component.addr();
             // As with `fmi2GetFMUstate`, a state that was returned before is replaced.
-            if state.is_null() || !instance.library.states.replace(state.addr(), owner, snapshot.clone()) {
+            if state.is_null() || instance.library.states.replace(state.addr(), owner, snapshot.clone()).is_none() {
                 *state = ptr::without_provenance_mut(instance.library.states.keep(owner, snapshot));
             }
             Ok(())

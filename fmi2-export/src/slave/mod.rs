@@ -79,6 +79,8 @@ pub(crate) struct Slave {
     resources: Resources,
     /// Scratch for directional derivatives: a model all of whose real inputs and outputs are zero.
     direction: Option<Box<dyn AnyModel>>,
+    /// The state that was freed last, for its memory: hosts that try steps save one before each.
+    pub spare: Option<Snapshot>,
     /// What the last `fmi2GetString` returned.
     strings: Vec<CString>,
     /// Scratch for values that are checked before the host gets them.
@@ -105,6 +107,7 @@ impl Slave {
             frame: Frame::new(kind),
             end: f64::MAX,
             direction: None,
+            spare: None,
             strings: Vec::new(),
             values: Vec::new(),
         })

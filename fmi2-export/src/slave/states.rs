@@ -34,6 +34,13 @@ impl Slave {
         Arc::new(Saved { frame: self.frame, model: self.subject.model().copy() })
     }
 
+    /// Saves into a state that nobody needs any more; false if somebody does, or it is of another model.
+    pub fn save_in(&self, snapshot: &mut Snapshot) -> bool {
+        let Some(saved) = Arc::get_mut(snapshot) else { return false };
+        saved.frame = self.frame;
+        saved.model.assign(self.subject.model())
+    }
+
     pub fn restore(&mut self, snapshot: &Snapshot) -> Outcome {
         self.check_own(snapshot)?;
         self.check_kind(&snapshot.frame)?;
