@@ -38,12 +38,15 @@ impl Coordinates {
 
     /// Makes it the same as a list; memory is asked for only if that is longer than any before.
     pub(crate) fn assign(&mut self, numbers: &[f64]) {
-        if self.memory.len() < self.first + numbers.len() || self.memory.is_empty() {
-            self.memory = vec![0.0; numbers.len() + BEFORE];
+        self.memory.clear();
+        if self.memory.capacity() < self.first + numbers.len() || self.memory.capacity() == 0 {
+            self.memory = Vec::with_capacity(numbers.len() + BEFORE);
             self.first = (LINE - self.memory.as_ptr().addr() % LINE) % LINE / size_of::<f64>();
         }
+        // There is room: where the memory is stays as it is.
+        self.memory.resize(self.first, 0.0);
+        self.memory.extend_from_slice(numbers);
         self.length = numbers.len();
-        self.copy_from_slice(numbers);
     }
 }
 

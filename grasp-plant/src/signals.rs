@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 /// Inputs of the plant, or their time derivatives, or a direction of them.
+// What is unsafe relies on the places of the fields, and on nothing in them.
+#[allow(clippy::unsafe_derive_deserialize)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(C)] // In the order in which hosts set them.
 pub struct Inputs {
@@ -33,30 +35,25 @@ impl Inputs {
         [self.hub_disturbance[0], self.hub_disturbance[1], self.object_disturbance]
     }
 
-    /// The same, read [singly](read_singly): hosts have often just set them, one by one.
+    /// Commands and disturbances in lanes, of which the last repeats the third; read [singly](read_singly), since hosts have often just set them, one by
+    /// one.
     #[inline]
-    pub(crate) fn fresh(&self) -> Self {
-        Self {
-            torque_command: self.torque_command.each_ref().map(read_singly),
-            force_command: read_singly(&self.force_command),
-            hub_disturbance: self.hub_disturbance.each_ref().map(read_singly),
-            object_disturbance: read_singly(&self.object_disturbance),
-        }
+    pub(crate) fn fresh_lanes(&self) -> [[f64; 4]; 2] {
+        let Self { torque_command, force_command, hub_disturbance, object_disturbance } = self;
+        // No zero: valgrind does not know the instruction that the compiler finds for it.
+        let lanes = |of_hubs: &[f64; 2], of_object| {
+            let [first, second, third] = [&of_hubs[0], &of_hubs[1], of_object].map(read_singly);
+            [first, second, third, third]
+        };
+        [lanes(torque_command, force_command), lanes(hub_disturbance, object_disturbance)]
     }
 
-    /// Whether it equals [`ZERO`](Self::ZERO).
+    /// All numbers.
     #[inline]
-    pub(crate) fn is_zero(&self) -> bool {
-        let bits = |values: [f64; 3]| values.into_iter().fold(0, |bits, value| bits | value.to_bits());
-        // Without the signs: a negative zero is one.
-        (bits(self.commands()) | bits(self.disturbances())) << 1 == 0
-    }
-
-    /// The sum of the sizes of all.
-    #[inline]
-    pub(crate) fn size(&self) -> f64 {
-        let size = |values: [f64; 3]| values[0].abs() + values[1].abs() + values[2].abs();
-        size(self.commands()) + size(self.disturbances())
+    pub(crate) fn numbers(&self) -> &[f64; 6] {
+        const { assert!(size_of::<Self>() == size_of::<[f64; 6]>()) };
+        // SAFETY: six numbers in the order of the fields (`repr(C)`), without gaps.
+        unsafe { &*std::ptr::from_ref(self).cast() }
     }
 
     #[inline]

@@ -4,9 +4,11 @@ use crate::contact::ContactState;
 use crate::coordinates::Coordinates;
 use crate::dynamics::{Dynamics, FORCES};
 use crate::initial;
+use crate::modal::Four;
 use crate::parameters::Parameters;
 use crate::step_sizes::StepSizes;
 use serde::{Deserialize, Serialize};
+use std::mem::offset_of;
 
 /// The meaning of the coordinates of a [`State`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,7 +23,9 @@ pub enum Basis {
 }
 
 /// Everything that changes while the plant moves. Together with [`Parameters`] it determines the further motion.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+// What is unsafe relies on the places of the fields, and on nothing in them.
+#[allow(clippy::unsafe_derive_deserialize)]
+#[derive(Debug, Default, PartialEq, Serialize, Deserialize)]
 #[repr(C)] // The step sizes, of which a step needs the last, behind what it needs all of.
 pub struct State {
     /// The meaning of the coordinates.
@@ -42,6 +46,23 @@ pub struct State {
     pub contact: Option<Box<ContactState>>,
 }
 
+impl Clone for State {
+    fn clone(&self) -> Self {
+        let mut state = Self::default();
+        state.clone_from(self);
+        state
+    }
+
+    /// In the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { basis, coordinates, position, carry, supplied_energy, sizes, contact } = source;
+        (self.basis, self.position, self.carry) = (*basis, *position, *carry);
+        (self.supplied_energy, self.sizes) = (*supplied_energy, *sizes);
+        self.coordinates.clone_from(coordinates);
+        self.contact.clone_from(contact);
+    }
+}
+
 impl State {
     /// The state at the start.
     pub(crate) fn start(parameters: &Parameters, dynamics: &Dynamics) -> Self {
@@ -55,6 +76,30 @@ impl State {
             sizes: StepSizes::default(),
             contact: None,
         }
+    }
+
+    /// Positions, what rounding has kept from being added to them, and the supplied energy, which stand side by side.
+    #[inline]
+    fn motion(&mut self) -> &mut [f64; 2 * FORCES + 1] {
+        const { assert!(offset_of!(Self, carry) - offset_of!(Self, position) == size_of::<[f64; FORCES]>()) };
+        const { assert!(offset_of!(Self, supplied_energy) - offset_of!(Self, carry) == size_of::<[f64; FORCES]>()) };
+        // SAFETY: the numbers of the three fields, without gaps.
+        unsafe { &mut *std::ptr::from_mut(self).byte_add(offset_of!(Self, position)).cast() }
+    }
+
+    /// As [`travel`](Self::travel), from where the state is; and adds to the supplied energy what stands in the last lane.
+    #[allow(clippy::inline_always)] // Into a function for wide registers, or the compiler does not use these registers.
+    #[inline(always)]
+    pub(crate) fn travel_in_lanes<V: Four>(&mut self, travel: V) {
+        let motion = self.motion();
+        let first = |motion: &[f64; 7]| V::load(motion.first_chunk().unwrap_or(&[0.0; 4]));
+        let last = |motion: &[f64; 7]| V::load(motion.last_chunk().unwrap_or(&[0.0; 4]));
+        // Behind the positions comes the first of what is carried, and behind that the energy.
+        let (position, increment) = (first(motion), last(motion).plus(travel));
+        let next = position.plus(increment);
+        let carry = increment.minus(next.minus(position));
+        motion[..4].copy_from_slice(&next.lanes());
+        motion[3..].copy_from_slice(&carry.with_last_of(increment).lanes());
     }
 
     /// Adds to the positions and keeps the rounding error for the next time.

@@ -7,15 +7,45 @@
 
 use super::step::NEGLIGIBLE;
 use super::table::Lanes;
+use crate::actuator::limited;
 
-pub(super) trait Four: Copy {
+/// Dead zones, in lanes: their upper ends, which are not negative, and the slope beyond; their lower ends, not positive, and the slope below.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct DeadZones {
+    pub upper: (Lanes, Lanes),
+    pub lower: (Lanes, Lanes),
+}
+
+pub(crate) trait Four: Copy {
     fn splat(value: f64) -> Self;
     fn load(lanes: &Lanes) -> Self;
     fn lanes(self) -> Lanes;
     fn plus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn over(self, divisor: Self) -> Self;
+    /// One of the lanes in all of them.
+    fn spread<const LANE: usize>(self) -> Self;
+    /// The first two lanes; zeros behind them.
+    fn first_two(self) -> Self;
+    /// The same but for the last lane, which is that of the other.
+    fn with_last_of(self, other: Self) -> Self;
+    /// The last two lanes of both.
+    fn last_twos(self, other: Self) -> Self;
     /// Zero where it is [`NEGLIGIBLE`].
     fn kept(self) -> Self;
+    /// As [`limited`](crate::actuator::limited).
+    fn limited(self, low: Self, high: Self) -> Self;
+    /// Behind dead zones: beyond the upper ends per the first slope, below the lower ends per the second.
+    fn behind_dead_zones(self, zones: &DeadZones) -> Self;
+    /// Whether any is at or beyond its limits.
+    fn is_any_limited(self, low: Self, high: Self) -> bool;
+    /// Whether in each lane the sum of both sizes is below; NaN is not.
+    fn are_sizes_below(self, other: Self, limit: f64) -> bool;
+    /// Whether these are all zeros, of either sign.
+    fn are_zeros(numbers: &[f64; 6]) -> bool;
+    /// Whether the sum of the lanes plus the addend is negative, of any of both.
+    fn is_any_sum_negative(both: [Self; 2], addends: [f64; 2]) -> bool;
     /// The larger of these and of the filler minus the sizes of `values`: a filler of −0.0 leaves the sizes, one of −1.0 makes each result
     /// −1.0 or less. Of numbers that are all finite.
     fn lowered(self, values: Self, filler: &Lanes) -> Self;
@@ -54,6 +84,80 @@ impl Four for Lanes {
     }
 
     #[inline(always)]
+    fn minus(self, other: Self) -> Self {
+        [self[0] - other[0], self[1] - other[1], self[2] - other[2], self[3] - other[3]]
+    }
+
+    #[inline(always)]
+    fn over(self, divisor: Self) -> Self {
+        [self[0] / divisor[0], self[1] / divisor[1], self[2] / divisor[2], self[3] / divisor[3]]
+    }
+
+    #[inline(always)]
+    fn spread<const LANE: usize>(self) -> Self {
+        [self[LANE]; 4]
+    }
+
+    #[inline(always)]
+    fn first_two(self) -> Self {
+        [self[0], self[1], 0.0, 0.0]
+    }
+
+    #[inline(always)]
+    fn with_last_of(self, other: Self) -> Self {
+        [self[0], self[1], self[2], other[3]]
+    }
+
+    #[inline(always)]
+    fn last_twos(self, other: Self) -> Self {
+        [self[2], self[3], other[2], other[3]]
+    }
+
+    #[inline(always)]
+    fn limited(self, low: Self, high: Self) -> Self {
+        std::array::from_fn(|lane| limited(self[lane], low[lane], high[lane]))
+    }
+
+    #[inline(always)]
+    fn behind_dead_zones(self, zones: &DeadZones) -> Self {
+        let ((right, right_slope), (left, left_slope)) = (&zones.upper, &zones.lower);
+        std::array::from_fn(|lane| {
+            let x = self[lane];
+            if x > right[lane] {
+                right_slope[lane] * (x - right[lane])
+            } else if x < left[lane] {
+                left_slope[lane] * (x - left[lane])
+            } else {
+                0.0
+            }
+        })
+    }
+
+    #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool)] // A branch for each would take longer.
+    fn is_any_limited(self, low: Self, high: Self) -> bool {
+        (0..4).fold(false, |any, lane| any | (self[lane] <= low[lane]) | (self[lane] >= high[lane]))
+    }
+
+    #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool)] // As above.
+    fn are_sizes_below(self, other: Self, limit: f64) -> bool {
+        (0..4).fold(true, |all, lane| all & (self[lane].abs() + other[lane].abs() < limit))
+    }
+
+    #[inline(always)]
+    fn are_zeros(numbers: &[f64; 6]) -> bool {
+        // Without the signs: a negative zero is one.
+        numbers.iter().fold(0, |bits, number| bits | number.to_bits()) << 1 == 0
+    }
+
+    #[inline(always)]
+    fn is_any_sum_negative(both: [Self; 2], addends: [f64; 2]) -> bool {
+        let negative = |i: usize| super::step::sum(both[i]) + addends[i] < 0.0;
+        negative(0) | negative(1)
+    }
+
+    #[inline(always)]
     fn kept(mut self) -> Self {
         for x in &mut self {
             if x.abs() < NEGLIGIBLE {
@@ -82,80 +186,4 @@ impl Four for Lanes {
     }
 
     const HOLDS_ALL_ROWS: bool = false;
-}
-
-#[cfg(target_arch = "x86_64")]
-pub(super) use grasp_kernel::Wide;
-
-#[cfg(target_arch = "x86_64")]
-mod wide {
-    use super::{Four, Lanes, NEGLIGIBLE, Wide};
-    use std::arch::x86_64::{
-        _CMP_GT_OQ, _CMP_NLT_UQ, _mm256_and_pd, _mm256_cmp_pd, _mm256_hadd_pd, _mm256_max_pd, _mm256_movemask_pd,
-        _mm256_or_pd, _mm256_permute2f128_pd, _mm256_set1_pd,
-    };
-
-    impl Four for Wide {
-        #[inline(always)]
-        fn splat(value: f64) -> Self {
-            Self::splat(value)
-        }
-
-        #[inline(always)]
-        fn load(lanes: &Lanes) -> Self {
-            Self::load(lanes)
-        }
-
-        #[inline(always)]
-        fn lanes(self) -> Lanes {
-            self.lanes()
-        }
-
-        #[inline(always)]
-        fn plus(self, other: Self) -> Self {
-            self + other
-        }
-
-        #[inline(always)]
-        fn times(self, other: Self) -> Self {
-            self * other
-        }
-
-        #[inline(always)]
-        fn kept(self) -> Self {
-            // SAFETY: the processor has AVX2, see `Wide`. NaN is kept, as above.
-            unsafe {
-                let keep = _mm256_cmp_pd::<_CMP_NLT_UQ>(self.abs().register(), _mm256_set1_pd(NEGLIGIBLE));
-                Self::of(_mm256_and_pd(self.register(), keep))
-            }
-        }
-
-        #[inline(always)]
-        fn lowered(self, values: Self, filler: &Lanes) -> Self {
-            // SAFETY: the processor has AVX2, see `Wide`.
-            unsafe {
-                let values = _mm256_or_pd(values.register(), Self::load(filler).register());
-                Self::of(_mm256_max_pd(values, self.register()))
-            }
-        }
-
-        #[inline(always)]
-        fn is_any_above(self, limit: f64) -> bool {
-            // SAFETY: the processor has AVX2, see `Wide`.
-            unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.register(), _mm256_set1_pd(limit))) != 0 }
-        }
-
-        #[inline(always)]
-        fn sums([a, b, c, d]: [Self; 4]) -> Self {
-            // SAFETY: the processor has AVX2, see `Wide`.
-            unsafe {
-                let (left, right) =
-                    (_mm256_hadd_pd(a.register(), b.register()), _mm256_hadd_pd(c.register(), d.register()));
-                let lower = _mm256_permute2f128_pd::<0x20>(left, right);
-                Self::of(lower) + Self::of(_mm256_permute2f128_pd::<0x31>(left, right))
-            }
-        }
-
-        const HOLDS_ALL_ROWS: bool = true;
-    }
 }

@@ -7,67 +7,49 @@
 #![allow(clippy::inline_always)]
 
 use super::four::Four;
-#[cfg(target_arch = "x86_64")]
-use super::four::Wide;
-use super::readings::Readings;
-use super::step::{NEGLIGIBLE, Rigid, Travel, moved, splat, sum};
+use super::readings::{Read, Readings, write};
+use super::step::{NEGLIGIBLE, Rigid, moved};
 use super::table::{GROUP, LANES, Lanes, Table};
 use crate::dynamics::{FORCES, Signals};
-use crate::state::{State, travelled};
+use crate::state::State;
 
-/// A step with held forces: the functions of the step, the forces.
+/// A step with held forces: the functions of the step, the forces in lanes of which the last is no matter.
 #[derive(Clone, Copy)]
-pub(super) struct Held<'a> {
+pub(super) struct Held<'a, V> {
     pub table: &'a Table,
     pub readings: &'a Readings,
     pub rigid: &'a Rigid,
-    pub forces: &'a [f64; FORCES],
-    pub length: f64,
+    pub forces: V,
+    /// By what to divide travels of the forces: l, l, 1, 1.
+    pub lengths: &'a Lanes,
 }
 
-impl Held<'_> {
-    /// Moves the state by the step, and reads the signals. False if these are no coordinates of this plant; nothing has changed then.
-    #[inline]
-    pub fn make(self, state: &mut State, signals: &mut Signals) -> bool {
-        #[cfg(target_arch = "x86_64")]
-        if crate::kernel::has_wide_registers() {
-            // SAFETY: the processor has it.
-            return unsafe { self.make_wide(state, signals) };
-        }
-        self.make_here::<Lanes>(state, signals)
-    }
-
-    // Inlined, or it would be compiled with this crate, for size.
-    #[cfg(target_arch = "x86_64")]
-    #[inline]
-    #[target_feature(enable = "avx")]
-    fn make_wide(self, state: &mut State, signals: &mut Signals) -> bool {
-        self.make_here::<Wide>(state, signals)
-    }
-
+impl<V: Four> Held<'_, V> {
+    /// Moves the state by the step, and reads the signals; gives the rates of the tips' shears, and the
+    /// shears. None if these are no coordinates of this plant; nothing has changed then.
     #[inline(always)]
-    fn make_here<V: Four>(self, state: &mut State, signals: &mut Signals) -> bool {
-        let Self { table, readings, rigid, forces, length } = self;
+    pub fn make(self, state: &mut State, signals: &mut Signals) -> Option<V> {
+        let Self { table, readings, rigid, forces, lengths } = self;
         let (groups, rest) = state.coordinates.as_chunks_mut::<GROUP>();
-        let [zeta] = rest else { return false };
-        let (held, positions) = (&table.held[..], &readings.positions[..]);
-        let count = groups.len();
-        if held.len() != count || positions.len() != count || readings.groups() != count {
-            return false;
+        let [zeta] = rest else { return None };
+        let (held, of_groups) = (&table.held[..], &readings.groups[..]);
+        if groups.is_empty() || held.len() != groups.len() || of_groups.len() != groups.len() {
+            return None;
         }
-        let (lanes, mut total) = (splat::<V>(forces), [V::splat(0.0); FORCES]);
+        let (lanes, mut total) =
+            ([forces.spread::<0>(), forces.spread::<1>(), forces.spread::<2>()], [V::splat(0.0); FORCES]);
         let mut lowest = V::splat(f64::MIN);
         let (after, rise) = rigid.held(table.h, *zeta, &lanes);
         *zeta = after;
-        for ((group, held), positions) in groups.iter_mut().zip(held).zip(positions) {
-            let [first, second] = group.as_chunks_mut::<LANES>().0 else { return false };
+        for ((group, held), readings) in groups.iter_mut().zip(held).zip(of_groups) {
+            let [first, second] = group.as_chunks_mut::<LANES>().0 else { return None };
             let from = [V::load(first), V::load(second)];
             for (c, next) in [first, second].into_iter().enumerate() {
                 let change = moved(&from, &held.increment[c], &held.gain[c], &lanes);
                 let after = from[c].plus(change);
                 *next = after.lanes();
-                lowest = lowest.lowered(after, &positions.filler);
-                for (total, row) in total.iter_mut().zip(&positions.rows) {
+                lowest = lowest.lowered(after, &readings.filler);
+                for (total, row) in total.iter_mut().zip(&readings.positions) {
                     *total = total.plus(V::load(&row[c]).times(change));
                 }
             }
@@ -77,12 +59,16 @@ impl Held<'_> {
                 *four = V::load(four).kept().lanes();
             }
         }
-        let travel = Travel { total: [sum(total[0]), sum(total[1]), sum(total[2]) + rise], ..Travel::default() };
-        let (moved, _) = travel.of_forces(length);
-        state.supplied_energy += forces[0] * moved[0] + forces[1] * moved[1] + forces[2] * moved[2];
-        (state.position, state.carry) = travelled(&state.position, &state.carry, &moved);
         // A loop of its own: the sums of both do not fit into the registers.
-        readings.read::<V>(groups, after).write(signals);
-        true
+        let Read { first, last, object } = readings.read::<V>(of_groups, groups, after);
+        // The object's velocity is one more sum of a register's lanes.
+        let total = V::sums([total[0], total[1], total[2], object]);
+        let total = total.plus(V::load(&[0.0, 0.0, rise, readings.object_velocity_of(after)])).plus(V::splat(0.0));
+        write(signals, first, last, total.lanes()[3]);
+        // As `Travel::of_forces`.
+        let moved = total.plus(total.spread::<2>().first_two()).over(V::load(lengths));
+        let work = forces.times(moved).lanes();
+        state.travel_in_lanes(moved.with_last_of(V::splat((work[0] + work[1]) + work[2])));
+        Some(first.last_twos(last))
     }
 }

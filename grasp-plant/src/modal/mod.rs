@@ -27,10 +27,15 @@ mod table;
 mod twofold;
 mod undamped;
 mod vibration;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 pub(crate) use calm::{BUDGET, CALM};
+pub(crate) use four::{DeadZones, Four};
 pub(crate) use step::{NEGLIGIBLE, Travel};
-pub(crate) use table::Table;
+pub(crate) use table::{Lanes, Table};
+#[cfg(target_arch = "x86_64")]
+pub(crate) use wide::Wide;
 
 use crate::dynamics::{Dynamics, FORCES, Signals};
 use crate::kernel::{LANES as PANEL, Panels};
@@ -66,6 +71,8 @@ pub(crate) struct Modal {
     /// By how much forces can exceed the inputs, and the arms' length: see [`calm`].
     gain: f64,
     length: f64,
+    /// By what to divide travels of the forces, see [`Travel::of_forces`].
+    lengths: Lanes,
 }
 
 impl Modal {
@@ -93,12 +100,13 @@ impl Modal {
             inverse: Panels::new(&inverse),
             gain: calm::gain(parameters),
             length: parameters.length,
+            lengths: [parameters.length, parameters.length, 1.0, 1.0],
         };
         (modal.condition < WORST_CONDITION && modal.is_finite()).then_some(modal)
     }
 
     fn is_finite(&self) -> bool {
-        let positions = self.readings.positions.iter().flat_map(|group| group.rows.as_flattened().as_flattened());
+        let positions = self.readings.groups.iter().flat_map(|group| group.positions.as_flattened().as_flattened());
         let gains = self.gains.as_flattened().as_flattened();
         self.basis.iter().chain(positions).chain(gains).chain(&self.rigid.drift).all(|number| number.is_finite())
     }
@@ -139,12 +147,13 @@ impl Modal {
         Motion { table, readings: &self.readings, rigid: &self.rigid, from, forces, rates }.make(next)
     }
 
-    /// Moves a state of modal coordinates by a step of the table's size with held forces, and reads the signals that every step reads; false
-    /// if the coordinates are not as many. All must be [calm](CALM).
-    #[inline]
-    pub fn hold(&self, table: &Table, forces: &[f64; FORCES], state: &mut State, signals: &mut Signals) -> bool {
-        let Self { readings, rigid, length, .. } = self;
-        held::Held { table, readings, rigid, forces, length: *length }.make(state, signals)
+    /// Moves a state of modal coordinates by a step of the table's size with held forces, and reads the signals that every step reads; gives
+    /// the shears' rates and the shears, or none if the coordinates are not as many. All must be [calm](CALM).
+    #[allow(clippy::inline_always)] // Into a function for wide registers, or the compiler does not use these registers.
+    #[inline(always)]
+    pub fn hold<V: Four>(&self, table: &Table, forces: V, state: &mut State, signals: &mut Signals) -> Option<V> {
+        let Self { readings, rigid, lengths, .. } = self;
+        held::Held { table, readings, rigid, forces, lengths }.make(state, signals)
     }
 
     /// All signals of modal coordinates but the rates of the root moments.

@@ -130,7 +130,7 @@ impl Modes {
             }
             let rate = [0, 1].map(|i| *readings.entry(VELOCITY[2], j, i));
             let inverse = self.blocks[j].inverse();
-            let (lane, positions) = (j % LANES, &mut readings.positions[j / LANES].rows);
+            let (lane, positions) = (j % LANES, &mut readings.groups[j / LANES].positions);
             for i in 0..2 {
                 for (arm, tip) in positions.iter_mut().take(2).enumerate() {
                     tip[i][lane] = dynamics.tip_compliance[arm] * columns[i].hi[dynamics.tip_coordinate(arm)];
@@ -149,7 +149,7 @@ impl Modes {
             for i in 0..2 {
                 let row = rows[i].iter().map(|entry| entry * entry).sum::<f64>().sqrt();
                 let column = columns[i].hi.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-                let position = readings.positions[j / LANES].rows[2][i][j % LANES];
+                let position = readings.groups[j / LANES].positions[2][i][j % LANES];
                 condition = condition.max(row * column.max(position.abs() / reach));
             }
         }
@@ -162,7 +162,7 @@ pub(super) fn rigid(vibration: &Vibration, readings: &Readings, gains: &[Gains])
     let mut drift = [Twofold::default(); FORCES];
     for (j, gains) in gains.iter().enumerate() {
         for (i, gain) in gains.iter().enumerate() {
-            let position = readings.positions[j / LANES].rows[2][i][j % LANES];
+            let position = readings.groups[j / LANES].positions[2][i][j % LANES];
             for (drift, gain) in drift.iter_mut().zip(gain) {
                 *drift = *drift - Twofold::product(position, *gain);
             }

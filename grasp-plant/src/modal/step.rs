@@ -7,10 +7,10 @@
 #![allow(clippy::inline_always)]
 
 use super::four::Four;
-#[cfg(target_arch = "x86_64")]
-use super::four::Wide;
 use super::readings::Readings;
 use super::table::{LANES, Lanes, Table};
+#[cfg(target_arch = "x86_64")]
+use super::wide::Wide;
 use crate::dynamics::FORCES;
 
 /// Coordinates smaller than this \[√J\] become zero after a step. A decaying motion would otherwise end in subnormal
@@ -91,8 +91,8 @@ impl Motion<'_> {
         let rates = rates.unwrap_or(&no_rates);
         let rates_4 = splat::<V>(rates);
         let (mut total, mut integral) = ([V::splat(0.0); FORCES], [V::splat(0.0); FORCES]);
-        let tables = table.held.iter().zip(&table.ramped).zip(&readings.positions);
-        for ((from, next), ((held, ramped), positions)) in
+        let tables = table.held.iter().zip(&table.ramped).zip(&readings.groups);
+        for ((from, next), ((held, ramped), readings)) in
             from.as_chunks::<2>().0.iter().zip(next.as_chunks_mut::<2>().0).zip(tables)
         {
             let coordinates = [V::load(&from[0]), V::load(&from[1])];
@@ -102,14 +102,14 @@ impl Motion<'_> {
                     change = change.plus(driven(&ramped.gain[c], &rates_4));
                     let area = moved(&coordinates, &ramped.integral[c], &ramped.gain[c], &forces_4)
                         .plus(driven(&ramped.integral_gain[c], &rates_4));
-                    for (integral, row) in integral.iter_mut().zip(&positions.rows) {
+                    for (integral, row) in integral.iter_mut().zip(&readings.positions) {
                         *integral = integral.plus(V::load(&row[c]).times(area));
                     }
                 }
                 next[c] = coordinates[c].plus(change).kept().lanes();
                 // The change is computed directly and not as a difference of rounded coordinates, so that short steps move
                 // positions smoothly.
-                for (total, row) in total.iter_mut().zip(&positions.rows) {
+                for (total, row) in total.iter_mut().zip(&readings.positions) {
                     *total = total.plus(V::load(&row[c]).times(change));
                 }
             }

@@ -9,7 +9,7 @@ use std::ops::{Deref, DerefMut};
 pub(super) const LANES: usize = 4;
 
 /// Numbers of as many blocks.
-pub(super) use grasp_kernel::Lanes;
+pub(crate) use grasp_kernel::Lanes;
 
 /// At the beginning of a line of the processor's cache. Elsewhere every other register would be read from two lines.
 #[derive(Clone, Copy, Debug)]

@@ -1,70 +1,99 @@
 //! The step that most steps are: in modal coordinates, of a size that is kept, with held inputs.
 
+// Inlined into functions for wide registers, or the compiler does not use these registers.
+#![allow(clippy::inline_always)]
+
 use super::Plant;
-use crate::cache::Cache;
-use crate::modal::{BUDGET, CALM, Table};
+#[cfg(target_arch = "x86_64")]
+use crate::modal::Wide;
+use crate::modal::{BUDGET, CALM, Four, Lanes, Table};
 use crate::signals::Inputs;
 use crate::state::{Basis, State};
-use crate::step_sizes::StepSizes;
+
+/// A command and the disturbance beside it may have this size together: then all inputs are below [`CALM`] together.
+const CALM_INPUT: f64 = CALM / 4.0;
 
 impl Plant {
     /// Makes such a step; false if it is none, or may have to be refused. Nothing has changed then, and [`Self::any_step`] makes the step,
     /// to the same bits, or knows the reason why not.
     #[inline]
     pub(super) fn held_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> bool {
-        let Self { model, state, signals, cache, calm, pulls, .. } = self;
-        if !rates.is_zero() {
+        #[cfg(target_arch = "x86_64")]
+        if crate::kernel::has_wide_registers() {
+            // SAFETY: the processor has it.
+            return unsafe { self.held_step_wide(h, inputs, rates) };
+        }
+        self.held_step_narrow::<Lanes>(h, inputs, rates)
+    }
+
+    // Out of the way of processors with wide registers; generic, or it would be compiled with this crate, for size.
+    #[inline(never)]
+    fn held_step_narrow<V: Four>(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> bool {
+        self.held_step_here::<V>(h, inputs, rates)
+    }
+
+    // Inlined, or it would be compiled with this crate, for size.
+    #[cfg(target_arch = "x86_64")]
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn held_step_wide(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> bool {
+        self.held_step_here::<Wide>(h, inputs, rates)
+    }
+
+    #[inline(always)]
+    fn held_step_here<V: Four>(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> bool {
+        if !V::are_zeros(rates.numbers()) {
             return false;
         }
         // While a state is calm, it is modal, and the last step was a usual one of the last table.
-        let noted = if *calm > 0 && cache.tables.last(h).is_some() {
-            None
-        } else if let Some(sizes) = other_step(&mut cache.tables, state, h) {
-            Some(sizes)
-        } else {
+        if self.cache.tables.last(h).is_none_or(|table| self.calm < table.calm_cost()) && !self.look(h, inputs) {
             return false;
-        };
-        let before = *calm;
-        if noted.is_some() {
-            // Until the step is made.
-            *calm = 0;
         }
-        // A size that has a table is positive and not too long.
-        let (Some(table), Some(modal)) = (cache.tables.last(h), model.modal()) else { return false };
-        let inputs = &inputs.fresh();
+        let [commands, disturbances] = inputs.fresh_lanes().each_ref().map(V::load);
         // Infinity and NaN are not below. Of commands, an actuator may hide them.
-        let are_calm = inputs.size() < CALM;
-        let cost = table.calm_cost();
-        let budget = if before >= cost { before } else { budget(state) };
-        if !are_calm || budget < cost {
+        if !commands.are_sizes_below(disturbances, CALM_INPUT) {
             return false;
         }
-        let forces = model.forces(inputs);
-        if !modal.hold(table, &forces, state, signals) {
+        let Self { model, state, signals, cache, calm, pulls, limited, .. } = self;
+        let (Some(table), Some(modal)) = (cache.tables.newest(), model.modal()) else { return false };
+        let forces = model.forces_in_lanes(commands, disturbances);
+        let Some(of_tips) = modal.hold(table, forces, state, signals) else { return false };
+        *pulls = model.pulls(of_tips, forces.lanes()[2]);
+        *limited = model.is_any_limited(commands);
+        *calm -= table.calm_cost();
+        true
+    }
+
+    /// Looks at the state and the step size before such a step is made. False if it is none, or may have to be refused; nothing has changed
+    /// then but which table is the last.
+    #[inline(never)]
+    fn look(&mut self, h: f64, inputs: &Inputs) -> bool {
+        let [commands, disturbances] = inputs.fresh_lanes();
+        if !commands.are_sizes_below(disturbances, CALM_INPUT) {
             return false;
         }
-        *pulls = model.pulls(signals, forces[2]);
-        *calm = budget - cost;
-        if let Some(noted) = noted {
-            state.sizes = noted;
-            if !noted.is_usual(h) {
-                *calm = 0;
+        let Self { state, cache, calm, .. } = self;
+        let is_another = *calm == 0 || cache.tables.last(h).is_none();
+        let mut sizes = state.sizes;
+        if is_another {
+            sizes.note(h);
+            // A size that has a table is positive and not too long. A grasp that can open is never in modal coordinates.
+            if !(state.basis == Basis::Modal && sizes.repeat() && cache.tables.recall(h)) {
+                return false;
             }
         }
+        let Some(cost) = cache.tables.last(h).map(Table::calm_cost) else { return false };
+        let budget = if *calm < cost { budget(state) } else { *calm };
+        if budget < cost {
+            return false;
+        }
+        // After a size that is new, the next step is another one too: to repeat a size is noted.
+        (state.sizes, *calm) = (sizes, if sizes.is_usual(h) { budget } else { cost });
         true
     }
 }
 
-/// If a step of this size has a table, makes that the last; the step sizes with this one. A grasp that can open is never in modal coordinates.
-#[inline(never)]
-fn other_step(tables: &mut Cache<Table>, state: &State, h: f64) -> Option<StepSizes> {
-    let mut noted = state.sizes;
-    noted.note(h);
-    (state.basis == Basis::Modal && noted.repeat() && tables.recall(h)).then_some(noted)
-}
-
 /// What steps may cost together until something that has to be refused can come of a state.
-#[inline(never)]
 fn budget(state: &State) -> u32 {
     let State { coordinates, position, carry, supplied_energy, .. } = state;
     let numbers = coordinates.iter().chain(position).chain(carry).chain([supplied_energy]);
@@ -74,6 +103,7 @@ fn budget(state: &State) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Model;
     use super::*;
     use crate::parameters::{ActuatorModel, Parameters};
 
@@ -230,12 +260,13 @@ mod tests {
             plant.step(1e-3, &inputs, &Inputs::ZERO).unwrap();
             let force = plant.contact_force(&inputs);
             assert_eq!(plant.may_have_pulled(), plant.may_pull(&inputs));
-            let grip = plant.model.grip(&plant.signals, plant.direct(&inputs).force + inputs.object_disturbance);
-            for (grip, force) in grip.iter().zip(force) {
+            assert_eq!(plant.may_pull(&inputs), force.iter().any(|force| *force < 0.0));
+            let of_tips = Model::of_tips(&plant.signals);
+            let on_object = plant.direct(&inputs).force + inputs.object_disturbance;
+            for (grip, force) in plant.model.grip(of_tips, on_object).iter().zip(force) {
                 // Differences of shears of some newtons.
                 assert!((grip - force).abs() < 1e-13, "{grip} {force}");
             }
-            assert_eq!(plant.may_pull(&inputs), force.iter().any(|force| *force < 0.0));
         }
     }
 }

@@ -44,7 +44,7 @@ const MOST_PARTS: u32 = 1 << 22;
 /// assert!((plant.measured().theta[0] - 0.005_912_612_5).abs() < 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 #[repr(C)] // First what every step needs, in few lines of a processor's cache: of a thousand plants each has been pushed out of it.
 pub struct Plant {
     /// Signals of `state`, kept current; in modal coordinates but for the rates of the root moments.
@@ -56,11 +56,47 @@ pub struct Plant {
     calm: u32,
     /// Whether a tip may have pulled at the object at the end of the last step.
     pulls: bool,
+    /// Whether an actuator was at its limits in the last step.
+    limited: bool,
     /// The contacts, if the grasp can open.
     contacts: Option<Box<Contacts>>,
     cache: Caches,
     work: Workspace,
     parameters: Parameters,
+}
+
+impl Clone for Plant {
+    fn clone(&self) -> Self {
+        let Self { signals, state, model, calm, pulls, limited, contacts, cache, work: _, parameters } = self;
+        Self {
+            signals: *signals,
+            state: state.clone(),
+            model: model.clone(),
+            calm: *calm,
+            pulls: *pulls,
+            limited: *limited,
+            contacts: contacts.clone(),
+            cache: cache.clone(),
+            work: Workspace::default(),
+            parameters: parameters.clone(),
+        }
+    }
+
+    /// In the memory that is there. What moves is copied; what is shared is left alone where it is the same already.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { signals, state, model, calm, pulls, limited, contacts, cache, work: _, parameters } = source;
+        if !Arc::ptr_eq(&self.model, model) {
+            self.model = model.clone();
+            self.work = Workspace::default();
+        }
+        self.signals = *signals;
+        self.state.clone_from(state);
+        (self.calm, self.pulls, self.limited) = (*calm, *pulls, *limited);
+        self.contacts.clone_from(contacts);
+        self.cache.tables.clone_from(&cache.tables);
+        self.cache.propagators.clone_from(&cache.propagators);
+        self.parameters.clone_from(parameters);
+    }
 }
 
 /// Results for the step sizes last used.
@@ -71,12 +107,12 @@ struct Caches {
     propagators: Cache<Propagator>,
 }
 
-/// Buffers of a step, so that it does not allocate.
-#[derive(Clone, Debug)]
+/// Buffers of a step, so that it does not allocate. Each is empty until a step first needs it: usual steps need none.
+#[derive(Debug, Default)]
 struct Workspace {
     /// (x, g, r), or the whole extended vector.
     drive: Vec<f64>,
-    /// Increments, padded. Dense plants alone have any: it is empty until the first dense step.
+    /// Increments, padded, of dense plants.
     increment: Vec<[f64; LANES]>,
     /// The modal step of a size that is not kept.
     table: Option<Table>,
@@ -95,21 +131,26 @@ impl Plant {
             Some((contacts, state)) => (Some(Box::new(contacts)), state),
             None => (None, State::start(&parameters, &model.dynamics)),
         };
-        let size = model.extended.layout.size();
-        let work = Workspace { drive: vec![0.0; size], increment: Vec::new(), table: None, next: state.clone() };
         let mut plant = Self {
             signals: Signals::default(),
             state,
             model,
             calm: 0,
             pulls: false,
+            limited: false,
             contacts,
             cache: Caches::default(),
-            work,
+            work: Workspace::default(),
             parameters,
         };
         plant.read_signals();
         Ok(plant)
+    }
+
+    /// Makes room for a step that is not the usual one.
+    fn prepare(&mut self) {
+        self.work.drive.resize(self.model.extended.layout.size(), 0.0);
+        self.work.next.coordinates.resize(self.state.coordinates.len());
     }
 
     /// Makes room for increments.

@@ -1,11 +1,11 @@
 //! The consequences of the parameters: matrices, actuators, and the maps from inputs and signals to forces and outputs.
 
-use crate::actuator::{Actuator, limited};
+use crate::actuator::Actuator;
 use crate::cache::Shared;
 use crate::dynamics::{Dynamics, FORCES, Signals, TIP_SHEAR, TIP_SHEAR_RATE, builtin_forces};
 use crate::extended::Extended;
-use crate::modal::{Modal, Table};
-use crate::parameters::{ActuatorModel, Parameters};
+use crate::modal::{DeadZones, Four, Lanes, Modal, Table};
+use crate::parameters::{ActuatorModel, Channel, Parameters};
 use crate::propagator::Propagator;
 use crate::signals::{Direct, Inputs};
 use std::sync::OnceLock;
@@ -18,12 +18,12 @@ pub(crate) struct Model {
     pub dynamics: Dynamics,
     pub extended: Extended,
     pub actuators: [Actuator; FORCES],
-    /// Whether the actuators have dead zones.
-    has_dead_zones: bool,
+    /// The actuators' dead zones, if they have any.
+    dead_zones: Option<DeadZones>,
     /// Commands at which the actuators' limits begin: the lower ones, the upper ones.
-    pub limits: [[f64; FORCES]; 2],
+    pub limits: [Lanes; 2],
     /// Contact forces per signal of `GRIP_SIGNALS`, and per force on the object.
-    grip: [[f64; 2]; GRIP_SIGNALS.len() + 1],
+    grip: ([Lanes; 2], [f64; 2]),
     /// The modal form, computed at the first step; `None` inside if there is none.
     modal: OnceLock<Option<Modal>>,
     /// Steps of the sizes last used: in modal coordinates, and by dense matrices.
@@ -34,8 +34,8 @@ pub(crate) struct Model {
 /// Most kinks that three ramps can meet.
 pub(crate) const MAX_KINK_TIMES: usize = FORCES * Actuator::MAX_KINKS;
 
-/// The signals that λ depends on.
-const GRIP_SIGNALS: [usize; 4] = [TIP_SHEAR[0], TIP_SHEAR[1], TIP_SHEAR_RATE[0], TIP_SHEAR_RATE[1]];
+/// The signals that λ depends on, as a step has them in lanes.
+const GRIP_SIGNALS: [usize; 4] = [TIP_SHEAR_RATE[0], TIP_SHEAR_RATE[1], TIP_SHEAR[0], TIP_SHEAR[1]];
 
 impl Model {
     /// Assembles the plant of valid parameters.
@@ -43,20 +43,31 @@ impl Model {
         let dynamics = Dynamics::new(&parameters);
         let extended = Extended::new(&dynamics, parameters.length);
         let channels = [&parameters.torque_channel, &parameters.torque_channel, &parameters.force_channel];
+        let each = |of: fn(&Channel) -> f64| [of(channels[0]), of(channels[1]), of(channels[2]), 0.0];
         let actuators = channels.map(|channel| Actuator::new(parameters.actuator_model, channel));
-        let grip = std::array::from_fn(|i| {
-            let (mut signals, mut force) = (Signals::default(), 1.0);
-            if let Some(signal) = GRIP_SIGNALS.get(i) {
-                (signals[*signal], force) = (1.0, 0.0);
-            }
-            let [first, second] = lambda(&parameters, &signals, force);
+        let grip = |signals: &Signals, force| {
+            let [first, second] = lambda(&parameters, signals, force);
             [-first, second]
-        });
+        };
+        let mut of_signals = [Lanes::default(); 2];
+        for (lane, signal) in GRIP_SIGNALS.into_iter().enumerate() {
+            let mut signals = Signals::default();
+            signals[signal] = 1.0;
+            [of_signals[0][lane], of_signals[1][lane]] = grip(&signals, 0.0);
+        }
+        let grip = (of_signals, grip(&Signals::default(), 1.0));
+        let limit = |side: usize, of_none: f64| {
+            let [first, second, third] = actuators.each_ref().map(|actuator| actuator.limits()[side]);
+            [first, second, third, of_none]
+        };
         Self {
             dynamics,
             extended,
-            has_dead_zones: parameters.actuator_model == ActuatorModel::Raw,
-            limits: [0, 1].map(|side| actuators.each_ref().map(|actuator| actuator.limits()[side])),
+            dead_zones: (parameters.actuator_model == ActuatorModel::Raw).then_some(DeadZones {
+                upper: (each(|c| c.m_r), each(|c| c.k_r)),
+                lower: (each(|c| c.m_l), each(|c| c.k_l)),
+            }),
+            limits: [limit(0, f64::NEG_INFINITY), limit(1, f64::INFINITY)],
             parameters,
             actuators,
             grip,
@@ -75,13 +86,28 @@ impl Model {
     /// Forces that actuators and external disturbances exert together.
     #[inline]
     pub fn forces(&self, inputs: &Inputs) -> [f64; FORCES] {
-        let (commands, disturbances) = (inputs.commands(), inputs.disturbances());
-        let [low, high] = &self.limits;
-        let mut outputs: [f64; FORCES] = std::array::from_fn(|i| limited(commands[i], low[i], high[i]));
-        if self.has_dead_zones {
-            outputs = self.outputs(&commands);
-        }
+        let (outputs, disturbances) = (self.outputs(&inputs.commands()), inputs.disturbances());
         std::array::from_fn(|i| outputs[i] + disturbances[i])
+    }
+
+    /// The same in lanes.
+    #[allow(clippy::inline_always)] // Into a function for wide registers, or the compiler does not use these registers.
+    #[inline(always)]
+    pub fn forces_in_lanes<V: Four>(&self, commands: V, disturbances: V) -> V {
+        let [low, high] = self.limits.each_ref().map(V::load);
+        let mut outputs = commands.limited(low, high);
+        if let Some(zones) = &self.dead_zones {
+            outputs = outputs.behind_dead_zones(zones);
+        }
+        outputs.plus(disturbances)
+    }
+
+    /// Whether any command is at a limit of its actuator.
+    #[allow(clippy::inline_always)] // As above.
+    #[inline(always)]
+    pub fn is_any_limited<V: Four>(&self, commands: V) -> bool {
+        let [low, high] = self.limits.each_ref().map(V::load);
+        commands.is_any_limited(low, high)
     }
 
     /// What the actuators put out.
@@ -145,19 +171,25 @@ impl Model {
     }
 
     /// Contact forces with this force on the object, to rounding: no division and few operations one after the other, since a step waits
-    /// for them.
-    #[inline]
-    pub fn grip(&self, signals: &Signals, force: f64) -> [f64; 2] {
-        let [first, second, third, fourth, object] = &self.grip;
-        let [a, b, c, d] = GRIP_SIGNALS.map(|index| signals[index]);
-        [0, 1].map(|i| (first[i] * a + second[i] * b) + (third[i] * c + fourth[i] * d) + object[i] * force)
+    /// for them. Whether any is negative.
+    #[allow(clippy::inline_always)] // As above.
+    #[inline(always)]
+    pub fn pulls<V: Four>(&self, of_tips: V, force: f64) -> bool {
+        let (of_signals, of_force) = &self.grip;
+        let of_signals = of_signals.each_ref().map(|per_signal| V::load(per_signal).times(of_tips));
+        V::is_any_sum_negative(of_signals, of_force.map(|per_force| per_force * force))
     }
 
-    /// Whether any of these is negative.
-    #[inline]
-    #[allow(clippy::needless_bitwise_bool)] // A branch for each would take longer.
-    pub fn pulls(&self, signals: &Signals, force: f64) -> bool {
-        self.grip(signals, force).iter().fold(false, |any, force| any | (*force < 0.0))
+    /// The contact forces that [`pulls`](Self::pulls) looks at.
+    #[cfg(test)]
+    pub fn grip(&self, of_tips: Lanes, force: f64) -> [f64; 2] {
+        let (of_signals, of_force) = &self.grip;
+        [0, 1].map(|i| crate::kernel::dot(&of_signals[i], &of_tips) + of_force[i] * force)
+    }
+
+    /// The signals that contact forces depend on.
+    pub fn of_tips(signals: &Signals) -> Lanes {
+        GRIP_SIGNALS.map(|signal| signals[signal])
     }
 
     /// Tip deflections of energy coordinates.

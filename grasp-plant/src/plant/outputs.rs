@@ -34,7 +34,7 @@ impl Plant {
     }
 
     /// Whether a tip may have pulled at the object instead of pressing when the last step had been made: whether with its inputs a
-    /// [contact force](Self::contact_force) was negative, to rounding. Only of a grasp that cannot open.
+    /// [contact force](Self::contact_force) was negative, to rounding. True of a grasp that can open.
     #[must_use]
     #[inline]
     pub fn may_have_pulled(&self) -> bool {
@@ -43,7 +43,7 @@ impl Plant {
 
     /// What [`Self::may_have_pulled`] is after a step with these inputs.
     pub(super) fn may_pull(&self, inputs: &Inputs) -> bool {
-        self.model.pulls(&self.signals, self.model.forces(inputs)[2])
+        self.model.pulls(Model::of_tips(&self.signals), self.model.forces(inputs)[2])
     }
 
     /// The contact forces alone \[N\], as in [`Self::direct`].
@@ -76,14 +76,17 @@ impl Plant {
         std::array::from_fn(|i| self.model.actuators[i].is_limited(commands[i]))
     }
 
-    /// Whether any of them is.
+    /// Whether any of them was in the last step.
     #[must_use]
     #[inline]
-    #[allow(clippy::needless_bitwise_bool)] // A branch for each would take longer.
-    pub fn is_any_limited(&self, inputs: &Inputs) -> bool {
-        let [low, high] = &self.model.limits;
-        let commands = inputs.fresh().commands();
-        (0..FORCES).fold(false, |any, i| any | (commands[i] <= low[i]) | (commands[i] >= high[i]))
+    pub fn was_any_limited(&self) -> bool {
+        self.limited
+    }
+
+    /// What [`Self::was_any_limited`] is after a step with these inputs.
+    pub(super) fn is_any_limited(&self, inputs: &Inputs) -> bool {
+        let [commands, _] = inputs.fresh_lanes();
+        self.model.is_any_limited(commands)
     }
 
     /// The exact directional derivative ∂direct/∂inputs · `direction` at `inputs`, with the actuators' slopes there.

@@ -30,6 +30,7 @@ impl Plant {
     pub(super) fn any_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         // Also a step that is refused may make its table the last.
         self.calm = 0;
+        self.limited = self.is_any_limited(inputs);
         if !(h > 0.0 && h.is_finite()) {
             return Err(StepError::NotPositive { h });
         }
@@ -41,11 +42,14 @@ impl Plant {
             return Err(StepError::InputNotFinite);
         }
         if let Some(contacts) = &mut self.contacts {
+            // That it is time to look at the contacts.
+            self.pulls = true;
             return contacts.step(&self.model, &mut self.state, &mut self.signals, h, inputs, rates);
         }
         if h > self.longest_part() {
             return self.long_step(h, inputs, rates);
         }
+        self.prepare();
         self.work.next.sizes = self.state.sizes;
         self.work.next.sizes.note(h);
         let repeats = self.work.next.sizes.repeat();
@@ -108,7 +112,7 @@ impl Plant {
             }
             i += 1.0;
         }
-        self.pulls = self.may_pull(inputs);
+        (self.pulls, self.limited) = (self.may_pull(inputs), self.is_any_limited(inputs));
         Ok(())
     }
 

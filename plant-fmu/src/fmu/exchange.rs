@@ -225,7 +225,11 @@ impl ModelExchange for DualArmPlant {
 
     fn step_completed(&mut self, moment: &mut Moment<'_>) -> Result<Completed, Failure> {
         // The host has moved the plant, which knows of no step of its own.
-        if self.watch_contact(moment.time, true) {
+        let size = self.grip.passed(moment.time);
+        if let Some(plant) = &self.plant {
+            self.grip.look(moment.time, size, plant, &self.inputs);
+        }
+        if self.is_over(moment.time, size) {
             self.tell_of_contact(&mut |said| moment.warn(said));
         }
         let due = self.plant.as_ref().is_some_and(|plant| plant.contact_is_due(&self.inputs));

@@ -36,17 +36,20 @@ impl Grip {
         Self { until: start, ..Self::default() }
     }
 
-    /// Looks at the contacts at the end of a step, and returns the step's size. Where tips cannot leave the object, only if one `may_pull`.
-    #[allow(clippy::inline_always)] // On the way of every step.
-    #[inline(always)]
-    pub fn watch(&mut self, time: f64, plant: &Plant, inputs: &Inputs, may_pull: bool) -> f64 {
+    /// A step ends; returns its size.
+    #[inline]
+    pub fn passed(&mut self, time: f64) -> f64 {
         let size = time - self.until;
         self.until = time;
+        size
+    }
+
+    /// Looks at the contacts at the end of a step of this size.
+    #[inline(never)]
+    pub fn look(&mut self, time: f64, size: f64, plant: &Plant, inputs: &Inputs) {
         let Some(contact) = plant.state().contact.as_deref() else {
-            if may_pull {
-                self.pulled(time, size, plant.contact_force(inputs));
-            }
-            return size;
+            self.pulled(time, size, plant.contact_force(inputs));
+            return;
         };
         for ((tip, touching), openings) in self.tips.iter_mut().zip(contact.touching).zip(contact.openings) {
             if openings > tip.openings {
@@ -56,11 +59,9 @@ impl Grip {
                 tip.lost(time, size);
             }
         }
-        size
     }
 
     /// A contact that can't open may bear tension.
-    #[inline(never)]
     fn pulled(&mut self, time: f64, size: f64, force: [f64; 2]) {
         for (tip, force) in self.tips.iter_mut().zip(force) {
             if force < -TENSION {

@@ -3,6 +3,7 @@
 
 mod exchange;
 mod grip;
+mod saved;
 mod variables;
 
 use std::fmt;
@@ -18,7 +19,7 @@ use grip::Grip;
 use variables::{ActuatorChoice, ContactChoice};
 
 /// `DualArmPlant.fmu`.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[repr(C)] // What every step needs side by side: from the measured outputs to the first half of the plant.
 pub struct DualArmPlant {
     parameters: Parameters,
@@ -37,7 +38,7 @@ pub struct DualArmPlant {
     /// Slopes of the inputs over the next step.
     input_rates: Inputs,
     /// The plant, once there is a start.
-    #[serde(with = "plant_state")]
+    #[serde(with = "saved::plant")]
     plant: Option<Plant>,
     /// When and where contact was lost in this run.
     grip: Grip,
@@ -124,14 +125,10 @@ impl DualArmPlant {
     /// What the actuators at their limits are called, by the sum of 1, 2 and 4: no memory is asked for in a step.
     const LIMITED: [&str; 8] = ["", "tau1", "tau2", "tau1, tau2", "u", "tau1, u", "tau2, u", "tau1, tau2, u"];
 
-    /// Looks at the contacts after a step that ends at `time`, and there, where they cannot open, only if a tip `may_pull`. Whether the run
-    /// ends there, so that it is time to say what became of them: not only when it is terminated, which not every host does and after
-    /// which few listen.
-    #[allow(clippy::inline_always)] // On the way of every step.
-    #[inline(always)]
-    fn watch_contact(&mut self, time: f64, may_pull: bool) -> bool {
-        let Some(plant) = &self.plant else { return false };
-        let size = self.grip.watch(time, plant, &self.inputs, may_pull);
+    /// Whether the run ends with the step of this size that ends at `time`, so that it is time to say what became of the contacts: not only
+    /// when it is terminated, which not every host does and after which few listen.
+    #[inline]
+    fn is_over(&self, time: f64, size: f64) -> bool {
         self.stop_time.is_some_and(|stop| time > stop - 0.5 * size)
     }
 
@@ -144,9 +141,14 @@ impl DualArmPlant {
         }
     }
 
-    /// An actuator is at its limits during this step.
+    /// Adds up for how long actuators have been at their limits, of which one may be during this step.
     #[cold]
-    fn limited(&mut self, step: &mut Step<'_>) {
+    #[inline(never)]
+    fn watch_limits(&mut self, step: &mut Step<'_>, is_limited: bool) {
+        if !is_limited {
+            self.time_at_limits = (self.time_at_limits - step.size).max(0.0);
+            return;
+        }
         self.time_at_limits += step.size;
         if self.told_of_limits || self.time_at_limits < Self::LONG {
             return;
@@ -166,6 +168,7 @@ impl DualArmPlant {
 
     /// Says once where and when contact was lost.
     #[cold]
+    #[inline(never)]
     fn tell_of_contact(&mut self, warn: &mut dyn FnMut(fmt::Arguments<'_>)) {
         if let Some(plant) = &self.plant
             && !self.told_of_contact
@@ -271,17 +274,19 @@ impl Model for DualArmPlant {
     }
 
     fn step(&mut self, step: &mut Step<'_>) -> Result<(), Failure> {
-        let plant = self.plant.as_mut().ok_or_else(|| Failure::error("the plant has no start yet"))?;
+        let Some(plant) = &mut self.plant else { return Err(no_start()) };
         plant.step(step.size, &self.inputs, &self.input_rates).map_err(discarded)?;
-        let is_limited = plant.is_any_limited(&self.inputs);
-        let may_have_pulled = plant.may_have_pulled();
-        if self.watch_contact(step.time + step.size, may_have_pulled) {
+        let is_limited = plant.was_any_limited();
+        let time = step.time + step.size;
+        let size = self.grip.passed(time);
+        if plant.may_have_pulled() {
+            self.grip.look(time, size, plant, &self.inputs);
+        }
+        if self.is_over(time, size) {
             self.tell_of_contact(&mut |said| step.warn(said));
         }
-        if is_limited {
-            self.limited(step);
-        } else if self.time_at_limits > 0.0 {
-            self.time_at_limits = (self.time_at_limits - step.size).max(0.0);
+        if is_limited || self.time_at_limits > 0.0 {
+            self.watch_limits(step, is_limited);
         }
         Ok(())
     }
@@ -311,28 +316,14 @@ impl Model for DualArmPlant {
 
 #[cold]
 #[inline(never)]
-fn discarded(error: StepError) -> Failure {
-    Failure::discard(error)
+fn no_start() -> Failure {
+    Failure::error("the plant has no start yet")
 }
 
-/// A plant in a saved state is its parameters and what moves; the matrices are computed again.
-mod plant_state {
-    use grasp_plant::{Parameters, Plant, State};
-    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
-
-    #[allow(clippy::ref_option)] // The signature serde asks for.
-    pub fn serialize<S: Serializer>(plant: &Option<Plant>, serializer: S) -> Result<S::Ok, S::Error> {
-        plant.as_ref().map(|plant| (plant.parameters(), plant.state())).serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Plant>, D::Error> {
-        let Some((parameters, state)) = Option::<(Parameters, State)>::deserialize(deserializer)? else {
-            return Ok(None);
-        };
-        let mut plant = Plant::new(parameters).map_err(D::Error::custom)?;
-        plant.set_state(&state).map_err(D::Error::custom)?;
-        Ok(Some(plant))
-    }
+#[cold]
+#[inline(never)]
+fn discarded(error: StepError) -> Failure {
+    Failure::discard(error)
 }
 
 fmi2_export::export!(DualArmPlant);
