@@ -144,6 +144,17 @@ fn one_case() {
         assert_eq!(said(), [(FATAL, "logStatusError".to_owned(), expected)]);
     } else {
         let (c, other) = (instantiate(kind), instantiate(0));
+        // One that is between steps, of which this thread has read before: no call of it looks at more than it must.
+        let stepping = (case != "initialization").then(|| {
+            let c = instantiate(1);
+            // SAFETY: a living instance; all pointers are valid for the call.
+            unsafe {
+                assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
+                assert_eq!((fmi2EnterInitializationMode(c), fmi2ExitInitializationMode(c)), (OK, OK));
+                (0..3).for_each(|_| assert_eq!(fmi2GetReal(c, &0, 1, &mut 0.0), OK));
+            }
+            c
+        });
         // SAFETY: living instances; all pointers are valid for the call.
         let provoked = unsafe {
             assert_eq!(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0), OK);
@@ -167,7 +178,12 @@ fn one_case() {
         };
         assert_eq!(provoked, FATAL);
         assert_eq!(said(), [(FATAL, "logStatusError".to_owned(), format!("100 %% broken in {case}"))]);
-        for instance in [c, other] {
+        if let Some(stepping) = stepping {
+            // SAFETY: a living instance; all pointers are valid for the call.
+            assert_eq!(unsafe { fmi2GetReal(stepping, &0, 1, &mut 0.0) }, FATAL);
+            assert_eq!(said().len(), 1);
+        }
+        for instance in [c, other].into_iter().chain(stepping) {
             assert_eq!(calls(instance), [FATAL; 16]);
             let news = said();
             assert_eq!(news.len(), 16, "each refusal is told");

@@ -63,6 +63,36 @@ pub fn are_right(vr: *const u32, value: *const f64) -> bool {
     aligned && !vr.is_null() && !value.is_null()
 }
 
+/// The same as [`values`], of pointers that [are right](are_right), if there can be so many.
+///
+/// # Safety
+/// As [`slice`], and both are right.
+#[inline(always)]
+pub unsafe fn right_values<'a>(vr: *const u32, value: *const f64, length: usize) -> Option<(&'a [u32], &'a [f64])> {
+    // SAFETY: as in `slice`.
+    can_be(length)
+        .then(|| unsafe { (std::slice::from_raw_parts(vr, length), std::slice::from_raw_parts(value, length)) })
+}
+
+/// The same as [`places`], likewise.
+///
+/// # Safety
+/// As [`slice`] and [`out`], and both are right.
+#[inline(always)]
+pub unsafe fn right_places<'a>(vr: *const u32, value: *mut f64, length: usize) -> Option<(&'a [u32], Out<'a, f64>)> {
+    // SAFETY: as in `slice` and `out`.
+    can_be(length).then(|| unsafe {
+        let places = std::slice::from_raw_parts_mut(value.cast::<MaybeUninit<f64>>(), length);
+        (std::slice::from_raw_parts(vr, length), Out::new(places))
+    })
+}
+
+/// Whether there can be so many numbers.
+#[inline(always)]
+fn can_be(length: usize) -> bool {
+    length <= isize::MAX as usize / size_of::<f64>()
+}
+
 #[inline(always)]
 fn check<T>(pointer: *const T, length: usize, what: &str) -> Result<(), Refusal> {
     if pointer.is_null() || !pointer.is_aligned() || length > isize::MAX as usize / size_of::<T>() {

@@ -60,6 +60,7 @@ pub struct Guard {
 }
 
 /// A call under way: its mark, to be taken away when it ends.
+#[repr(transparent)]
 pub struct Entered<'g>(&'g AtomicU8);
 
 impl Entered<'_> {
@@ -267,6 +268,28 @@ mod tests {
             assert!(!counter.guard.is_busy());
             assert_eq!(counter.count(3), 3);
         }
+    }
+
+    /// The short way is open to the owner, if who left last has said so, until ownership is taken away.
+    #[test]
+    fn the_short_way_is_open_to_the_owner_of_what_is_ready() {
+        let counter = counter();
+        let guard = &counter.guard;
+        let is_open = || guard.enter_shortly().map(|entered| entered.leave(true)).is_some();
+        assert!(!is_open());
+        counter.count(2);
+        assert_eq!(is_open(), can_bar());
+        assert!(!thread::scope(|scope| scope.spawn(is_open).join().unwrap()), "another thread");
+        for is_ready in [false, true] {
+            let entered = guard.enter().unwrap();
+            assert!(!is_open(), "inside");
+            entered.leave(is_ready);
+            assert_eq!(is_open(), is_ready && can_bar());
+        }
+        guard.disown();
+        assert!(!is_open());
+        counter.count(2);
+        assert_eq!(is_open(), can_bar());
     }
 
     /// A thread that calls again is the owner, where the system has barriers.

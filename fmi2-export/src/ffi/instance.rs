@@ -125,6 +125,15 @@ fn end(instance: &mut Instance, entered: Entered<'_>, result: std::thread::Resul
     status
 }
 
+/// The instance of a component that has been entered.
+///
+/// # Safety
+/// Nobody else may use it until the call has ended.
+pub unsafe fn instance<'c>(component: Component) -> &'c mut Instance {
+    // SAFETY: the caller's promise.
+    unsafe { &mut *(*component.cast::<Shared>()).instance.get() }
+}
+
 /// Ends a call that began with [`enter_shortly`], and in which the model has failed. It finds the instance anew, so that nothing is kept for
 /// it on the way of a step.
 ///
@@ -134,7 +143,7 @@ fn end(instance: &mut Instance, entered: Entered<'_>, result: std::thread::Resul
 #[inline(never)]
 pub unsafe fn end_failed(component: Component, entered: Entered<'_>, failure: Failure) -> Status {
     // SAFETY: the caller's promise.
-    let instance = unsafe { &mut *(*component.cast::<Shared>()).instance.get() };
+    let instance = unsafe { instance(component) };
     let refusal = instance.slave.failed_step(failure);
     end(instance, entered, Ok(Err(refusal)))
 }
@@ -147,7 +156,7 @@ pub unsafe fn end_failed(component: Component, entered: Entered<'_>, failure: Fa
 #[inline(never)]
 pub unsafe fn end_panicked(component: Component, entered: Entered<'_>, panic: Box<dyn Any + Send>) -> Status {
     // SAFETY: the caller's promise.
-    let instance = unsafe { &mut *(*component.cast::<Shared>()).instance.get() };
+    let instance = unsafe { instance(component) };
     end(instance, entered, Err(panic))
 }
 

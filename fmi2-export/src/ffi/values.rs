@@ -4,8 +4,9 @@
 use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::arguments::{are_right, out, places, slice, strings, values};
-use super::instance::{call, end_panicked, enter_shortly};
+use super::arguments::{are_right, out, places, right_places, right_values, slice, strings, values};
+use super::guard::{Entered, HAS_OWNERS};
+use super::instance::{call, end_panicked, enter_shortly, instance};
 use super::types::{Boolean, Component, ValueReference};
 use crate::status::{Refusal, Status};
 
@@ -19,28 +20,48 @@ pub unsafe extern "C" fn get_real(
 ) -> Status {
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
-        if !are_right(vr, value) {
-            return get_any_real(component, vr, count, value);
+        if are_right(vr, value)
+            && let Some((instance, entered)) = enter_shortly(component)
+        {
+            let slave = &mut instance.slave;
+            return match catch_unwind(AssertUnwindSafe(|| slave.get_shortly(vr, value, count))) {
+                Ok(true) => {
+                    entered.leave(true);
+                    Status::Ok
+                }
+                Ok(false) => get_near_real(component, vr, count, value, entered),
+                Err(panic) => end_panicked(component, entered, panic),
+            };
         }
-        let Some((instance, entered)) = enter_shortly(component) else {
-            return get_any_real(component, vr, count, value);
-        };
-        let slave = &mut instance.slave;
-        match catch_unwind(AssertUnwindSafe(|| slave.get_shortly(vr, value, count))) {
-            Ok(true) => {
+        get_any_real(component, vr, count, value)
+    }
+}
+
+/// Goes on where [`get_real`] has entered and found that the variables don't stand side by side. As all that makes up for a short way it is a
+/// C function, which never unwinds: so nothing has to be done after it.
+#[inline(never)]
+unsafe extern "C" fn get_near_real(
+    component: Component,
+    vr: *const ValueReference,
+    count: usize,
+    value: *mut f64,
+    entered: Entered<'_>,
+) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`; and `get_real` has entered.
+    unsafe {
+        let slave = &mut instance(component).slave;
+        let get =
+            || right_places(vr, value, count).is_some_and(|(references, places)| slave.get_near(references, places));
+        match catch_unwind(AssertUnwindSafe(get)) {
+            Ok(is_done) => {
                 entered.leave(true);
-                Status::Ok
-            }
-            Ok(false) => {
-                entered.leave(true);
-                get_any_real(component, vr, count, value)
+                if is_done { Status::Ok } else { get_any_real(component, vr, count, value) }
             }
             Err(panic) => end_panicked(component, entered, panic),
         }
     }
 }
 
-/// A C function, which never unwinds: so nothing has to be done after it.
 #[inline(never)]
 unsafe extern "C" fn get_any_real(
     component: Component,
@@ -51,8 +72,15 @@ unsafe extern "C" fn get_any_real(
     // SAFETY: the host's promise, see the module `ffi`.
     unsafe {
         call(component, |instance| {
-            let (references, places) = places(vr, value, count)?;
-            instance.slave.get_real(references, places)
+            let (references, mut places) = places(vr, value, count)?;
+            let slave = &mut instance.slave;
+            if !HAS_OWNERS
+                && slave.is_ready()
+                && (slave.get_shortly(vr, value, count) || slave.get_near(references, places.again()))
+            {
+                return Ok(());
+            }
+            slave.get_real(references, places)
         })
     }
 }
@@ -111,17 +139,35 @@ pub unsafe extern "C" fn set_real(
         if are_right(vr, value)
             && let Some((instance, entered)) = enter_shortly(component)
         {
-            let is_done = instance.slave.set_shortly(vr, value, count);
-            entered.leave(true);
-            if is_done {
-                return Status::Ok;
+            if !instance.slave.set_shortly(vr, value, count) {
+                return set_near_real(component, vr, count, value, entered);
             }
+            entered.leave(true);
+            return Status::Ok;
         }
         set_any_real(component, vr, count, value)
     }
 }
 
-/// A C function, which never unwinds: so nothing has to be done after it.
+/// As [`get_near_real`].
+#[inline(never)]
+unsafe extern "C" fn set_near_real(
+    component: Component,
+    vr: *const ValueReference,
+    count: usize,
+    value: *const f64,
+    entered: Entered<'_>,
+) -> Status {
+    // SAFETY: the host's promise, see the module `ffi`; and `set_real` has entered.
+    unsafe {
+        let slave = &mut instance(component).slave;
+        let set = |(references, values): (&[u32], &[f64])| slave.set_near(references, values);
+        let is_done = right_values(vr, value, count).is_some_and(set);
+        entered.leave(true);
+        if is_done { Status::Ok } else { set_any_real(component, vr, count, value) }
+    }
+}
+
 #[inline(never)]
 unsafe extern "C" fn set_any_real(
     component: Component,
@@ -133,7 +179,14 @@ unsafe extern "C" fn set_any_real(
     unsafe {
         call(component, |instance| {
             let (references, values) = values(vr, value, count)?;
-            instance.slave.set_real(references, values)
+            let slave = &mut instance.slave;
+            if !HAS_OWNERS
+                && slave.is_ready()
+                && (slave.set_shortly(vr, value, count) || slave.set_near(references, values))
+            {
+                return Ok(());
+            }
+            slave.set_real(references, values)
         })
     }
 }

@@ -6,7 +6,7 @@ use super::{Slave, find};
 use crate::layout::{Layout, RealSlot, Slot};
 use crate::out::Out;
 use crate::pairs::follow_each_other;
-use crate::phase::{Call, Phase};
+use crate::phase::Call;
 use crate::status::{Outcome, Refusal};
 use crate::view::{Value, View};
 
@@ -41,11 +41,10 @@ impl Slave {
         true
     }
 
-    /// Reads variables between steps, if none is elsewhere; whether it has.
+    /// Reads variables of an instance that is ready, if none is elsewhere; whether it has.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
     pub fn get_near(&mut self, references: &[u32], values: Out<'_, f64>) -> bool {
-        if self.frame.phase != Phase::StepComplete {
-            return false;
-        }
         let (layout, mut view) = self.subject.view();
         let mut needs = 0;
         for reference in references {
@@ -63,12 +62,7 @@ impl Slave {
         true
     }
 
-    pub fn get_real(&mut self, references: &[u32], mut values: Out<'_, f64>) -> Outcome {
-        if self.get_near(references, values.again()) { Ok(()) } else { self.get_each_real(references, values) }
-    }
-
-    /// As [`get_real`](Self::get_real), without looking for a short way.
-    pub fn get_each_real(&mut self, references: &[u32], values: Out<'_, f64>) -> Outcome {
+    pub fn get_real(&mut self, references: &[u32], values: Out<'_, f64>) -> Outcome {
         self.check(Call::Get, "fmi2GetReal")?;
         let mut wanted = 0;
         for reference in references {

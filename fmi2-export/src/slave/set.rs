@@ -59,17 +59,21 @@ impl Slave {
         true
     }
 
-    /// Sets inputs between steps, if none is elsewhere and all take these values; whether it has.
+    /// Sets inputs of an instance that is ready, if none is elsewhere and all take these values; whether it has.
+    #[allow(clippy::inline_always)] // On the way of every step, in a crate that is compiled for size.
+    #[inline(always)]
     pub fn set_near(&mut self, references: &[u32], values: &[f64]) -> bool {
-        if self.frame.phase != Phase::StepComplete {
-            return false;
-        }
         let (layout, mut view) = self.subject.view();
+        let (mut kinds, mut needs) = (Causality::Input.bit(), 0);
         for (reference, value) in references.iter().zip(values) {
-            match layout.reals.get(*reference as usize) {
-                Some(real) if real.run > 0 && is_input(real) && real.accepts(*value) => {}
-                _ => return false,
+            let Some(real) = layout.reals.get(*reference as usize) else { return false };
+            (kinds, needs) = (kinds | real.kind, needs | real.needs);
+            if !real.accepts(*value) {
+                return false;
             }
+        }
+        if kinds != Causality::Input.bit() || needs & RealSlot::NO_SHORT_WAY != 0 {
+            return false;
         }
         // SAFETY: all are there, and none is elsewhere.
         unsafe { view.set_near(references, values) };
@@ -78,11 +82,6 @@ impl Slave {
     }
 
     pub fn set_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
-        if self.set_near(references, values) { Ok(()) } else { self.set_each_real(references, values) }
-    }
-
-    /// As [`set_real`](Self::set_real), without looking for a short way.
-    pub fn set_each_real(&mut self, references: &[u32], values: &[f64]) -> Outcome {
         self.check(Call::Set, "fmi2SetReal")?;
         let mut changed = Changed::default();
         let now = self.frame.phase.settable_bit();
