@@ -119,9 +119,9 @@ impl Arms {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TargetSlopes {
     /// ∂θ₂ᵈ/∂λ₁ᵈ \[rad/N\].
-    theta2: f64,
+    pub theta2: f64,
     /// ∂`y_M`ᵈ/∂λ₁ᵈ \[m/N\].
-    y: f64,
+    pub y: f64,
 }
 
 /// The static target (16).

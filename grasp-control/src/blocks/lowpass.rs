@@ -67,8 +67,20 @@ impl LowPass {
     }
 
     /// Puts the filters in equilibrium with `input`.
+    #[inline]
     pub fn settle(&mut self, input: [f64; 2]) {
         self.state = input;
+    }
+
+    /// Where the filters are.
+    #[inline]
+    pub(crate) fn state(&self) -> [f64; 2] {
+        self.state
+    }
+
+    /// Shares of the distance to a held input that are gone after some times \[s\].
+    pub(crate) fn follows(&self, times: [f64; 3]) -> [f64; 3] {
+        times.map(|time| self.response(time).follow)
     }
 
     /// What the filters give now.
@@ -129,11 +141,12 @@ impl LowPass {
     #[cold]
     #[inline(never)]
     fn responses_to(&self, h: f64) -> Responses {
-        let at = |t: f64| {
-            let z = self.bandwidth * t;
-            Response { follow: z * phi1(z), ramp: t * z * phi2(z) }
-        };
-        Responses { h, nodes: NODES.map(|node| at(node * h)), end: at(h) }
+        Responses { h, nodes: NODES.map(|node| self.response(node * h)), end: self.response(h) }
+    }
+
+    fn response(&self, t: f64) -> Response {
+        let z = self.bandwidth * t;
+        Response { follow: z * phi1(z), ramp: t * z * phi2(z) }
     }
 }
 

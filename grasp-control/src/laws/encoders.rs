@@ -192,6 +192,28 @@ impl<L: Law> Encoders<L> {
         let commands = self.law.commands(&seen);
         self.actuation.forces(&commands, inputs)
     }
+
+    // Functions of their own, so that the usual way needs no room on the stack.
+    #[inline(never)]
+    fn estimated_commands(&mut self, inputs: &Inputs) -> Commands {
+        let seen = self.seen(inputs);
+        self.law.commands(&seen)
+    }
+
+    #[inline(never)]
+    fn estimated_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        StepError::check(h, inputs, rates)?;
+        let mean = inputs.after(0.5 * h, rates);
+        let forces = self.forces(&mean);
+        let motions = motions(&mean);
+        let seen = self.seen(inputs);
+        self.law.step(h, &seen, &self.with_rates(rates, [0.0; 3]))?;
+        let known: [Known; 3] = std::array::from_fn(|i| self.known(i));
+        for (i, observer) in self.observers.iter_mut().enumerate() {
+            observer.step(h, &known[i], motions[i], forces[i]);
+        }
+        Ok(())
+    }
 }
 
 /// Columns of the rates in a Jacobian row.
@@ -218,11 +240,7 @@ impl<L: Law> Law for Encoders<L> {
     // On the way of every step, and called from a crate that is compiled for size.
     #[inline]
     fn commands(&mut self, inputs: &Inputs) -> Commands {
-        if self.source == RateSource::Measured {
-            return self.law.commands(inputs);
-        }
-        let seen = self.seen(inputs);
-        self.law.commands(&seen)
+        if self.source == RateSource::Measured { self.law.commands(inputs) } else { self.estimated_commands(inputs) }
     }
 
     /// The observers are exact for held inputs; inputs that ramp enter with their mean, an error of second order. The law
@@ -230,19 +248,10 @@ impl<L: Law> Law for Encoders<L> {
     #[inline]
     fn step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         if self.source == RateSource::Measured {
-            return self.law.step(h, inputs, rates);
+            self.law.step(h, inputs, rates)
+        } else {
+            self.estimated_step(h, inputs, rates)
         }
-        StepError::check(h, inputs, rates)?;
-        let mean = inputs.after(0.5 * h, rates);
-        let forces = self.forces(&mean);
-        let motions = motions(&mean);
-        let seen = self.seen(inputs);
-        self.law.step(h, &seen, &self.with_rates(rates, [0.0; 3]))?;
-        let known: [Known; 3] = std::array::from_fn(|i| self.known(i));
-        for (i, observer) in self.observers.iter_mut().enumerate() {
-            observer.step(h, &known[i], motions[i], forces[i]);
-        }
-        Ok(())
     }
 
     fn jacobian(&mut self, inputs: &Inputs) -> CommandJacobian {

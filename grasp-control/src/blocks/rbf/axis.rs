@@ -29,16 +29,16 @@ pub(super) struct Axis {
     /// 1/b².
     pub sharpness: f64,
     /// 1/b², for powers of two.
-    square: f64,
+    pub square: f64,
     /// 2Δ/b², for powers of two; of half a step Δ/b² where the number of nodes is even, for then their centres are odd multiples of Δ/2.
-    step: f64,
+    pub step: f64,
     /// Where exp(−‖x‖²/b²) is not larger, every activation is negligible.
-    least: f64,
+    pub least: f64,
     /// Beyond this |x| that is so.
-    reach: f64,
+    pub reach: f64,
     pub is_narrow: bool,
     /// exp(−c²/b²) of the centres by their distance from the middle, the nearest first; 0 in lanes that stand for no axis.
-    heights: [[Lanes; DISTANCES]; GROUPS],
+    pub heights: [[Lanes; DISTANCES]; GROUPS],
 }
 
 impl Axis {

@@ -43,13 +43,16 @@ mod lanes;
 mod layout;
 mod learning;
 mod network;
+mod plain;
 mod stored;
 #[cfg(test)]
 mod tests;
+mod weights;
 
 pub(crate) use continuous::NetworkChange;
 pub use layout::{Layout, MAX_PER_AXIS};
 pub use network::Network;
+pub(crate) use plain::{GRID, Heights, PlainAxis, STAR, learn_grid, learn_star, star_output};
 
 /// Narrowest and widest Gaussians in normalised units. Narrower ones would underflow inside the box.
 pub const WIDTHS: std::ops::RangeInclusive<f64> = 0.1..=10.0;

@@ -5,6 +5,7 @@ use super::basis::in_lanes;
 use super::lanes::{products, products_here, total};
 use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL_ARM, USUAL_STAR, groups, lane};
 use super::stored::Stored;
+use super::weights::Weights;
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::four::{Four, LANES, Lanes, Narrow};
 #[cfg(target_arch = "x86_64")]
@@ -17,13 +18,18 @@ use serde::{Deserialize, Serialize};
 /// of the weights share one evaluation of the basis. They are no state: serialised networks come back without them.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(try_from = "Stored", into = "Stored")]
+#[repr(C)] // What every step of a law touches comes first.
 pub struct Network<const D: usize> {
+    /// Row by row, and the tail, see [`Layout::place`].
+    pub(super) weights: Weights,
+    /// Ŵᵀ Y at the point, if it is known: four sums that make it up.
+    pub(super) output: Option<Lanes>,
+    /// What a star's nodes that are still contribute to Ŵᵀ Y, without the common factor, if it is known: four sums that make it up.
+    pub(super) kept: Option<Lanes>,
     pub(super) layout: Layout,
     pub(super) width: f64,
     is_plain: bool,
     pub(super) axis: Axis,
-    /// Row by row, and the tail, see [`Layout::place`].
-    pub(super) weights: Vec<Lanes>,
     /// The normalised input in the lanes of its axes.
     pub(super) point: [Lanes; GROUPS],
     /// ‖x‖² of the first four axes of two.
@@ -37,10 +43,6 @@ pub struct Network<const D: usize> {
     pub(super) before: [Lanes; USUAL_ARM],
     /// exp(−‖x‖²/b²) at that point.
     pub(super) before_common: f64,
-    /// What a star's nodes that are still contribute to Ŵᵀ Y, without the common factor, if it is known: four sums that make it up.
-    pub(super) kept: Option<Lanes>,
-    /// Ŵᵀ Y at the point, if it is known: four sums that make it up.
-    pub(super) output: Option<Lanes>,
 }
 
 /// Room for what rows have in common, in fours.
@@ -66,7 +68,7 @@ impl<const D: usize> Network<D> {
             width,
             is_plain: (layout.is_usual(D) || layout.is_usual_star(D)) && !axis.is_narrow,
             axis,
-            weights: vec![[0.0; LANES]; layout.rows() * row_length + layout.tail(D)],
+            weights: Weights::zeros(layout.rows() * row_length + layout.tail(D)),
             // Unlike any point, so that nothing counts as evaluated.
             point: in_lanes([f64::NAN; D]),
             first_norm2: 0.0,
@@ -201,7 +203,7 @@ impl<const D: usize> Network<D> {
     /// Weights and activations of a usual star.
     #[inline(always)]
     fn usual_star(&self) -> Option<(&[Lanes; USUAL_STAR], &[Lanes; USUAL_STAR])> {
-        Some((self.weights.as_slice().try_into().ok()?, self.inner.as_slice().try_into().ok()?))
+        Some(((*self.weights).try_into().ok()?, self.inner.as_slice().try_into().ok()?))
     }
 
     /// Whether it has the usual size and no narrow Gaussians, so that the ways for plain networks are open.
@@ -244,7 +246,7 @@ impl<const D: usize> Network<D> {
 
     /// Ŵ ← factor Ŵ.
     pub(super) fn scale(&mut self, factor: f64) {
-        for lanes in &mut self.weights {
+        for lanes in &mut *self.weights {
             for weight in lanes {
                 *weight *= factor;
             }

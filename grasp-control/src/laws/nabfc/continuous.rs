@@ -1,7 +1,7 @@
 //! The paper's law as differential equations: the update laws (37)–(39), (55)–(57) and the low-pass as they stand.
 
 use super::estimator::Scalars;
-use super::{Estimates, LoopInputs, Nabfc, ObjectInputs, Surfaces};
+use super::{Estimates, Known, LoopInputs, Nabfc, ObjectInputs, Surfaces};
 use crate::continuous::{Continuous, Decision, Direction, Regimes, indicator, state};
 use crate::law::inner;
 use crate::signals::{Commands, Inputs};
@@ -110,6 +110,7 @@ impl Continuous for Nabfc {
 
     #[inline]
     fn take_states(&mut self, states: &[f64]) {
+        self.keep.known = Known::Nothing;
         if self.shear_rate.is_on() {
             self.shear_rate.settle(std::array::from_fn(|i| states[state::SHEAR_RATES.start + i]));
         }

@@ -54,6 +54,7 @@ pub(crate) struct EstimateRates {
 
 /// The estimates of one loop, whose network has `D` inputs.
 #[derive(Debug, Clone, Serialize, Deserialize)]
+#[repr(C, align(64))] // The estimates and the beginning of the network, which a step touches, are on one line of the cache.
 pub(crate) struct Estimator<const D: usize> {
     laws: Laws,
     initial_inertia: f64,
@@ -67,6 +68,14 @@ pub(crate) struct Estimator<const D: usize> {
     has_network: bool,
     #[serde(skip)]
     steps: Option<Steps>,
+}
+
+/// Estimates and weights, to be changed.
+pub(crate) struct Learner<'a, const N: usize> {
+    pub inertia: &'a mut f64,
+    pub bound: &'a mut f64,
+    /// Those of a usual network.
+    pub weights: &'a mut [Lanes; N],
 }
 
 impl<const D: usize> Estimator<D> {
@@ -95,6 +104,23 @@ impl<const D: usize> Estimator<D> {
         self.laws == other.laws
             && self.initial_inertia == other.initial_inertia
             && self.network.has_layout_of(&other.network)
+    }
+
+    /// The update laws.
+    pub fn laws(&self) -> &Laws {
+        &self.laws
+    }
+
+    /// Whether its network learns, is plain and has no ball.
+    pub fn is_plain(&self) -> bool {
+        self.has_network && !self.has_ball() && self.network.is_plain()
+    }
+
+    /// All that it learns, if there are as many fours of weights.
+    #[inline(always)]
+    pub fn learner<const N: usize>(&mut self) -> Option<Learner<'_, N>> {
+        let Self { inertia, bound, network, .. } = self;
+        network.plain_weights().map(|weights| Learner { inertia, bound, weights })
     }
 
     /// Back to the initial estimates.

@@ -12,7 +12,7 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
-use super::Nabfc;
+use super::{Known, Nabfc};
 use crate::blocks::exponential::{powers, tanh_of};
 #[cfg(target_arch = "x86_64")]
 use crate::blocks::four::Wide;
@@ -41,7 +41,7 @@ impl Nabfc {
             return false;
         };
         let are_of_seen = object.is_of_seen & point1.is_of_seen & point2.is_of_seen;
-        are_of_seen && all_equal(&self.seen.to_array(), &inputs.to_array())
+        are_of_seen && self.keep.knows_loops() && all_equal(&self.keep.seen.to_array(), &inputs.to_array())
     }
 
     /// Evaluates all that the shear rates do not change. What they do change is to follow.
@@ -69,7 +69,7 @@ impl Nabfc {
 
     #[inline(always)]
     fn evaluate_still_here<V: Four>(&mut self, inputs: &Inputs) {
-        self.seen = *inputs;
+        (self.keep.seen, self.keep.known) = (*inputs, Known::Loops);
         self.object.prepare();
         let at = self.loop_inputs(inputs, [0.0; 2]);
         let [arm1, arm2] = &mut self.posture;
@@ -123,10 +123,12 @@ impl Nabfc {
     pub(super) fn step_here<V: Four>(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
         if !rates.are_held() {
             StepError::check(h, inputs, rates)?;
+            self.keep.forget_commands();
             self.ramped_step(h, inputs, rates);
             return Ok(());
         }
         StepError::check_held(h, inputs)?;
+        self.keep.forget_commands();
         self.held_step_here::<V>(h, inputs);
         Ok(())
     }

@@ -6,6 +6,7 @@ mod gains;
 mod kernel;
 mod object_loop;
 mod posture_loop;
+mod usual;
 
 pub use gains::{Gains, ObjectGains, PostureGains, RbfLayout};
 
@@ -21,6 +22,7 @@ use object_loop::{ObjectInputs, ObjectLoop, ObjectPartials};
 use parameter_table::InvalidParameter;
 use posture_loop::PostureLoop;
 use serde::{Deserialize, Serialize};
+use usual::{Keep, Known};
 
 /// The NABFC law: three loops, each with its estimates, and a low-pass on the shear rates.
 ///
@@ -42,9 +44,8 @@ pub struct Nabfc {
     object: ObjectLoop,
     posture: [PostureLoop; 2],
     shear_rate: LowPass,
-    /// Inputs for which the loops are evaluated, where their points say so.
     #[serde(skip)]
-    seen: Inputs,
+    keep: Keep,
 }
 
 /// The sliding variables (33) and (51).
@@ -105,7 +106,7 @@ impl Nabfc {
             object: ObjectLoop::new(&gains, arms.ei),
             posture: [PostureLoop::new(&gains, 0), PostureLoop::new(&gains, 1)],
             shear_rate: LowPass::new(gains.shear_rate_bandwidth),
-            seen: Inputs::default(),
+            keep: Keep::default(),
         })
     }
 
@@ -134,6 +135,7 @@ impl Nabfc {
             posture.retune(&gains, arm);
         }
         self.shear_rate.set_bandwidth(gains.shear_rate_bandwidth);
+        self.forget();
         self.gains = gains;
         Ok(())
     }
@@ -234,14 +236,37 @@ impl Nabfc {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
+    #[inline(never)]
     fn commands_wide(&mut self, inputs: &Inputs) -> Commands {
         self.commands_here::<Wide>(inputs)
     }
 
+    #[inline(never)]
+    fn commands_narrow(&mut self, inputs: &Inputs) -> Commands {
+        self.commands_here::<Narrow>(inputs)
+    }
+
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
+    #[inline(never)]
     fn step_wide(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        self.step_here::<Wide>(h, inputs, rates)
+        if self.usual_step::<Wide>(h, inputs, rates) { Ok(()) } else { self.unusual_step_wide(h, inputs, rates) }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    #[inline(never)]
+    fn unusual_step_wide(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        let result = self.step_here::<Wide>(h, inputs, rates);
+        if result.is_ok() && !self.keep.has_table(h) {
+            self.adopt(h);
+        }
+        result
+    }
+
+    #[inline(never)]
+    fn step_narrow(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
+        self.step_here::<Narrow>(h, inputs, rates)
     }
 
     /// A step with inputs that change. Not inlined, because few hosts ask for it: everything is sampled at two points.
@@ -286,6 +311,7 @@ impl Law for Nabfc {
     }
 
     fn initialize(&mut self, inputs: &Inputs) {
+        self.keep.known = Known::Nothing;
         self.object.reset();
         for posture in &mut self.posture {
             posture.reset();
@@ -295,12 +321,15 @@ impl Law for Nabfc {
 
     /// Eqs. (36) and (54).
     fn commands(&mut self, inputs: &Inputs) -> Commands {
+        if let Some(commands) = self.keep.commands(inputs) {
+            return commands;
+        }
         #[cfg(target_arch = "x86_64")]
         if has_wide_registers() {
             // SAFETY: the processor has it.
             return unsafe { self.commands_wide(inputs) };
         }
-        self.commands_here::<Narrow>(inputs)
+        self.commands_narrow(inputs)
     }
 
     /// Update laws (37)–(39) and (55)–(57), and the low-pass.
@@ -310,7 +339,7 @@ impl Law for Nabfc {
             // SAFETY: the processor has it.
             return unsafe { self.step_wide(h, inputs, rates) };
         }
-        self.step_here::<Narrow>(h, inputs, rates)
+        self.step_narrow(h, inputs, rates)
     }
 
     fn jacobian(&mut self, inputs: &Inputs) -> CommandJacobian {

@@ -31,13 +31,13 @@ pub(crate) struct ObjectInputs {
 
 /// What the user can set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct ObjectSettings {
-    gains: ObjectGains,
-    sat_limit: f64,
+pub(super) struct ObjectSettings {
+    pub gains: ObjectGains,
+    pub sat_limit: f64,
     /// 1/EIᵢ.
-    compliance: [f64; 2],
+    pub compliance: [f64; 2],
     /// Normalises X = [z₁, s, α̇₁, w₁''', w₂''', ẇ₁''', ẇ₂'''].
-    inverse_scales: [f64; 7],
+    pub inverse_scales: [f64; 7],
 }
 
 impl ObjectSettings {
@@ -63,7 +63,7 @@ impl ObjectSettings {
     }
 
     /// What moves with unit ż₁, Q̇₁ and Q̇₂.
-    fn moving(&self) -> Moving {
+    pub fn moving(&self) -> Moving {
         let [c1, c2] = self.compliance;
         let [.., alpha, _, _, by1, by2] = self.inverse_scales;
         [
@@ -88,7 +88,7 @@ impl ObjectSettings {
 /// Controller of the object.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct ObjectLoop {
-    settings: ObjectSettings,
+    pub(super) settings: ObjectSettings,
     /// m̂, ε̂, Ŵ.
     pub estimator: Estimator<7>,
     #[serde(skip)]
@@ -100,7 +100,7 @@ pub(crate) struct ObjectLoop {
 
 /// What ż₁, Q̇₁ and Q̇₂ move: the network's inputs α̇₁, ẇ₁''' and ẇ₂''', normalised, and in the last lane the regressor. Linear, each
 /// by one of these.
-type Moving = [Lanes; 3];
+pub(super) type Moving = [Lanes; 3];
 
 /// Signals of the loop at one instant.
 #[derive(Debug, Clone, Copy)]

@@ -16,11 +16,11 @@ use serde::{Deserialize, Serialize};
 
 /// What the user can set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-struct PostureSettings {
-    gains: PostureGains,
+pub(super) struct PostureSettings {
+    pub gains: PostureGains,
     sat_limit: f64,
     /// Normalises Z = [e, s, α̇₂].
-    inverse_scales: [f64; 3],
+    pub inverse_scales: [f64; 3],
 }
 
 impl PostureSettings {
@@ -48,7 +48,7 @@ impl PostureSettings {
 /// Controller of one hub.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct PostureLoop {
-    settings: PostureSettings,
+    pub(super) settings: PostureSettings,
     /// Ĵ, π̂, Û.
     pub estimator: Estimator<3>,
     #[serde(skip)]
