@@ -46,6 +46,13 @@ ALWAYS four greater(four x, four y) {
     return choose(x > y, x, y);
 #endif
 }
+ALWAYS four least(four x, four y) {
+#ifdef __AVX__
+    return _mm256_min_pd(x, y);
+#else
+    return choose(x < y, x, y);
+#endif
+}
 ALWAYS double sum(four x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 ALWAYS double clamp(double x, double limit) { return x < -limit ? -limit : x > limit ? limit : x; }
 
@@ -225,8 +232,15 @@ static struct law law(double gain, double leakage, double h) {
 
 /* Gains of a loop: switching, k, slope (sum of two), virtual control, width of tanh. */
 struct loop {
-    double xi, k, slope, c, steep, inertia, bound;
+    double xi, k, slope, c, steep, inertia;
     struct law weights, bounds, inertias;
+};
+
+/* Lanes are the loops: hub 1, hub 2, nothing, object; of `follow` the points of a step. A law's second weight is zero for the hubs. */
+struct lanes {
+    four xi, k, slope, steep, error, surface, alpha, reach, step, square, follow;
+    four bounds[3], inertias[3];
+    four target;
 };
 
 /* Heights of the Gaussians beside the middle and beyond, where there is an axis; reach, and in powers of two 1/b^2 and 2 spacing/b^2. */
@@ -234,26 +248,24 @@ struct axis { four near[2], far[2]; double reach, least, sharpness, step; };
 
 struct hub {
     struct loop loop;
-    double scale[3];
-    four w[NODES][ROW], w_line, inner[ROW], outer;
-    double w_middle, common, s, tanh, regressor, e, output;
+    four w[NODES][ROW], w_line;
+    double w_middle;
 };
 
-/* A star's activations without the factor that is common to all: on the axes that stay, and on those that the shear rates move. */
 struct object {
     struct loop loop;
-    four by_rate[2];
-    double scale[7], compliance[2], origin;
-    four w_still[4], w_moving[4], still[4], moving[3][4];
-    double s, tanh;
+    double scale[7], compliance[2], by_alpha[2], by_own[2], origin;
+    four w_still[4], w_moving[4];
 };
 
 struct paper {
     double in[12], out[3];
+    struct lanes lanes;
+    four bound, inertia;
     struct axis grid, star;
     struct hub hub[2];
     struct object object;
-    double target[3], lambda, sat, filter[2], follow[3], bandwidth;
+    double lambda, sat, filter[2], bandwidth;
 };
 
 static struct axis axis(double width, double farthest) {
@@ -265,7 +277,7 @@ static struct axis axis(double width, double farthest) {
 
 static struct loop loop(const double **g, double h) {
     const double *v = *g;
-    struct loop l = {v[0], v[1], v[2] + v[3], v[3], 1 / v[4], v[11], 0, law(v[5], v[6], h), law(v[7], v[8], h), law(v[9], v[10], h)};
+    struct loop l = {v[0], v[1], v[2] + v[3], v[3], 1 / v[4], v[11], law(v[5], v[6], h), law(v[7], v[8], h), law(v[9], v[10], h)};
     *g += 12;
     return l;
 }
@@ -281,20 +293,33 @@ void *paper_new(struct paper *p, double h, const double *g) {
     p->star = axis(*g++, 1);
     const int which[7] = {0, 1, 2, 3, 3, 4, 4};
     for (int i = 0; i < 7; i++) p->object.scale[i] = 1 / g[which[i]];
-    for (int i = 0; i < 2; i++)
-        for (int k = 0; k < 3; k++) p->hub[i].scale[k] = 1 / g[5 + k];
-    g += 8;
-    double ei1 = g[0], ei2 = g[1], l = g[2], width = g[3], theta = g[5];
-    p->lambda = g[4];
-    p->object.compliance[0] = 1 / ei1, p->object.compliance[1] = 1 / ei2;
-    for (int i = 0; i < 2; i++) {
-        const double *scale = p->object.scale;
-        p->object.by_rate[i] = p->object.compliance[i] * (four){-scale[2], i ? 0 : scale[5], i ? scale[6] : 0, 1};
+    struct lanes *l = &p->lanes;
+    const double *scale = p->object.scale;
+    struct loop *loops[4] = {&p->hub[0].loop, &p->hub[1].loop, &p->object.loop, &p->object.loop};
+    for (int i = 0; i < 4; i++) {
+        struct loop *loop = loops[i];
+        int hub = i < 2;
+        struct axis *axis = hub ? &p->grid : &p->star;
+        l->xi[i] = loop->xi, l->k[i] = loop->k, l->slope[i] = loop->slope, l->steep[i] = loop->steep, p->inertia[i] = loop->inertia;
+        l->error[i] = hub ? 1 / g[5] : scale[0], l->surface[i] = hub ? 1 / g[6] : scale[1], l->alpha[i] = hub ? -loop->c / g[7] : 0;
+        l->reach[i] = axis->reach, l->step[i] = axis->step, l->square[i] = hub ? -axis->sharpness : 0;
+        for (int k = 0; k < 2; k++) {
+            struct law *law = k ? &loop->inertias : &loop->bounds;
+            four *to = k ? l->inertias : l->bounds;
+            to[0][i] = law->decay, to[1][i] = hub ? law->held : law->sampled[0], to[2][i] = hub ? 0 : law->sampled[1];
+        }
     }
-    p->target[0] = theta;
-    p->target[1] = theta + l * l / 3 * (ei1 + ei2) / (ei1 * ei2) * p->lambda;
-    p->target[2] = l * theta + l * l * l / (3 * ei1) * p->lambda + 0.5 * width;
-    for (int i = 0; i < 3; i++) p->follow[i] = -expm1(-p->bandwidth * h * (i < 2 ? node[i] : 1));
+    g += 8;
+    double ei1 = g[0], ei2 = g[1], length = g[2], width = g[3], theta = g[5];
+    p->lambda = g[4];
+    for (int i = 0; i < 2; i++) {
+        double compliance = 1 / g[i];
+        p->object.compliance[i] = compliance, p->object.by_alpha[i] = -compliance * scale[2], p->object.by_own[i] = compliance * scale[5 + i];
+    }
+    four target = {theta, theta + length * length / 3 * (ei1 + ei2) / (ei1 * ei2) * p->lambda, 0,
+                   length * theta + length * length * length / (3 * ei1) * p->lambda + 0.5 * width};
+    l->target = target;
+    for (int i = 0; i < 4; i++) l->follow[i] = -expm1(-p->bandwidth * h * (i < 2 ? node[i] : 1));
     return p;
 }
 
@@ -306,111 +331,106 @@ ALWAYS void ratios(const struct axis *a, int last, struct powers e, four ratio[4
     ratio[3] = a->far[last] * e.up * e.up;
 }
 
-/* Exponents 2x spacing/b^2 and, in the lane after three axes, -|x|^2/b^2. */
-ALWAYS four with_common(const struct axis *a, four x, double square) {
-    four exponent = x * a->step;
-    double common = -square * a->sharpness;
-    exponent[3] = common < -1020 ? -1020 : common;
-    return exponent;
-}
-
-ALWAYS void fill_grid(struct hub *hub, const struct axis *a, struct powers e) {
-    four r[4];
-    ratios(a, 1, e, r);
-    double common = e.up[3] > a->least ? e.up[3] : 0;
-    /* Nodes 0, 1, 3, 4 of each axis side by side. */
+/* Rows to columns. */
+ALWAYS void turn(const four r[4], four c[4]) {
     four lo = SHUFFLE(r[0], r[1], 0, 4, 2, 6), hi = SHUFFLE(r[0], r[1], 1, 5, 3, 7);
     four lo2 = SHUFFLE(r[2], r[3], 0, 4, 2, 6), hi2 = SHUFFLE(r[2], r[3], 1, 5, 3, 7);
-    four first = SHUFFLE(lo, lo2, 0, 1, 4, 5);
-    four second = SHUFFLE(hi, hi2, 0, 1, 4, 5);
-    four third = SHUFFLE(lo, lo2, 2, 3, 6, 7);
-    four outer = first * common;
-    hub->outer = outer;
-    hub->common = common;
-    for (int i = 0; i < 4; i++) hub->inner[i] = second[i] * third;
-    hub->inner[4] = third;
-    hub->inner[5] = second;
+    c[0] = SHUFFLE(lo, lo2, 0, 1, 4, 5), c[1] = SHUFFLE(hi, hi2, 0, 1, 4, 5);
+    c[2] = SHUFFLE(lo, lo2, 2, 3, 6, 7), c[3] = SHUFFLE(hi, hi2, 2, 3, 6, 7);
 }
 
-/* The axes that the shear rates move, and the regressor. */
-ALWAYS four moving_exponents(const struct object *o, const struct axis *a, double still, four base, const double rate[2], double *regressor) {
-    four x = base + (rate[0] * o->by_rate[0] + rate[1] * o->by_rate[1]);
-    *regressor = x[3];
-    x = within(x, a->reach);
-    four square = x * x;
-    return with_common(a, x, still + ((square[0] + square[1]) + square[2]));
+ALWAYS four last(four x, double y) {
+    x[3] = y;
+    return x;
+}
+
+ALWAYS double common(const struct axis *a, struct powers e) { return e.up[3] > a->least ? e.up[3] : 0; }
+
+/* A grid learns; four sums that make up its output. */
+ALWAYS four grid(struct hub *hub, const struct axis *a, double s, four exponents) {
+    struct powers e = powers(exponents);
+    four r[4], c[4], inner[ROW];
+    ratios(a, 1, e, r);
+    double middle = common(a, e), decay = hub->loop.weights.decay, gain = hub->loop.weights.held * s;
+    /* Nodes 0, 1, 3, 4 of each axis side by side. */
+    turn(r, c);
+    four outer = c[0] * middle;
+    for (int i = 0; i < 4; i++) inner[i] = c[1][i] * c[2];
+    inner[4] = c[2], inner[5] = c[1];
+    hub->w_line = decay * hub->w_line + gain * outer;
+    hub->w_middle = decay * hub->w_middle + gain * middle;
+    four sums = hub->w_line * outer;
+    sums[0] += hub->w_middle * middle;
+    for (int row = 0; row < NODES; row++) {
+        double factor = row < 4 ? outer[row] : middle;
+        four by = all(gain * factor), of_row = all(0);
+        for (int j = 0; j < ROW; j++) {
+            four w = decay * hub->w[row][j] + by * inner[j];
+            hub->w[row][j] = w;
+            of_row += w * inner[j];
+        }
+        sums += factor * of_row;
+    }
+    return sums;
 }
 
 void paper_step(struct paper *p, double h) {
     const double *in = p->in;
+    const struct lanes *l = &p->lanes;
     struct object *o = &p->object;
-    double rate[3][2], regressor[3], z = in[4] - p->target[2], z_dot = in[5];
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 2; k++) rate[i][k] = p->filter[k] + (in[10 + k] - p->filter[k]) * p->follow[i];
-    double w1 = in[8] * o->compliance[0], w2 = in[9] * o->compliance[1];
-    o->s = o->loop.slope * z + z_dot + (in[8] - p->lambda) * o->compliance[0] + (in[9] + p->lambda) * o->compliance[1];
-    for (int i = 0; i < 2; i++) {
-        struct hub *hub = &p->hub[i];
-        hub->e = in[i] - p->target[i];
-        hub->s = hub->loop.slope * hub->e + in[2 + i];
-        hub->regressor = in[2 + i] * hub->loop.slope;
-    }
-    for (int i = 0; i < 2; i++) {
-        struct hub *hub = &p->hub[i];
-        four x = within((four){hub->e * hub->scale[0], hub->s * hub->scale[1], -hub->loop.c * in[2 + i] * hub->scale[2], 0}, p->grid.reach);
-        fill_grid(hub, &p->grid, powers(with_common(&p->grid, x, sum(x * x))));
-    }
-    four t = tanh4((four){o->s * o->loop.steep, p->hub[0].s * p->hub[0].loop.steep, p->hub[1].s * p->hub[1].loop.steep, 0});
-    o->tanh = t[0], p->hub[0].tanh = t[1], p->hub[1].tanh = t[2];
-    four still = within((four){z * o->scale[0], o->s * o->scale[1], w1 * o->scale[3], w2 * o->scale[4]}, p->star.reach);
-    double square = sum(still * still), common[3];
-    four base = {-o->loop.c * z_dot * o->scale[2], 0, 0, o->loop.slope * z_dot};
-    ratios(&p->star, 0, powers(still * p->star.step), o->still);
+    four error = (four){in[0], in[1], 0, in[4]} - l->target, velocity = {in[2], in[3], 0, in[5]};
+    four s = l->slope * error + velocity, regressor = l->slope * velocity;
+    s = last(s, s[3] + ((in[8] - p->lambda) * o->compliance[0] + (in[9] + p->lambda) * o->compliance[1]));
+
+    /* Inputs of the networks by component: clamped, squares, exponents; then turned into one column for each. */
+    four row[4] = {error * l->error, s * l->surface, last(l->alpha * velocity, in[8] * o->compliance[0] * o->scale[3]),
+                   {0, 0, 0, in[9] * o->compliance[1] * o->scale[4]}}, column[4];
+    for (int i = 0; i < 4; i++) row[i] = greater(least(row[i], l->reach), -l->reach);
+    four square = (row[0] * row[0] + row[1] * row[1]) + (row[2] * row[2] + row[3] * row[3]);
+    for (int i = 0; i < 4; i++) row[i] *= l->step;
+    row[3] += greater(square * l->square, all(-1020));
+    turn(row, column);
+    four of_hub[2];
+    for (int i = 0; i < 2; i++) of_hub[i] = grid(&p->hub[i], &p->grid, s[i], column[i]);
+
+    /* What the shear rates move, with the two points of the step and its end in lanes. */
+    four rate[2], turned[4];
+    for (int k = 0; k < 2; k++) rate[k] = p->filter[k] + (in[10 + k] - p->filter[k]) * l->follow;
+    p->filter[0] = rate[0][2], p->filter[1] = rate[1][2];
+    four regressors = l->slope[3] * in[5] + (o->compliance[0] * rate[0] + o->compliance[1] * rate[1]);
+    row[0] = -o->loop.c * in[5] * o->scale[2] + (o->by_alpha[0] * rate[0] + o->by_alpha[1] * rate[1]);
+    row[1] = o->by_own[0] * rate[0], row[2] = o->by_own[1] * rate[1];
+    for (int i = 0; i < 3; i++) row[i] = within(row[i], p->star.reach);
+    row[3] = greater(-p->star.sharpness * (square[3] + ((row[0] * row[0] + row[1] * row[1]) + row[2] * row[2])), all(-1020));
+    for (int i = 0; i < 3; i++) row[i] *= p->star.step;
+    turn(row, turned);
+    four still[4], moving[3][4];
+    double factor[3];
+    ratios(&p->star, 0, powers(column[3]), still);
     for (int i = 0; i < 3; i++) {
-        struct powers e = powers(moving_exponents(o, &p->star, square, base, rate[i], &regressor[i]));
-        common[i] = e.up[3] > p->star.least ? e.up[3] : 0;
-        ratios(&p->star, 1, e, o->moving[i]);
+        struct powers e = powers(turned[i]);
+        factor[i] = common(&p->star, e);
+        ratios(&p->star, 1, e, moving[i]);
     }
-    for (int i = 0; i < 2; i++) {
-        struct hub *hub = &p->hub[i];
-        struct loop *l = &hub->loop;
-        double decay = l->weights.decay, gain = l->weights.held * hub->s;
-        hub->w_line = decay * hub->w_line + gain * hub->outer;
-        hub->w_middle = decay * hub->w_middle + gain * hub->common;
-        four sums = hub->w_line * hub->outer;
-        for (int row = 0; row < NODES; row++) {
-            double factor = row < 4 ? hub->outer[row] : hub->common;
-            four by = all(gain * factor), of_row = all(0);
-            for (int j = 0; j < ROW; j++) {
-                four w = decay * hub->w[row][j] + by * hub->inner[j];
-                hub->w[row][j] = w;
-                of_row += w * hub->inner[j];
-            }
-            sums += factor * of_row;
-        }
-        hub->output = sum(sums) + hub->w_middle * hub->common;
-        l->bound = l->bounds.decay * l->bound + l->bounds.held * (hub->s * hub->tanh);
-        l->inertia = l->inertias.decay * l->inertia + l->inertias.held * (hub->s * hub->regressor);
-        p->out[i] = -l->xi * clamp(hub->s, p->sat) - l->k * hub->s - hub->e - l->inertia * hub->regressor + in[6 + i] - hub->output -
-                    l->bound * hub->tanh;
-    }
-    struct loop *l = &o->loop;
-    double first = l->weights.sampled[0] * o->s * common[0], second = l->weights.sampled[1] * o->s * common[1];
-    o->origin = l->weights.decay * o->origin + (first + second);
-    four of_still = all(0), of_moving = all(0);
+    const struct law *w = &o->loop.weights;
+    double first = w->sampled[0] * s[3] * factor[0], second = w->sampled[1] * s[3] * factor[1];
+    o->origin = w->decay * o->origin + (first + second);
+    four of_star = {o->origin, 0, 0, 0};
     for (int j = 0; j < 4; j++) {
-        four w = l->weights.decay * o->w_still[j] + (first + second) * o->still[j];
-        o->w_still[j] = w;
-        of_still += w * o->still[j];
-        w = l->weights.decay * o->w_moving[j] + (first * o->moving[0][j] + second * o->moving[1][j]);
-        o->w_moving[j] = w;
-        of_moving += w * o->moving[2][j];
+        o->w_still[j] = w->decay * o->w_still[j] + (first + second) * still[j];
+        o->w_moving[j] = w->decay * o->w_moving[j] + (first * moving[0][j] + second * moving[1][j]);
+        of_star += o->w_still[j] * still[j] + o->w_moving[j] * moving[2][j];
     }
-    double output = common[2] * (o->origin + sum(of_still + of_moving));
-    l->bound = l->bounds.decay * l->bound + (l->bounds.sampled[0] + l->bounds.sampled[1]) * (o->s * o->tanh);
-    l->inertia = l->inertias.decay * l->inertia + l->inertias.sampled[0] * (o->s * regressor[0]) + l->inertias.sampled[1] * (o->s * regressor[1]);
-    p->filter[0] = rate[2][0], p->filter[1] = rate[2][1];
-    p->out[2] = -l->xi * clamp(o->s, p->sat) - l->k * o->s - z + in[8] + in[9] - output - l->bound * o->tanh - l->inertia * regressor[2];
+    four output = sums(of_hub[0], of_hub[1], all(0), factor[2] * of_star);
+
+    /* Estimates and commands. */
+    four t = tanh4(s * l->steep), drive = s * t;
+    p->bound = l->bounds[0] * p->bound + l->bounds[1] * drive + l->bounds[2] * drive;
+    p->inertia = l->inertias[0] * p->inertia + l->inertias[1] * (s * last(regressor, regressors[0])) +
+                 l->inertias[2] * (s * last(regressor, regressors[1]));
+    four command = -l->xi * within(s, p->sat) - l->k * s - error + (four){in[6], in[7], 0, in[8] + in[9]} - output - p->bound * t -
+                   p->inertia * last(regressor, regressors[2]);
+    p->out[0] = command[0], p->out[1] = command[1], p->out[2] = command[3];
 }
 
 /* ---- access by value reference, as an importer asks for it ---- */
