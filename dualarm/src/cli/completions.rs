@@ -26,6 +26,8 @@ pub struct Arguments {
 
 /// Prints the script.
 pub fn run(arguments: &Arguments, command: &mut Command) {
+    // With the arguments of all commands.
+    command.build();
     // bash also offers files if no name fits; the other generators would offer only the names.
     if arguments.shell == Shell::Bash {
         for (subcommand, argument) in WITH_NAMES {

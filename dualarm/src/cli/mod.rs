@@ -7,6 +7,7 @@ mod fmus;
 mod info;
 mod instruments;
 mod json;
+mod later;
 mod linearise;
 mod matrix;
 mod numbers;
@@ -27,6 +28,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::OnceLock;
 
+use later::Later;
 use printable::printable;
 
 use clap::{CommandFactory, Parser, Subcommand};
@@ -77,29 +79,29 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Build the FMUs and systems from this repository and write them to a folder
-    Package(package::Arguments),
+    Package(Later<package::Arguments>),
     /// Co-simulate FMUs, connected by equal names
-    Simulate(simulate::Arguments),
+    Simulate(Later<simulate::Arguments>),
     /// Print a built-in scenario, to start one of your own from, and say where its file is
-    Scenario(scenario::Arguments),
+    Scenario(Later<scenario::Arguments>),
     /// Package the FMUs, run every controller in every case and the paper's three scenarios, write tables, figures and a report
-    Compare(compare::Arguments),
+    Compare(Later<compare::Arguments>),
     /// Make a page of saved results: animation, linked curves, metrics
-    Report(report::Arguments),
+    Report(Later<report::Arguments>),
     /// Search for the best gains of a controller over a set of cases
-    Tune(tune::Arguments),
+    Tune(Later<tune::Arguments>),
     /// Run a system many times, with parameters on grids or drawn from ranges
-    Sweep(sweep::Arguments),
+    Sweep(Later<sweep::Arguments>),
     /// Check the FMUs against exact and independent solutions; fails if a bound is broken
-    Verify(verify::Arguments),
+    Verify(Later<verify::Arguments>),
     /// Show what an FMU is: capabilities, platforms, variables
-    Info(info::Arguments),
+    Info(Later<info::Arguments>),
     /// Say what is proved of a control law: decay rate, ultimate bounds, or why there is no proof
-    Certify(certify::Arguments),
+    Certify(Later<certify::Arguments>),
     /// Write the plant as a linear system (A, B, C, D) for MATLAB, Octave or Python
-    Linearise(linearise::Arguments),
+    Linearise(Later<linearise::Arguments>),
     /// Print a completion script for a shell
-    Completions(completions::Arguments),
+    Completions(Later<completions::Arguments>),
 }
 
 /// Why the program ends early: exit code and message.
@@ -237,19 +239,19 @@ fn work(arguments: Arguments) -> u8 {
 
 fn run(arguments: Arguments) -> Result<(), Failure> {
     let quiet = arguments.quiet;
-    match arguments.command.unwrap_or(Command::Compare(compare::Arguments::default())) {
-        Command::Package(arguments) => package::run(&arguments, quiet),
-        Command::Simulate(arguments) => simulate::run(&arguments, quiet),
-        Command::Compare(arguments) => compare::run(&arguments, quiet),
-        Command::Scenario(arguments) => scenario::run(&arguments, quiet),
-        Command::Report(arguments) => report::run(&arguments, quiet),
-        Command::Tune(arguments) => tune::run(&arguments, quiet),
-        Command::Sweep(arguments) => sweep::run(&arguments, quiet),
-        Command::Verify(arguments) => verify::run(&arguments, quiet),
-        Command::Info(arguments) => info::run(&arguments),
-        Command::Certify(arguments) => certify::run(&arguments),
-        Command::Linearise(arguments) => linearise::run(&arguments, quiet),
-        Command::Completions(arguments) => {
+    match arguments.command.unwrap_or(Command::Compare(Later(compare::Arguments::default()))) {
+        Command::Package(Later(arguments)) => package::run(&arguments, quiet),
+        Command::Simulate(Later(arguments)) => simulate::run(&arguments, quiet),
+        Command::Compare(Later(arguments)) => compare::run(&arguments, quiet),
+        Command::Scenario(Later(arguments)) => scenario::run(&arguments, quiet),
+        Command::Report(Later(arguments)) => report::run(&arguments, quiet),
+        Command::Tune(Later(arguments)) => tune::run(&arguments, quiet),
+        Command::Sweep(Later(arguments)) => sweep::run(&arguments, quiet),
+        Command::Verify(Later(arguments)) => verify::run(&arguments, quiet),
+        Command::Info(Later(arguments)) => info::run(&arguments),
+        Command::Certify(Later(arguments)) => certify::run(&arguments),
+        Command::Linearise(Later(arguments)) => linearise::run(&arguments, quiet),
+        Command::Completions(Later(arguments)) => {
             completions::run(&arguments, &mut Arguments::command());
             Ok(())
         }
@@ -260,11 +262,18 @@ fn run(arguments: Arguments) -> Result<(), Failure> {
 mod tests {
     use super::*;
 
+    /// All commands with all their arguments.
+    fn whole() -> clap::Command {
+        let mut command = Arguments::command();
+        command.build();
+        command
+    }
+
     /// clap breaks every line that is longer than the terminal is wide. This suits a paragraph that is one line here, but
     /// not a paragraph that is already broken into lines, and not columns.
     #[test]
     fn what_stands_below_help_is_broken_once() {
-        for command in Arguments::command().get_subcommands() {
+        for command in whole().get_subcommands() {
             let text = command.get_after_help().map(ToString::to_string).unwrap_or_default();
             let lines: Vec<_> = text.lines().collect();
             for (index, line) in lines.iter().enumerate().filter(|(_, line)| line.chars().count() > 80) {
@@ -280,7 +289,7 @@ mod tests {
     #[test]
     fn what_is_no_number_is_answered_with_what_is_wanted() {
         let mut tried = 0;
-        for command in Arguments::command().get_subcommands() {
+        for command in whole().get_subcommands() {
             let name = command.get_name();
             let needed: &[&str] = match name {
                 "sweep" => &["study.toml"],

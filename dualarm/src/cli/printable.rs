@@ -24,10 +24,10 @@ fn is_unwanted(character: char) -> bool {
             | '\u{ffa0}'
             | '\u{e0100}'..='\u{e01ef}'
     );
-    // Characters that the standard library would escape. Each is tested as the second character of a text, so that accents
+    // Characters that the standard library would escape, which no letter is. Each is tested as the second character of a text, so that accents
     // are kept.
     let is_shown = || [' ', character].iter().collect::<String>().escape_debug().count() == 2;
-    is_blank || !(is_space || is_shown())
+    is_blank || !(character.is_alphanumeric() || is_space || is_shown())
 }
 
 /// The text with control characters, other than line ends and tabs, in a form to be read: `\u{1b}`.
