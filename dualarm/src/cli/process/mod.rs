@@ -155,9 +155,15 @@ pub fn leave(code: u8) -> ! {
     }
 }
 
-/// Removes files that only a running process needs.
+/// Removes files that only a running process needs. Threads of a process that is ending may still be unpacking files: what they make
+/// meanwhile is removed too, and in a folder that is no longer there they can make nothing.
 fn clean() {
-    if let Some(folder) = TEMPORARY_FOLDER.get() {
-        let _ = fs::remove_dir_all(folder);
+    const TRIES: u32 = 20;
+    let Some(folder) = TEMPORARY_FOLDER.get() else { return };
+    for _ in 0..TRIES {
+        if fs::remove_dir_all(folder).is_ok() || !folder.exists() {
+            return;
+        }
+        thread::sleep(Duration::from_millis(1));
     }
 }

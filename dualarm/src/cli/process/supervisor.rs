@@ -36,12 +36,16 @@ const SO_FAR: &str = "files that were complete by then are in their places";
 /// watching one when the other has ended.
 pub fn run(work: impl FnOnce() -> u8) -> u8 {
     let Some(outcome) = ExitSlot::new() else { return cannot_begin() };
+    let watching = libc::pid_t::try_from(std::process::id()).unwrap_or(-1);
     // SAFETY: there is one thread, so the copy has no lock that nobody would ever release.
     match unsafe { libc::fork() } {
         -1 => cannot_begin(),
         0 => {
-            let code = worker::run(outcome, work);
-            // The watching process removes temporary files.
+            let code = worker::run(outcome, watching, work);
+            // The watching process removes temporary files, if it is still there.
+            if worker::is_alone(watching) {
+                super::clean();
+            }
             std::process::exit(code.into())
         }
         worker => watch(worker, &outcome),

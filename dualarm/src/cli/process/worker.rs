@@ -18,19 +18,23 @@ static OUTCOME: OnceLock<ExitSlot> = OnceLock::new();
 /// Code that closes files it did not open closes the first ones.
 const OUT_OF_THE_WAY: RawFd = 200;
 
+/// Exit code of work that nobody waits for any more.
+const FAILURE: u8 = 1;
 /// Exit code of a program in Rust that found a mistake in itself.
 const PANICKED: u8 = 101;
 
 /// Does the work, then marks in the shared page that everything after it does not count.
-pub fn run(outcome: ExitSlot, work: impl FnOnce() -> u8) -> u8 {
+pub fn run(outcome: ExitSlot, watching: libc::pid_t, work: impl FnOnce() -> u8) -> u8 {
     let outcome = OUTCOME.get_or_init(|| outcome);
-    // SAFETY: asks for a number.
-    let watching = unsafe { libc::getppid() };
     #[cfg(target_os = "linux")]
     // SAFETY: asks for a signal when the watching process ends, which involves no memory.
     unsafe {
         libc::prctl(libc::PR_SET_PDEATHSIG, libc::SIGTERM)
     };
+    // It may have been killed before this process could ask for a signal.
+    if is_alone(watching) {
+        return FAILURE;
+    }
     if let Some(journal) = journal() {
         files::keep_journal(journal);
     }
@@ -39,6 +43,12 @@ pub fn run(outcome: ExitSlot, work: impl FnOnce() -> u8) -> u8 {
     let code = panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or(PANICKED);
     outcome.set(code);
     code
+}
+
+/// Whether the watching process, which has this number, is no longer there.
+pub fn is_alone(watching: libc::pid_t) -> bool {
+    // SAFETY: asks for a number.
+    unsafe { libc::getppid() != watching }
 }
 
 /// Ends the process without anybody's handlers.
@@ -75,8 +85,7 @@ fn end_when_interrupted(watching: libc::pid_t) {
     thread::spawn(move || {
         for signal in &mut signals {
             files::abandon();
-            // SAFETY: asks for a number.
-            if unsafe { libc::getppid() } != watching {
+            if is_alone(watching) {
                 super::clean();
             }
             let _ = signal_hook::low_level::emulate_default_handler(signal);
