@@ -3,8 +3,6 @@
 //! A text that has anything else, or any fault, is left to the general parser, which reads it or says what is wrong and where. So
 //! this one may give up whenever something is rare; but what it reads, it reads as the general parser does (tested).
 
-use std::borrow::Cow;
-
 use crate::xml::Element;
 
 /// Elements inside each other, and attributes of one element. Both are well below what the general parser allows.
@@ -13,22 +11,48 @@ const MAX_ATTRIBUTES: usize = 64;
 /// Elements of a document, well below what the general parser allows.
 const MAX_ELEMENTS: usize = 1_000_000;
 
-/// A document whose texts are those of the file.
+/// A document whose texts are those of the file. It is as small as can be: half of the time that reading takes would be for memory
+/// that nobody had touched before.
 pub(crate) struct Tree<'a> {
     text: &'a str,
     /// In the order of their beginnings.
-    entries: Vec<Entry<'a>>,
-    attributes: Vec<(&'a str, Cow<'a, str>)>,
+    entries: Vec<Entry>,
+    attributes: Vec<Attribute>,
+    /// Values that are not in the text as they are, one behind the other.
+    resolved: String,
 }
 
-struct Entry<'a> {
-    name: &'a str,
-    /// Where it begins in the text.
-    offset: usize,
+struct Entry {
+    /// Its name in the text; it begins one byte before.
+    name: Span,
     /// Its attributes end before this one; they begin where those of the element before end.
-    attributes: usize,
+    attributes: u32,
     /// The elements inside it end before this one.
-    inside: usize,
+    inside: u32,
+}
+
+struct Attribute {
+    name: Span,
+    value: Span,
+    /// Whether the value is in [`Tree::resolved`] and not in the text.
+    is_resolved: bool,
+}
+
+/// A part of a text, in bytes.
+#[derive(Clone, Copy)]
+struct Span {
+    begin: u32,
+    end: u32,
+}
+
+impl Span {
+    fn of(self, text: &str) -> &str {
+        &text[self.begin as usize..self.end as usize]
+    }
+
+    fn is(self, text: &str, word: &str) -> bool {
+        text.as_bytes()[self.begin as usize..self.end as usize] == *word.as_bytes()
+    }
 }
 
 /// An element of a [`Tree`].
@@ -41,36 +65,40 @@ pub(crate) struct TreeElement<'a> {
 impl<'a> Tree<'a> {
     /// Reads a text; `None` if that is a matter of the general parser.
     pub fn of(text: &'a str) -> Option<Self> {
+        // Places in it, and in what is made of it, are numbers of 32 bits; each entity is shorter than its text.
+        u32::try_from(text.len()).ok()?;
         let mut reader = Reader { text, at: 0 };
-        let mut tree = Self { text, entries: Vec::new(), attributes: Vec::new() };
+        // As many as a description of our own has in a text of this length, and a little more.
+        let (entries, attributes) = (Vec::with_capacity(text.len() / 120), Vec::with_capacity(text.len() / 40));
+        let mut tree = Self { text, entries, attributes, resolved: String::new() };
         reader.declaration()?;
         let mut open: Vec<usize> = Vec::with_capacity(MAX_DEPTH);
         loop {
             reader.blanks();
-            let offset = reader.at;
-            if reader.skip("<!--") {
+            if !reader.skip("<") {
+                let is_whole = reader.at == text.len() && open.is_empty() && !tree.entries.is_empty();
+                return is_whole.then_some(tree);
+            }
+            if reader.skip("!--") {
                 reader.comment()?;
-            } else if reader.skip("</") {
+            } else if reader.skip("/") {
                 let closed = open.pop()?;
-                tree.entries[closed].inside = tree.entries.len();
-                if !reader.skip(tree.entries[closed].name) || !reader.skip(">") {
+                tree.entries[closed].inside = number(tree.entries.len());
+                if !reader.skip(tree.entries[closed].name.of(text)) || !reader.skip(">") {
                     return None;
                 }
-            } else if reader.skip("<") {
+            } else {
                 let is_second_root = open.is_empty() && !tree.entries.is_empty();
                 if is_second_root || open.len() == MAX_DEPTH || tree.entries.len() == MAX_ELEMENTS {
                     return None;
                 }
                 let index = tree.entries.len();
                 let name = reader.name()?;
-                let is_closed = reader.attributes(&mut tree.attributes)?;
-                tree.entries.push(Entry { name, offset, attributes: tree.attributes.len(), inside: index + 1 });
+                let is_closed = reader.attributes(&mut tree.attributes, &mut tree.resolved)?;
+                tree.entries.push(Entry { name, attributes: number(tree.attributes.len()), inside: number(index + 1) });
                 if !is_closed {
                     open.push(index);
                 }
-            } else {
-                let is_whole = reader.at == text.len() && open.is_empty() && !tree.entries.is_empty();
-                return is_whole.then_some(tree);
             }
         }
     }
@@ -81,31 +109,37 @@ impl<'a> Tree<'a> {
     }
 }
 
+/// A place in a text whose length is a number of 32 bits, or how much there is of something in it.
+fn number(count: usize) -> u32 {
+    u32::try_from(count).unwrap_or(u32::MAX)
+}
+
 impl<'a> Element<'a> for TreeElement<'a> {
     fn name(self) -> &'a str {
-        self.tree.entries[self.index].name
+        self.tree.entries[self.index].name.of(self.tree.text)
     }
 
     fn attribute(self, name: &str) -> Option<&'a str> {
-        let entries = &self.tree.entries;
+        let Tree { text, entries, attributes, resolved } = self.tree;
         let begin = self.index.checked_sub(1).map_or(0, |before| entries[before].attributes);
-        let mut attributes = self.tree.attributes[begin..entries[self.index].attributes].iter();
-        attributes.find(|(known, _)| *known == name).map(|(_, value)| &**value)
+        let mut attributes = attributes[begin as usize..entries[self.index].attributes as usize].iter();
+        let found = attributes.find(|attribute| attribute.name.is(text, name))?;
+        Some(found.value.of(if found.is_resolved { resolved } else { text }))
     }
 
     fn children(self) -> impl Iterator<Item = Self> {
         let Self { tree, index } = self;
         let mut next = index + 1;
         std::iter::from_fn(move || {
-            let child = (next < tree.entries[index].inside).then_some(Self { tree, index: next })?;
-            next = tree.entries[next].inside;
+            let child = (next < tree.entries[index].inside as usize).then_some(Self { tree, index: next })?;
+            next = tree.entries[next].inside as usize;
             Some(child)
         })
     }
 
     fn line(self) -> u32 {
-        let before = &self.tree.text[..self.tree.entries[self.index].offset];
-        u32::try_from(before.matches('\n').count() + 1).unwrap_or(u32::MAX)
+        let before = &self.tree.text[..self.tree.entries[self.index].name.begin as usize];
+        number(before.matches('\n').count() + 1)
     }
 }
 
@@ -114,22 +148,29 @@ struct Reader<'a> {
     at: usize,
 }
 
-impl<'a> Reader<'a> {
-    fn peek(&self) -> Option<u8> {
-        self.text.as_bytes().get(self.at).copied()
-    }
-
+impl Reader<'_> {
     /// Goes on behind this text, if it is next.
+    #[inline]
     fn skip(&mut self, expected: &str) -> bool {
         let is_next = self.text.as_bytes()[self.at..].starts_with(expected.as_bytes());
         self.at += if is_next { expected.len() } else { 0 };
         is_next
     }
 
+    /// Goes on behind all bytes that have this bit in [`KINDS`].
+    #[inline]
+    fn skip_all(&mut self, kind: u8) {
+        let rest = &self.text.as_bytes()[self.at..];
+        self.at += rest.iter().position(|byte| KINDS[usize::from(*byte)] & kind == 0).unwrap_or(rest.len());
+    }
+
     fn blanks(&mut self) {
-        while matches!(self.peek(), Some(b' ' | b'\n' | b'\t' | b'\r')) {
-            self.at += 1;
-        }
+        self.skip_all(BLANK);
+    }
+
+    /// The part of the text from `begin` to here.
+    fn span(&self, begin: usize) -> Span {
+        Span { begin: number(begin), end: number(self.at) }
     }
 
     /// The usual first line, if there is one.
@@ -151,47 +192,46 @@ impl<'a> Reader<'a> {
     }
 
     /// A name without a namespace.
-    fn name(&mut self) -> Option<&'a str> {
+    fn name(&mut self) -> Option<Span> {
         let begin = self.at;
-        while matches!(self.peek(), Some(b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'_' | b'-' | b'.')) {
-            self.at += 1;
-        }
-        let name = &self.text[begin..self.at];
-        let can_begin = name.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_');
-        (can_begin && name != "xmlns").then_some(name)
+        self.skip_all(NAME);
+        let name = &self.text.as_bytes()[begin..self.at];
+        let can_begin = name.first().is_some_and(|first| first.is_ascii_alphabetic() || *first == b'_');
+        (can_begin && name != b"xmlns").then(|| self.span(begin))
     }
 
     /// The attributes of an element, and the end of its tag. Whether it is the end of the element, too.
-    fn attributes(&mut self, attributes: &mut Vec<(&'a str, Cow<'a, str>)>) -> Option<bool> {
+    fn attributes(&mut self, attributes: &mut Vec<Attribute>, resolved: &mut String) -> Option<bool> {
         let begin = attributes.len();
         loop {
             let before = self.at;
             self.blanks();
-            if self.skip("/>") {
-                return Some(true);
-            }
             if self.skip(">") {
                 return Some(false);
+            }
+            if self.skip("/>") {
+                return Some(true);
             }
             if self.at == before || attributes.len() - begin == MAX_ATTRIBUTES {
                 return None;
             }
             let name = self.name()?;
-            if !self.skip("=\"") || attributes[begin..].iter().any(|(known, _)| *known == name) {
+            let word = name.of(self.text);
+            if !self.skip("=\"") || attributes[begin..].iter().any(|known| known.name.is(self.text, word)) {
                 return None;
             }
-            attributes.push((name, self.value()?));
+            let (value, is_resolved) = self.value(resolved)?;
+            attributes.push(Attribute { name, value, is_resolved });
         }
     }
 
-    /// The rest of an attribute's value.
-    fn value(&mut self) -> Option<Cow<'a, str>> {
+    /// The rest of an attribute's value. Whether it is in the text with `resolved` entities.
+    fn value(&mut self, resolved: &mut String) -> Option<(Span, bool)> {
         let begin = self.at;
         let mut has_entities = false;
         loop {
-            let rest = &self.text.as_bytes()[self.at..];
-            self.at += rest.iter().position(|byte| ENDS[usize::from(*byte)])?;
-            match self.text.as_bytes()[self.at] {
+            self.skip_all(VALUE);
+            match self.text.as_bytes().get(self.at)? {
                 b'"' => break,
                 b'&' => has_entities = true,
                 // Blanks other than spaces become spaces; nothing else of this is allowed.
@@ -199,32 +239,50 @@ impl<'a> Reader<'a> {
             }
             self.at += 1;
         }
-        let value = &self.text[begin..self.at];
+        let span = self.span(begin);
+        let value = span.of(self.text);
         self.at += 1;
         if !value.is_ascii() && value.contains(['\u{fffe}', '\u{ffff}']) {
             return None;
         }
-        if has_entities { resolved(value).map(Cow::Owned) } else { Some(Cow::Borrowed(value)) }
+        if has_entities {
+            let begin = resolved.len();
+            resolve(value, resolved)?;
+            return Some((Span { begin: number(begin), end: number(resolved.len()) }, true));
+        }
+        Some((span, false))
     }
 }
 
-/// The bytes at which the plain text of an attribute's value ends.
-const ENDS: [bool; 256] = {
-    let mut ends = [false; 256];
-    let mut control = 0;
-    while control < 0x20 {
-        ends[control] = true;
-        control += 1;
+/// What a byte can be part of: blanks between attributes and elements, a name, the plain text of an attribute's value.
+const KINDS: [u8; 256] = {
+    let mut kinds = [0; 256];
+    let mut byte = 0_u8;
+    loop {
+        let kind = &mut kinds[byte as usize];
+        if matches!(byte, b' ' | b'\n' | b'\t' | b'\r') {
+            *kind |= BLANK;
+        }
+        if byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'.') {
+            *kind |= NAME;
+        }
+        if byte >= b' ' && !matches!(byte, b'"' | b'&' | b'<') {
+            *kind |= VALUE;
+        }
+        match byte.checked_add(1) {
+            Some(next) => byte = next,
+            None => break kinds,
+        }
     }
-    (ends[b'"' as usize], ends[b'&' as usize], ends[b'<' as usize]) = (true, true, true);
-    ends
 };
+const BLANK: u8 = 1;
+const NAME: u8 = 2;
+const VALUE: u8 = 4;
 
-/// The value with characters in place of XML's own entities.
-fn resolved(value: &str) -> Option<String> {
+/// Appends the value with characters in place of XML's own entities.
+fn resolve(value: &str, text: &mut String) -> Option<()> {
     const ENTITIES: [(&str, char); 5] = [("amp;", '&'), ("lt;", '<'), ("gt;", '>'), ("quot;", '"'), ("apos;", '\'')];
     let mut pieces = value.split('&');
-    let mut text = String::with_capacity(value.len());
     text.push_str(pieces.next()?);
     for piece in pieces {
         let (rest, character) =
@@ -232,7 +290,7 @@ fn resolved(value: &str) -> Option<String> {
         text.push(character);
         text.push_str(rest);
     }
-    Some(text)
+    Some(())
 }
 
 #[cfg(test)]

@@ -167,8 +167,9 @@ pub struct ModelStructure {
 pub struct Unknown {
     /// Index (from 0) into [`ModelDescription::variables`].
     pub index: usize,
-    /// Indices of the inputs (and states) it depends on directly; `None` means "on all of them".
-    pub dependencies: Option<Vec<usize>>,
+    /// Indices of the inputs (and states) it depends on directly; `None` means "on all of them". Unknowns that stand side by side share
+    /// equal ones.
+    pub dependencies: Option<Arc<[usize]>>,
 }
 
 impl ModelDescription {

@@ -1,5 +1,6 @@
 //! Several FMUs are unpacked at once.
 
+use std::fs;
 use std::io;
 use std::panic::resume_unwind;
 use std::path::Path;
@@ -22,23 +23,30 @@ impl Fmu {
     pub fn unpack_all<P: AsRef<Path>>(paths: &[P]) -> Result<Vec<Self>, FmuError> {
         let mut unpacked = Vec::with_capacity(paths.len());
         for some in paths.chunks(AT_ONCE) {
-            let [first, others @ ..] = some else { continue };
-            let others: Vec<_> = others.iter().map(|path| (path, begin(path.as_ref()))).collect();
-            let first = Self::unpack(first);
-            let others = others.into_iter().map(|(path, begun)| match begun {
-                Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
+            // The largest one, which takes longest, begins at once: on this thread.
+            let largest = (0..some.len()).max_by_key(|place| size(some[*place].as_ref()));
+            let begin = |place| (Some(place) != largest).then(|| begin(some[place].as_ref()));
+            let begun: Vec<_> = (0..some.len()).map(begin).collect();
+            let mut here = largest.map(|place| Self::unpack(&some[place]));
+            let done = some.iter().zip(begun).map(|(path, begun)| match begun {
+                Some(Ok(thread)) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
                 // Without a thread it is done here.
-                Err(_) => Self::unpack(path),
+                Some(Err(_)) => Self::unpack(path),
+                None => here.take().unwrap_or_else(|| Self::unpack(path)),
             });
             // No thread is left alone, whatever happens to others.
-            let others: Vec<_> = others.collect();
-            unpacked.push(first?);
-            for other in others {
-                unpacked.push(other?);
+            let done: Vec<_> = done.collect();
+            for fmu in done {
+                unpacked.push(fmu?);
             }
         }
         Ok(unpacked)
     }
+}
+
+/// How many bytes a file has; none, if it cannot be asked.
+fn size(path: &Path) -> u64 {
+    fs::metadata(path).map_or(0, |file| file.len())
 }
 
 /// Begins to unpack an FMU on another processor.

@@ -3,6 +3,7 @@
 mod variable;
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::{
     BASE_UNITS, CoSimulation, DefaultExperiment, DescriptionError, DisplayUnit, ModelDescription, ModelStructure,
@@ -55,9 +56,11 @@ impl ModelDescription {
         }
         let types_by_name: HashMap<_, _> = types.iter().map(|kind| kind.name.as_str()).zip(0..).collect();
         let known_types = (types.as_slice(), &types_by_name);
-        let variables = children(root, "ModelVariables", "ScalarVariable")
-            .map(|node| variable(node, known_types))
-            .collect::<Result<Vec<_>>>()?;
+        let nodes = || children(root, "ModelVariables", "ScalarVariable");
+        let mut variables = Vec::with_capacity(nodes().count());
+        for node in nodes() {
+            variables.push(variable(node, known_types)?);
+        }
         let mut by_name = HashMap::with_capacity(variables.len());
         for (index, variable) in variables.iter().enumerate() {
             if by_name.insert(variable.name.clone(), index).is_some() {
@@ -180,17 +183,14 @@ fn unknowns<'a, N: Element<'a>>(root: N, list: &str, count: usize) -> Result<Vec
         return Ok(Vec::new());
     };
     // Unknowns that depend on all of many variables stand side by side.
-    let mut before: (&str, Vec<usize>) = ("", Vec::new());
+    let mut before: (&str, Arc<[usize]>) = ("", Arc::default());
     let unknown = |node: N| {
-        let dependencies = match node.attribute("dependencies") {
-            Some(text) if text != before.0 => {
-                let indices = text.split_ascii_whitespace().map(|index| in_range(node, "dependencies", index));
-                before = (text, indices.collect::<std::result::Result<_, _>>()?);
-                Some(before.1.clone())
-            }
-            Some(_) => Some(before.1.clone()),
-            None => None,
-        };
+        let dependencies = node.attribute("dependencies");
+        if let Some(text) = dependencies.filter(|text| *text != before.0) {
+            let indices = text.split_ascii_whitespace().map(|index| in_range(node, "dependencies", index));
+            before = (text, indices.collect::<std::result::Result<_, _>>()?);
+        }
+        let dependencies = dependencies.map(|_| Arc::clone(&before.1));
         Ok(Unknown { index: in_range(node, "index", required(node, "index")?)?, dependencies })
     };
     elements(list, "Unknown").map(unknown).collect()
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(model.variable("file").unwrap().kind, VariableType::String { start: Some("a < b".into()) });
 
         let dependencies: Vec<_> = model.structure.outputs.iter().map(|u| u.dependencies.clone()).collect();
-        assert_eq!(dependencies, [Some(vec![]), Some(vec![0, 1]), None]);
+        assert_eq!(dependencies, [Some([].into()), Some([0, 1].into()), None]);
     }
 
     #[test]
