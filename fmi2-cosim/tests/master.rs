@@ -329,6 +329,8 @@ fn settings_say_what_is_wrong_with_them() {
     let mut error = |target: &str, value: &str| master.apply(&Setting::new(target, value)).unwrap_err();
     for (target, value, expected) in [
         ("trouble_a", "1", "there is no variable \"trouble_a\" in Lag or Gain; did you mean trouble_at or trouble?"),
+        // A word of its name.
+        ("at", "1", "there is no variable \"at\" in Lag or Gain; did you mean trouble_at?"),
         ("Lag.lable", "1", "there is no variable \"lable\" in Lag; did you mean Lag.label?"),
         ("Lag.K", "1", "there is no variable \"K\" in Lag; did you mean Gain.K?"),
         ("xyz", "1", "there is no variable \"xyz\" in Lag or Gain"),

@@ -45,7 +45,7 @@ pub use description::{Causality, DescriptionError, Initial, ModelDescription, Va
 pub use document::XmlError;
 pub use error::{CallError, FmuError};
 pub use fmu::{Contents, Files, Fmu};
-pub use instance::{Experiment, Instance, LogMessage, SavedState};
+pub use instance::{Calls, Experiment, Instance, LogMessage, SavedState};
 pub use library::{Component, Functions, LibraryError, Status, ValueReference};
 pub use platform::platform;
 pub use value::{Mismatch, Value};

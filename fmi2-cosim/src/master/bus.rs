@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use fmi2_import::{CallError, Instance, ModelDescription, Status, ValueReference};
+use fmi2_import::{CallError, Calls, ModelDescription, Status, ValueReference};
 
+use super::batches::{self, Batches};
 use crate::record::Kind;
 use crate::units::Conversion;
 use crate::wiring::{Terminal, Wire};
@@ -12,8 +13,8 @@ use crate::wiring::{Terminal, Wire};
 pub(crate) trait Signal: Copy + Default {
     /// The types it carries.
     const KIND: Kind;
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError>;
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError>;
+    fn get(slave: &mut Calls, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError>;
+    fn set(slave: &mut Calls, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError>;
     /// Whether an iteration may stop between these two.
     fn agrees(self, other: Self) -> bool;
     /// The value in another unit; only reals have units.
@@ -25,11 +26,13 @@ pub(crate) trait Signal: Copy + Default {
 impl Signal for f64 {
     const KIND: Kind = Kind::Real;
 
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
-        instance.get_real(references, values)
+    #[inline]
+    fn get(slave: &mut Calls, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
+        slave.get_real(references, values)
     }
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
-        instance.set_real(references, values)
+    #[inline]
+    fn set(slave: &mut Calls, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
+        slave.set_real(references, values)
     }
     fn agrees(self, other: Self) -> bool {
         (self - other).abs() <= 1e-15 + 1e-13 * self.abs().max(other.abs())
@@ -42,11 +45,13 @@ impl Signal for f64 {
 impl Signal for i32 {
     const KIND: Kind = Kind::Integer;
 
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
-        instance.get_integer(references, values)
+    #[inline]
+    fn get(slave: &mut Calls, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
+        slave.get_integer(references, values)
     }
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
-        instance.set_integer(references, values)
+    #[inline]
+    fn set(slave: &mut Calls, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
+        slave.set_integer(references, values)
     }
     fn agrees(self, other: Self) -> bool {
         self == other
@@ -56,11 +61,13 @@ impl Signal for i32 {
 impl Signal for bool {
     const KIND: Kind = Kind::Boolean;
 
-    fn get(instance: &mut Instance, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
-        instance.get_boolean(references, values)
+    #[inline]
+    fn get(slave: &mut Calls, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError> {
+        slave.get_boolean(references, values)
     }
-    fn set(instance: &mut Instance, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
-        instance.set_boolean(references, values)
+    #[inline]
+    fn set(slave: &mut Calls, references: &[ValueReference], values: &[Self]) -> Result<Status, CallError> {
+        slave.set_boolean(references, values)
     }
     fn agrees(self, other: Self) -> bool {
         self == other
@@ -74,20 +81,26 @@ pub(crate) struct Buses {
     boolean: Bus<bool>,
     /// Integers that are wanted as reals.
     crossings: Vec<Crossing>,
-    /// For each component, the components that drive its inputs.
-    sources: Vec<Vec<usize>>,
     /// Counts the reads.
     clock: u64,
-    /// For each component, when its outputs were last fetched.
-    read_at: Vec<u64>,
-    /// For each component, when its inputs were last set; 0 if other code may have set them since.
-    written_at: Vec<u64>,
-    /// For each component, whether its wires carry only reals.
-    are_real: Vec<bool>,
-    /// For each component, whether nothing has happened to it since its outputs were last fetched.
-    is_fresh: Vec<bool>,
-    /// For each component, where the outputs that are followed are found among those that are fetched.
-    taps: Vec<Option<Tap>>,
+    components: Vec<State>,
+}
+
+/// What is known of a component's inputs and outputs.
+#[derive(Default)]
+struct State {
+    /// The components that drive its inputs.
+    sources: Vec<usize>,
+    /// When its outputs were last fetched.
+    read_at: u64,
+    /// When its inputs were last set; 0 if other code may have set them since.
+    written_at: u64,
+    /// Whether its wires carry only reals.
+    is_real: bool,
+    /// Whether nothing has happened to it since its outputs were last fetched.
+    is_fresh: bool,
+    /// Where the outputs that are followed are found among those that are fetched.
+    tap: Option<Tap>,
 }
 
 /// Fetched outputs and their columns.
@@ -106,40 +119,47 @@ struct Crossing {
 
 impl Buses {
     pub(crate) fn new(descriptions: &[&ModelDescription], wires: &[Wire]) -> Self {
-        let (mut real, integer) = (Bus::<f64>::new(descriptions, wires), Bus::<i32>::new(descriptions, wires));
+        let mut real = Bus::<f64>::new(descriptions, wires);
+        let (mut integer, mut boolean) = (Bus::<i32>::new(descriptions, wires), Bus::<bool>::new(descriptions, wires));
         let is_crossing = |wire: &&Wire| {
             kind(descriptions, wire.from) == Some(Kind::Integer) && kind(descriptions, wire.to) == Some(Kind::Real)
         };
         let mut crossings: Vec<Crossing> = Vec::new();
-        let mut known: HashMap<Terminal, usize> = HashMap::new();
         for wire in wires.iter().filter(is_crossing) {
-            let signal = *known.entry(wire.from).or_insert_with(|| {
+            if !real.places.contains_key(&wire.from) {
                 let signal = real.add_signal();
+                real.places.insert(wire.from, signal);
                 let integer = integer.places[&wire.from];
                 crossings.push(Crossing { component: wire.from.component, integer, real: signal });
-                signal
-            });
-            real.add_wire(descriptions, wire, signal);
-        }
-        let count = descriptions.len();
-        let mut sources = vec![Vec::new(); count];
-        for wire in wires {
-            if !sources[wire.to.component].contains(&wire.from.component) {
-                sources[wire.to.component].push(wire.from.component);
             }
         }
-        let boolean = Bus::new(descriptions, wires);
-        let (read_at, written_at, is_fresh) = (vec![0; count], vec![0; count], vec![false; count]);
-        let taps = (0..count).map(|_| None).collect();
-        let are_real = (0..count).map(|index| integer.is_idle(index) && boolean.is_idle(index)).collect();
-        Self { real, integer, boolean, crossings, sources, clock: 0, read_at, written_at, are_real, is_fresh, taps }
+        for (component, description) in descriptions.iter().enumerate() {
+            real.connect(description, component, &wires_to(descriptions, wires, component, Kind::Real));
+            integer.connect(description, component, &wires_to(descriptions, wires, component, Kind::Integer));
+            boolean.connect(description, component, &wires_to(descriptions, wires, component, Kind::Boolean));
+        }
+        let mut components: Vec<State> = descriptions.iter().map(|_| State::default()).collect();
+        for wire in wires {
+            let sources = &mut components[wire.to.component].sources;
+            if !sources.contains(&wire.from.component) {
+                sources.push(wire.from.component);
+            }
+        }
+        for (index, state) in components.iter_mut().enumerate() {
+            state.is_real = integer.is_idle(index) && boolean.is_idle(index);
+        }
+        Self { real, integer, boolean, crossings, clock: 0, components }
     }
 
     /// Forgets which outputs are followed.
     pub(crate) fn untap(&mut self) {
-        self.taps.fill_with(|| None);
+        for state in &mut self.components {
+            state.tap = None;
+        }
         for port in &mut self.real.ports {
-            port.offered.truncate(port.signals);
+            if port.offered.len() > port.signals {
+                port.offered = port.offered.with(port.signals, []);
+            }
             port.fetched.clear();
         }
     }
@@ -149,28 +169,27 @@ impl Buses {
     pub(crate) fn tap(&mut self, component: usize, outputs: impl Iterator<Item = (ValueReference, usize)>) {
         let port = &mut self.real.ports[component];
         let mut tap = Tap { wired: Vec::new(), others: Vec::new() };
+        let mut others: Vec<(ValueReference, usize)> = Vec::new();
         for (reference, column) in outputs {
-            if let Some(index) = port.offered[..port.signals].iter().position(|offered| *offered == reference) {
-                tap.wired.push((port.first_signal + index, column));
-            } else {
-                port.offered.push(reference);
-                tap.others.push(column);
+            match port.offered.position(reference).filter(|index| *index < port.signals) {
+                Some(index) => tap.wired.push((port.first_signal + index, column)),
+                None => others.push((reference, column)),
             }
         }
-        if !tap.others.is_empty() {
+        if !others.is_empty() {
+            batches::arrange(&mut others, |(reference, _)| *reference);
+            tap.others = others.iter().map(|(_, column)| *column).collect();
+            port.offered = port.offered.with(port.signals, others.iter().map(|(reference, _)| *reference));
             port.fetched = vec![0.0; port.offered.len()];
         }
-        self.is_fresh[component] = false;
-        self.taps[component] = Some(tap);
+        let state = &mut self.components[component];
+        (state.is_fresh, state.tap) = (false, Some(tap));
     }
 
     /// Writes the followed outputs of a component into a row, if they are known here.
     #[inline]
     pub(crate) fn take(&self, component: usize, row: &mut [f64]) -> bool {
-        let Some(Some(tap)) = self.taps.get(component) else { return false };
-        if !self.is_fresh[component] {
-            return false;
-        }
+        let State { tap: Some(tap), is_fresh: true, .. } = &self.components[component] else { return false };
         for (signal, column) in &tap.wired {
             row[*column] = self.real.signals[*signal];
         }
@@ -188,62 +207,59 @@ impl Buses {
     /// Marks that a component has made a step.
     #[inline]
     pub(crate) fn moved(&mut self, component: usize) {
-        self.is_fresh[component] = false;
+        self.components[component].is_fresh = false;
     }
 
     /// Fetches the outputs of a component.
     #[inline]
-    pub(crate) fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+    pub(crate) fn read(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         self.clock += 1;
-        self.read_at[component] = self.clock;
-        self.real.read(component, instance)?;
-        if self.are_real[component] {
-            self.is_fresh[component] = true;
-            return Ok(());
-        }
-        self.integer.read(component, instance)?;
-        for crossing in &self.crossings {
-            if crossing.component == component {
+        let state = &mut self.components[component];
+        (state.read_at, state.is_fresh) = (self.clock, false);
+        self.real.read(component, slave)?;
+        if !state.is_real {
+            self.integer.read(component, slave)?;
+            for crossing in self.crossings.iter().filter(|crossing| crossing.component == component) {
                 self.real.signals[crossing.real] = f64::from(self.integer.signals[crossing.integer]);
             }
+            self.boolean.read(component, slave)?;
         }
-        self.boolean.read(component, instance)?;
-        self.is_fresh[component] = true;
+        state.is_fresh = true;
         Ok(())
     }
 
     /// Sets the inputs of a component.
     #[inline]
-    pub(crate) fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        self.written_at[component] = self.clock;
-        self.is_fresh[component] = false;
-        self.real.write(component, instance)?;
-        if self.are_real[component] {
+    pub(crate) fn write(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
+        let state = &mut self.components[component];
+        (state.written_at, state.is_fresh) = (self.clock, false);
+        self.real.write(component, slave)?;
+        if state.is_real {
             return Ok(());
         }
-        self.integer.write(component, instance)?;
-        self.boolean.write(component, instance)
+        self.integer.write(component, slave)?;
+        self.boolean.write(component, slave)
     }
 
     /// Sets the inputs of a component, unless no outputs have been read since they were last set.
     #[inline]
-    pub(crate) fn refresh(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
-        let since = self.written_at[component];
-        if self.sources[component].iter().any(|source| self.read_at[*source] > since) {
-            self.write(component, instance)?;
+    pub(crate) fn refresh(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
+        let State { sources, written_at, .. } = &self.components[component];
+        if sources.iter().any(|source| self.components[*source].read_at > *written_at) {
+            self.write(component, slave)?;
         }
         Ok(())
     }
 
     /// Marks that other code may set the inputs of a component.
     pub(crate) fn forget(&mut self, component: usize) {
-        self.written_at[component] = 0;
-        self.is_fresh[component] = false;
+        let state = &mut self.components[component];
+        (state.written_at, state.is_fresh) = (0, false);
     }
 
     /// The components that drive inputs of a component.
     pub(crate) fn sources(&self, component: usize) -> &[usize] {
-        &self.sources[component]
+        &self.components[component].sources
     }
 
     /// The present signals, for a later comparison.
@@ -270,6 +286,17 @@ fn kind(descriptions: &[&ModelDescription], terminal: Terminal) -> Option<Kind> 
     Kind::of(descriptions[terminal.component].variables[terminal.variable].base_type())
 }
 
+/// The wires to the inputs of one type and component.
+fn wires_to<'a>(
+    descriptions: &[&ModelDescription],
+    wires: &'a [Wire],
+    component: usize,
+    wanted: Kind,
+) -> Vec<&'a Wire> {
+    let is_wanted = |wire: &&Wire| wire.to.component == component && kind(descriptions, wire.to) == Some(wanted);
+    wires.iter().filter(is_wanted).collect()
+}
+
 /// All wires to inputs of one type. The outputs of each component are contiguous in `signals`, so one call
 /// fetches them.
 struct Bus<T> {
@@ -283,12 +310,13 @@ struct Bus<T> {
 #[derive(Default)]
 struct Port<T> {
     /// Outputs with wires, one signal each, and others that are followed.
-    offered: Vec<ValueReference>,
+    offered: Batches,
     first_signal: usize,
     signals: usize,
     /// The values of all these outputs, if there are others.
     fetched: Vec<T>,
-    wanted: Vec<ValueReference>,
+    wanted: Batches,
+    /// The signal for each of them.
     sources: Vec<usize>,
     /// The inputs take the signals as they are, one after the other from this one on.
     in_line: Option<usize>,
@@ -308,25 +336,20 @@ impl<T: Signal> Bus<T> {
     fn new(descriptions: &[&ModelDescription], wires: &[Wire]) -> Self {
         let ports = descriptions.iter().map(|_| Port::default()).collect();
         let mut bus = Self { signals: Vec::new(), places: HashMap::new(), ports };
-        let mut sources: Vec<Vec<Terminal>> = vec![Vec::new(); descriptions.len()];
+        let mut sources: Vec<Vec<(ValueReference, Terminal)>> = vec![Vec::new(); descriptions.len()];
         for wire in wires.iter().filter(|wire| kind(descriptions, wire.from) == Some(T::KIND)) {
-            sources[wire.from.component].push(wire.from);
-        }
-        for (component, sources) in sources.into_iter().enumerate() {
-            bus.ports[component].first_signal = bus.signals.len();
-            for source in sources {
-                if !bus.places.contains_key(&source) {
-                    let signal = bus.add_signal();
-                    bus.places.insert(source, signal);
-                    let reference = descriptions[component].variables[source.variable].value_reference;
-                    bus.ports[component].offered.push(reference);
-                }
+            let Terminal { component, variable } = wire.from;
+            if !sources[component].iter().any(|(_, known)| *known == wire.from) {
+                sources[component].push((descriptions[component].variables[variable].value_reference, wire.from));
             }
-            bus.ports[component].signals = bus.ports[component].offered.len();
         }
-        for wire in wires.iter().filter(|wire| kind(descriptions, wire.to) == Some(T::KIND)) {
-            if let Some(source) = bus.places.get(&wire.from) {
-                bus.add_wire(descriptions, wire, *source);
+        for (mut sources, port) in sources.into_iter().zip(&mut bus.ports) {
+            batches::arrange(&mut sources, |(reference, _)| *reference);
+            (port.first_signal, port.signals) = (bus.signals.len(), sources.len());
+            port.offered = sources.iter().map(|(reference, _)| *reference).collect();
+            for (_, source) in sources {
+                bus.places.insert(source, bus.signals.len());
+                bus.signals.push(T::default());
             }
         }
         bus
@@ -342,49 +365,53 @@ impl<T: Signal> Bus<T> {
         self.signals.len() - 1
     }
 
-    fn add_wire(&mut self, descriptions: &[&ModelDescription], wire: &Wire, source: usize) {
-        let port = &mut self.ports[wire.to.component];
-        port.conversions.extend(wire.conversion.map(|conversion| (port.wanted.len(), conversion)));
-        port.wanted.push(descriptions[wire.to.component].variables[wire.to.variable].value_reference);
-        port.sources.push(source);
-        port.values.push(T::default());
+    /// Connects the inputs of a component by these wires to them.
+    fn connect(&mut self, description: &ModelDescription, component: usize, wires: &[&Wire]) {
+        let connected = wires.iter().filter_map(|wire| Some((*wire, *self.places.get(&wire.from)?)));
+        let mut wires: Vec<(&Wire, usize)> = connected.collect();
+        let reference = |wire: &Wire| description.variables[wire.to.variable].value_reference;
+        batches::arrange(&mut wires, |(wire, _)| reference(wire));
+        let port = &mut self.ports[component];
+        port.wanted = wires.iter().map(|(wire, _)| reference(wire)).collect();
+        port.sources = wires.iter().map(|(_, signal)| *signal).collect();
+        let conversions = wires.iter().enumerate();
+        port.conversions = conversions.filter_map(|(place, (wire, _))| Some((place, wire.conversion?))).collect();
+        port.values = vec![T::default(); wires.len()];
         port.in_line = port.is_in_line();
     }
 
     #[inline]
-    fn read(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+    fn read(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         let port = &mut self.ports[component];
         if port.offered.is_empty() {
             return Ok(());
         }
         let signals = &mut self.signals[port.first_signal..][..port.signals];
         if port.fetched.is_empty() {
-            T::get(instance, &port.offered, signals)?;
+            port.offered.get(slave, signals)?;
         } else {
-            T::get(instance, &port.offered, &mut port.fetched)?;
+            port.offered.get(slave, &mut port.fetched)?;
             signals.copy_from_slice(&port.fetched[..port.signals]);
         }
         Ok(())
     }
 
     #[inline]
-    fn write(&mut self, component: usize, instance: &mut Instance) -> Result<(), CallError> {
+    fn write(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         let Self { signals, ports, .. } = self;
         let port = &mut ports[component];
         if let Some(first) = port.in_line {
-            T::set(instance, &port.wanted, &signals[first..][..port.wanted.len()])?;
-        } else if !port.wanted.is_empty() {
-            // Two iterators in one would be put together by a call, at every step.
-            let mut sources = port.sources.iter();
-            for value in &mut port.values {
-                let Some(source) = sources.next() else { break };
-                *value = signals[*source];
-            }
-            for (index, conversion) in &port.conversions {
-                port.values[*index] = port.values[*index].converted(conversion);
-            }
-            T::set(instance, &port.wanted, &port.values)?;
+            return port.wanted.set(slave, &signals[first..][..port.values.len()]);
         }
-        Ok(())
+        // Two iterators in one would be put together by a call, at every step.
+        let mut sources = port.sources.iter();
+        for value in &mut port.values {
+            let Some(source) = sources.next() else { break };
+            *value = signals[*source];
+        }
+        for (index, conversion) in &port.conversions {
+            port.values[*index] = port.values[*index].converted(conversion);
+        }
+        port.wanted.set(slave, &port.values)
     }
 }

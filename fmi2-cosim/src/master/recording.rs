@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use crate::names::free_name;
 use crate::record::{Column, Kind};
-use fmi2_import::{CallError, Causality, Instance, ModelDescription, Status, ValueReference, Variable};
+use fmi2_import::{CallError, Calls, Causality, Instance, ModelDescription, Status, ValueReference, Variable};
 
 /// The outputs that are recorded; one row holds component after component, reals, integers, Booleans.
 #[derive(Default)]
@@ -49,6 +49,7 @@ impl<T: Copy + Default> Outputs<T> {
         some
     }
 
+    #[inline]
     fn read(
         &mut self,
         row: &mut [f64],
@@ -80,11 +81,12 @@ impl Port {
         Self { real: self.real.only(columns), integer: self.integer.only(columns), boolean: self.boolean.only(columns) }
     }
 
-    fn read(&mut self, instance: &mut Instance, row: &mut [f64]) -> Result<(), CallError> {
-        self.real.read(row, |references, values| instance.get_real(references, values), |value| value)?;
-        self.integer.read(row, |references, values| instance.get_integer(references, values), f64::from)?;
+    #[inline]
+    fn read(&mut self, slave: &mut Calls, row: &mut [f64]) -> Result<(), CallError> {
+        self.real.read(row, |references, values| slave.get_real(references, values), |value| value)?;
+        self.integer.read(row, |references, values| slave.get_integer(references, values), f64::from)?;
         let number = |value| f64::from(u8::from(value));
-        self.boolean.read(row, |references, values| instance.get_boolean(references, values), number)
+        self.boolean.read(row, |references, values| slave.get_boolean(references, values), number)
     }
 }
 
@@ -149,37 +151,25 @@ impl Recording {
 
     /// The row for the present state of the components, which come in the order of their descriptions.
     pub(crate) fn read<'a>(&mut self, instances: impl Iterator<Item = &'a mut Instance>) -> Result<&[f64], CallError> {
-        read(&mut self.ports, &mut self.values, instances, |_, _| false)
+        for (port, instance) in self.ports.iter_mut().zip(instances) {
+            instance.together(|slave| port.read(slave, &mut self.values))?;
+        }
+        Ok(&self.values)
     }
 
-    /// The row with only those columns new that are followed. `known` writes those of a component, if it has them already.
+    /// Reads those columns of a component that are followed into the row, unless `known` writes them.
     #[inline]
-    pub(crate) fn read_followed<'a>(
+    pub(crate) fn read_followed(
         &mut self,
-        instances: impl Iterator<Item = &'a mut Instance>,
-        known: impl Fn(usize, &mut [f64]) -> bool,
-    ) -> Result<&[f64], CallError> {
-        read(&mut self.followed, &mut self.values, instances, known)
-    }
-}
-
-/// Reads the ports of the components into the row, but for those that `known` writes.
-#[inline]
-fn read<'a, 'row>(
-    ports: &mut [Port],
-    row: &'row mut [f64],
-    instances: impl Iterator<Item = &'a mut Instance>,
-    known: impl Fn(usize, &mut [f64]) -> bool,
-) -> Result<&'row [f64], CallError> {
-    let mut ports = ports.iter_mut();
-    for (index, instance) in instances.enumerate() {
-        // Without ports nothing is recorded.
-        let Some(port) = ports.next() else { break };
-        if !known(index, row) {
-            port.read(instance, row)?;
+        component: usize,
+        slave: &mut Calls,
+        known: impl FnOnce(&mut [f64]) -> bool,
+    ) -> Result<(), CallError> {
+        match self.followed.get_mut(component) {
+            Some(port) if !known(&mut self.values) => port.read(slave, &mut self.values),
+            _ => Ok(()),
         }
     }
-    Ok(row)
 }
 
 /// Name of the column of times, the first one of every table.

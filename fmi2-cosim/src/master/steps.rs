@@ -59,15 +59,17 @@ impl Master {
     fn sweep(&mut self) -> Result<bool, CallError> {
         let before = self.buses.snapshot();
         for (index, component) in self.components.iter_mut().enumerate() {
-            self.buses.write(index, &mut component.instance)?;
-            self.buses.read(index, &mut component.instance)?;
+            component.instance.together(|slave| {
+                self.buses.write(index, slave)?;
+                self.buses.read(index, slave)
+            })?;
         }
         Ok(self.buses.agree_with(&before))
     }
 
     fn read_all(&mut self) -> Result<(), CallError> {
         for (index, component) in self.components.iter_mut().enumerate() {
-            self.buses.read(index, &mut component.instance)?;
+            component.instance.together(|slave| self.buses.read(index, slave))?;
         }
         Ok(())
     }
@@ -127,7 +129,7 @@ impl Master {
             for drive in &mut self.drives {
                 let instance = &mut self.components[drive.component].instance;
                 if drive.apply(instance, time, next)? {
-                    self.buses.read(drive.component, instance)?;
+                    instance.together(|slave| self.buses.read(drive.component, slave))?;
                 }
             }
             Ok(())
@@ -144,12 +146,24 @@ impl Master {
     }
 
     fn put_followed(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
-        let failed = |source| MasterError::Step { time, source };
-        self.exchange().map_err(failed)?;
-        let instances = self.components.iter_mut().map(|component| &mut component.instance);
-        let buses = &self.buses;
-        let values = self.recording.read_followed(instances, |index, row| buses.take(index, row)).map_err(failed)?;
-        sink.between(time, values).map_err(MasterError::Record)
+        let mut follow = || {
+            if !self.exchanged && self.coupling == Coupling::Jacobi {
+                self.read_all()?;
+            }
+            let Self { components, buses, recording, exchanged, .. } = self;
+            for (index, component) in components.iter_mut().enumerate() {
+                component.instance.together(|slave| {
+                    if !*exchanged {
+                        buses.refresh(index, slave)?;
+                    }
+                    recording.read_followed(index, slave, |row| buses.take(index, row))
+                })?;
+            }
+            *exchanged = true;
+            Ok(())
+        };
+        follow().map_err(|source| MasterError::Step { time, source })?;
+        sink.between(time, self.recording.values()).map_err(MasterError::Record)
     }
 
     /// The last row of a simulation that a component ended in the step that began at `begin`. No input may be set any more.
@@ -189,17 +203,17 @@ impl Master {
 
     fn step_in_turn(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
         for (index, component) in self.components.iter_mut().enumerate() {
-            let mut turn = || {
+            let turn = component.instance.together(|slave| {
                 // Nobody has stepped yet: the first one has its inputs where a row was taken.
                 if index == 0 && self.exchanged {
-                    self.buses.refresh(index, &mut component.instance)?;
+                    self.buses.refresh(index, slave)?;
                 } else {
-                    self.buses.write(index, &mut component.instance)?;
+                    self.buses.write(index, slave)?;
                 }
-                component.instance.do_step(time, size)?;
-                self.buses.read(index, &mut component.instance)
-            };
-            turn().map_err(|source| (index, source))?;
+                slave.do_step(time, size)?;
+                self.buses.read(index, slave)
+            });
+            turn.map_err(|source| (index, source))?;
         }
         Ok(())
     }
@@ -213,7 +227,7 @@ impl Master {
             self.read_all()?;
         }
         for (index, component) in self.components.iter_mut().enumerate() {
-            self.buses.refresh(index, &mut component.instance)?;
+            component.instance.together(|slave| self.buses.refresh(index, slave))?;
         }
         self.exchanged = true;
         Ok(())

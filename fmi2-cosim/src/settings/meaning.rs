@@ -5,7 +5,7 @@ use super::{Setting, SettingError};
 use crate::names::closest;
 use crate::signal::Signal;
 use fmi2_import::description::BaseType;
-use fmi2_import::{Causality, ModelDescription, Value, Variability, Variable};
+use fmi2_import::{Causality, ModelDescription, Value, Variability};
 
 /// A component as settings see it. It need not run yet: everything except a refusal by the FMU is known before.
 pub(crate) trait Target {
@@ -149,7 +149,8 @@ fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
     }
 }
 
-/// The settable variables with the closest names, and those whose description contains this word, with `prefix.` in front.
+/// The settable variables whose names have this word in them, those with the closest names, and those whose description contains the word,
+/// with `prefix.` in front.
 fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -> Vec<String> {
     const SHOWN: usize = 5;
     let settable = || {
@@ -160,15 +161,17 @@ fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -
         })
     };
     let prefix = prefix.map(|component| format!("{component}.")).unwrap_or_default();
-    let mut names = closest(wanted, settable().map(|variable| variable.name.as_str()));
     let word = wanted.to_lowercase();
-    let says = |variable: &&Variable| {
-        let text = variable.description.as_deref().unwrap_or_default().to_lowercase();
-        text.split(|letter: char| !letter.is_alphanumeric()).any(|said| said == word)
-    };
-    for variable in settable().filter(says) {
-        if names.len() < SHOWN && !names.contains(&variable.name.as_str()) {
-            names.push(&variable.name);
+    let says =
+        |text: &str| text.to_lowercase().split(|letter: char| !letter.is_alphanumeric()).any(|said| said == word);
+    let named = settable().filter(|variable| says(&variable.name)).map(|variable| variable.name.as_str());
+    let described = settable().filter(|variable| variable.description.as_deref().is_some_and(says));
+    let described = described.map(|variable| variable.name.as_str());
+    let mut names: Vec<&str> = Vec::new();
+    let close = closest(wanted, settable().map(|variable| variable.name.as_str()));
+    for name in named.chain(close).chain(described) {
+        if names.len() < SHOWN && !names.contains(&name) {
+            names.push(name);
         }
     }
     names.into_iter().map(|name| format!("{prefix}{name}")).collect()

@@ -1,6 +1,7 @@
 //! One running slave. Every call is safe. A status other than OK or Warning becomes an error with the messages that the
 //! slave logged.
 
+mod calls;
 mod derivatives;
 mod log;
 mod state;
@@ -16,6 +17,7 @@ use crate::error::CallError;
 use crate::floating_point::guarded;
 use crate::fmu::Loaded;
 use crate::library::{CallbackFunctions, Component, Functions, Status};
+pub use calls::Calls;
 pub use log::LogMessage;
 use log::{Log, messages_of, with_names};
 pub use state::SavedState;

@@ -14,14 +14,12 @@ impl Instance {
     /// When the slave does not complete the step.
     #[inline]
     pub fn do_step(&mut self, time: f64, step: f64) -> Result<Status> {
-        // SAFETY: living component. No state before `time` will be restored.
-        let status = guarded(|| unsafe { (self.functions().do_step)(self.component.as_ptr(), time, step, 1) });
-        if status == 0 { Ok(Status::Ok) } else { self.incomplete_step(Status::from_c(status)) }
+        self.together(|calls| calls.do_step(time, step))
     }
 
     /// Waits for an asynchronous step, which continues after the call.
     #[cold]
-    fn incomplete_step(&mut self, mut status: Status) -> Result<Status> {
+    pub(super) fn incomplete_step(&mut self, mut status: Status) -> Result<Status> {
         const LONGEST_PAUSE: Duration = Duration::from_millis(10);
         let can_wait = self.interface().is_some_and(|interface| interface.can_run_asynchronously);
         if let Some(get_status) = self.functions().get_status.filter(|_| can_wait) {

@@ -1,17 +1,13 @@
 //! Values of variables: many of one type at once, or one of any type.
 
-use std::ffi::{CString, c_int};
+use std::ffi::CString;
 use std::ptr;
 
 use super::{Instance, Result};
 use crate::description::{BaseType, Variable};
 use crate::error::CallError;
-use crate::floating_point::guarded;
-use crate::library::{Component, Status, ValueReference, text};
+use crate::library::{Status, ValueReference, text};
 use crate::value::Value;
-
-/// Booleans that cross the C interface in one call.
-const BOOLEANS: usize = 16;
 
 impl Instance {
     /// The value of a variable.
@@ -68,11 +64,7 @@ impl Instance {
     /// When the slices differ in length.
     #[inline]
     pub fn get_real(&mut self, references: &[ValueReference], values: &mut [f64]) -> Result<Status> {
-        let get = self.functions().get_real;
-        self.exchange("fmi2GetReal", references, values.len(), |component, references, count| {
-            // SAFETY: living component, both arrays have `count` elements.
-            unsafe { get(component, references, count, values.as_mut_ptr()) }
-        })
+        self.together(|calls| calls.get_real(references, values))
     }
 
     /// `fmi2SetReal` for many variables at once.
@@ -84,11 +76,7 @@ impl Instance {
     /// When the slices differ in length.
     #[inline]
     pub fn set_real(&mut self, references: &[ValueReference], values: &[f64]) -> Result<Status> {
-        let set = self.functions().set_real;
-        self.exchange("fmi2SetReal", references, values.len(), |component, references, count| {
-            // SAFETY: living component, both arrays have `count` elements.
-            unsafe { set(component, references, count, values.as_ptr()) }
-        })
+        self.together(|calls| calls.set_real(references, values))
     }
 
     /// `fmi2GetInteger` for many variables at once, integers and enumerations.
@@ -98,12 +86,9 @@ impl Instance {
     ///
     /// # Panics
     /// When the slices differ in length.
+    #[inline]
     pub fn get_integer(&mut self, references: &[ValueReference], values: &mut [i32]) -> Result<Status> {
-        let get = self.functions().get_integer;
-        self.exchange("fmi2GetInteger", references, values.len(), |component, references, count| {
-            // SAFETY: living component, both arrays have `count` elements.
-            unsafe { get(component, references, count, values.as_mut_ptr()) }
-        })
+        self.together(|calls| calls.get_integer(references, values))
     }
 
     /// `fmi2SetInteger` for many variables at once, integers and enumerations.
@@ -113,12 +98,9 @@ impl Instance {
     ///
     /// # Panics
     /// When the slices differ in length.
+    #[inline]
     pub fn set_integer(&mut self, references: &[ValueReference], values: &[i32]) -> Result<Status> {
-        let set = self.functions().set_integer;
-        self.exchange("fmi2SetInteger", references, values.len(), |component, references, count| {
-            // SAFETY: living component, both arrays have `count` elements.
-            unsafe { set(component, references, count, values.as_ptr()) }
-        })
+        self.together(|calls| calls.set_integer(references, values))
     }
 
     /// `fmi2GetBoolean` for many variables.
@@ -128,23 +110,9 @@ impl Instance {
     ///
     /// # Panics
     /// When the slices differ in length.
+    #[inline]
     pub fn get_boolean(&mut self, references: &[ValueReference], values: &mut [bool]) -> Result<Status> {
-        assert_eq!(references.len(), values.len());
-        let get = self.functions().get_boolean;
-        let mut worst = Status::Ok;
-        for (references, values) in references.chunks(BOOLEANS).zip(values.chunks_mut(BOOLEANS)) {
-            let mut c_values = [0; BOOLEANS];
-            let status =
-                self.exchange("fmi2GetBoolean", references, values.len(), |component, references, count| {
-                    // SAFETY: living component, both arrays have at least `count` elements.
-                    unsafe { get(component, references, count, c_values.as_mut_ptr()) }
-                })?;
-            worst = worst.max(status);
-            for (value, c_value) in values.iter_mut().zip(&c_values) {
-                *value = *c_value != 0;
-            }
-        }
-        Ok(worst)
+        self.together(|calls| calls.get_boolean(references, values))
     }
 
     /// `fmi2SetBoolean` for many variables.
@@ -154,23 +122,9 @@ impl Instance {
     ///
     /// # Panics
     /// When the slices differ in length.
+    #[inline]
     pub fn set_boolean(&mut self, references: &[ValueReference], values: &[bool]) -> Result<Status> {
-        assert_eq!(references.len(), values.len());
-        let set = self.functions().set_boolean;
-        let mut worst = Status::Ok;
-        for (references, values) in references.chunks(BOOLEANS).zip(values.chunks(BOOLEANS)) {
-            let mut c_values = [0; BOOLEANS];
-            for (c_value, value) in c_values.iter_mut().zip(values) {
-                *c_value = c_int::from(*value);
-            }
-            let status =
-                self.exchange("fmi2SetBoolean", references, values.len(), |component, references, count| {
-                    // SAFETY: living component, both arrays have at least `count` elements.
-                    unsafe { set(component, references, count, c_values.as_ptr()) }
-                })?;
-            worst = worst.max(status);
-        }
-        Ok(worst)
+        self.together(|calls| calls.set_boolean(references, values))
     }
 
     /// `fmi2GetString` for one variable.
@@ -180,9 +134,11 @@ impl Instance {
     pub fn get_string(&mut self, reference: ValueReference) -> Result<String> {
         let get = self.functions().get_string;
         let mut value = ptr::null();
-        self.exchange("fmi2GetString", &[reference], 1, |component, references, count| {
-            // SAFETY: living component, one reference and room for one pointer.
-            unsafe { get(component, references, count, &raw mut value) }
+        self.together(|calls| {
+            calls.exchange("fmi2GetString", &[reference], 1, |component, references, count| {
+                // SAFETY: living component, one reference and room for one pointer.
+                unsafe { get(component, references, count, &raw mut value) }
+            })
         })?;
         // SAFETY: the slave returned a C string (or null), which is valid until the next call.
         Ok(unsafe { text(value) })
@@ -197,26 +153,11 @@ impl Instance {
             .map_err(|_| CallError::ZeroByte { instance: self.name.clone(), text: value.to_owned() })?;
         let pointer = c_value.as_ptr();
         let set = self.functions().set_string;
-        self.exchange("fmi2SetString", &[reference], 1, |component, references, count| {
-            // SAFETY: living component, one reference and one C string, which lives until the end of this function.
-            unsafe { set(component, references, count, &raw const pointer) }
+        self.together(|calls| {
+            calls.exchange("fmi2SetString", &[reference], 1, |component, references, count| {
+                // SAFETY: living component, one reference and one C string, which lives until the end of this function.
+                unsafe { set(component, references, count, &raw const pointer) }
+            })
         })
-    }
-
-    /// Calls a function that takes references and as many values, unless both are empty.
-    #[inline]
-    fn exchange(
-        &mut self,
-        function: &'static str,
-        references: &[ValueReference],
-        values: usize,
-        call: impl FnOnce(Component, *const ValueReference, usize) -> c_int,
-    ) -> Result<Status> {
-        assert_eq!(references.len(), values, "{function}: as many values as references");
-        if references.is_empty() {
-            return Ok(Status::Ok);
-        }
-        let status = guarded(|| call(self.component.as_ptr(), references.as_ptr(), references.len()));
-        self.check(function, status)
     }
 }
