@@ -2,10 +2,13 @@
 //!
 //! To look at them: `DUALARM_FIGURES=<folder> cargo test --release -p dualarm --test figures`
 
+use std::sync::Arc;
+
+use charts::chart::Signals;
 use charts::raster;
 use charts::text::{missing, width};
 use dualarm::grasp;
-use dualarm::report::figures::{self, PaperRun, signals};
+use dualarm::report::figures::{self, PaperRun};
 use dualarm::report::parameters::{ModelParameters, ReportedParameter};
 use fmi2_cosim::record::{Column, Sink, Table};
 use fmi2_import::Value;
@@ -45,7 +48,14 @@ fn outcome(scenario: grasp::Controller, pole: f64) -> PaperRun {
     }
     let limit = |high: f64| Some(Limits { low: -high, high });
     let metrics = Metrics::of(&table, [limit(2.0), limit(2.0), limit(0.3)]).unwrap();
-    PaperRun { scenario, signals: signals(table, Vec::new()), metrics, models: vec![plant()] }
+    let times = Arc::new(table.times().to_vec());
+    #[allow(clippy::cast_possible_truncation)] // pictures are no more precise
+    let signal = |name: &&str| {
+        let values = table.column(name).unwrap();
+        ((*name).to_owned(), values.iter().map(|value| *value as f32).collect(), values.last().copied())
+    };
+    let signals = Signals::new(times, figures::SIGNALS.iter().map(signal));
+    PaperRun { scenario, signals, metrics, models: vec![plant()] }
 }
 
 /// The true values that Fig. 6 states.

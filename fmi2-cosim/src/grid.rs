@@ -137,6 +137,12 @@ impl TimeGrid {
         }
     }
 
+    /// All communication points.
+    #[must_use]
+    pub fn times(&self) -> Vec<f64> {
+        (0..=self.steps).map(|index| self.time(index)).collect()
+    }
+
     /// The communication point at this time, if there is one up to rounding.
     #[must_use]
     pub fn point_at(&self, time: f64) -> Option<f64> {

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::points::{columns, extremes, inside};
+use super::Points;
+use super::points::Part;
 use super::thinned::{CLOSE, decimate, straightened};
 
 /// Width in px below which one oscillation is too fast to be seen.
@@ -25,7 +26,9 @@ pub(super) enum Piece {
 
 /// Points within a few px, and how often the curve turns there.
 pub(super) struct Bin<'a> {
-    points: &'a [(f64, f64)],
+    points: Part<'a>,
+    left: f64,
+    right: f64,
     /// The place of the first of them.
     from: usize,
     low: f64,
@@ -35,18 +38,20 @@ pub(super) struct Bin<'a> {
 
 impl Bin<'_> {
     pub(super) fn left(&self) -> f64 {
-        self.points[0].0
+        self.left
     }
     pub(super) fn right(&self) -> f64 {
-        self.points[self.points.len() - 1].0
+        self.right
     }
 }
 
 /// A curve as lines, and as bands where it chatters. `size` is that of the plot in px, `y_span` the range of its vertical
 /// axis.
-pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size: (f64, f64)) -> Vec<Piece> {
-    let inside = inside(points, range);
-    let bins = bins(&inside, range, size.1 / y_span, size.0);
+pub(super) fn pieces(points: &Points, range: (f64, f64), y_span: f64, size: (f64, f64)) -> Vec<Piece> {
+    let within = points.all().within(range);
+    let finite = within.finite();
+    let inside = finite.as_ref().map_or(within, Points::all);
+    let bins = bins(inside, range, size.1 / y_span, size.0);
     let piece = |(fast, part): (bool, Range<usize>)| {
         let (first, last) = (&bins[part.start], &bins[part.end - 1]);
         if fast {
@@ -61,7 +66,7 @@ pub(super) fn pieces(points: &[(f64, f64)], range: (f64, f64), y_span: f64, size
             // Lines begin and end where bands do.
             let line = first.from.saturating_sub(1)..(last.from + last.points.len() + 1).min(inside.len());
             // Five columns for four px.
-            Piece::Line(decimate(&inside[line], range, size.0 * 1.25, CLOSE * y_span / size.1))
+            Piece::Line(decimate(inside.slice(line), range, size.0 * 1.25, CLOSE * y_span / size.1))
         }
     };
     stretches(&bins, size.1 / y_span).into_iter().map(piece).collect()
@@ -88,14 +93,14 @@ pub(super) fn stretches(bins: &[Bin], px: f64) -> Vec<(bool, Range<usize>)> {
 }
 
 /// The bins of a curve whose values are finite.
-pub(super) fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, width: f64) -> Vec<Bin<'a>> {
+pub(super) fn bins<'a>(points: Part<'a>, range: (f64, f64), px: f64, width: f64) -> Vec<Bin<'a>> {
     #[allow(clippy::cast_possible_truncation)] // thousands at most; no point is left of the range
     let place = |x: f64| ((x - range.0) / (range.1 - range.0) * width / BIN) as i64;
-    let mut extreme = points.first().map_or(0.0, |first| first.1);
+    let mut extreme = points.get(0).map_or(0.0, |first| first.1);
     let mut direction = 0.0;
     let mut from = 0;
-    let bin = |points: &'a [(f64, f64)]| {
-        let (low, high) = extremes(points).unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
+    let bin = |points: Part<'a>| {
+        let (low, high) = points.extremes().unwrap_or((f64::INFINITY, f64::NEG_INFINITY));
         let mut turns = 0;
         // The farthest that the curve goes on here, and how far it could come back from there.
         let (on, back) = if direction > 0.0 { (high.max(extreme), low) } else { (low.min(extreme), high) };
@@ -103,23 +108,24 @@ pub(super) fn bins<'a>(points: &'a [(f64, f64)], range: (f64, f64), px: f64, wid
             points
         } else {
             extreme = on;
-            &[]
+            points.slice(0..0)
         };
-        for (_, y) in points_that_may_turn {
+        for y in points_that_may_turn.heights() {
             let left = (y - extreme) * px;
             if if direction == 0.0 { left.abs() > TURN } else { direction * left < -TURN } {
                 turns += u32::from(direction != 0.0);
                 direction = left.signum();
-                extreme = *y;
+                extreme = y;
             } else if direction * left > 0.0 {
-                extreme = *y;
+                extreme = y;
             }
         }
-        let bin = Bin { points, from, low, high, turns };
+        let [left, right] = [points.get(0), points.last()].map(|end| end.map_or(0.0, |end| end.0));
+        let bin = Bin { points, left, right, from, low, high, turns };
         from += points.len();
         bin
     };
-    columns(points, place).map(bin).collect()
+    points.columns(place).map(bin).collect()
 }
 
 #[cfg(test)]
@@ -132,7 +138,7 @@ mod tests {
         // 90 Hz in the middle of a ramp of 4 s, 400 px wide: 0.9 swings per px.
         let wave =
             |t: f64| if (1.0..3.0).contains(&t) { 0.2 * (2.0 * std::f64::consts::PI * 90.0 * t).sin() } else { 0.0 };
-        let points: Vec<_> = (0..=4000).map(|row| f64::from(row) * 1e-3).map(|t| (t, t + wave(t))).collect();
+        let points = (0..=4000).map(|row| f64::from(row) * 1e-3).map(|t| (t, t + wave(t))).collect::<Points>();
         let pieces = pieces(&points, (0.0, 4.0), 5.0, (400.0, 300.0));
         let [Piece::Line(before), Piece::Band(upper, lower), Piece::Line(after)] = &pieces[..] else {
             panic!("{} pieces", pieces.len());
@@ -144,7 +150,7 @@ mod tests {
         assert!((at - 2.0).abs() < 0.05 && (span - 2.0).abs() < 0.1, "{at} {span}");
         // A sixteenth of the stretch has some ten swings, of which the last is cut off.
         assert!((period * 90.0 - 1.0).abs() < 0.1, "{period}");
-        let kick: Vec<_> = (0..=4000).map(|row| (f64::from(row) * 1e-3, if row == 9 { 9.0 } else { 0.0 })).collect();
+        let kick: Points = (0..=4000).map(|row| (f64::from(row) * 1e-3, if row == 9 { 9.0 } else { 0.0 })).collect();
         assert_eq!(chatter(&kick, (0.0, 4.0), 400.0), None);
     }
 
@@ -158,7 +164,8 @@ mod tests {
                 0.5 * (1.0 - (-t / 0.06).exp()) + start - depth * (bump(t, at, width) + bump(t, at + 0.04, width))
             };
             let points: Vec<_> = (0..=50_000).map(|row| f64::from(row) * 1e-4).map(|t| (t, force(t))).collect();
-            let pieces = pieces(&points, (0.0, 5.0), 0.75, (525.0, 350.0));
+            let curve = points.iter().copied().collect();
+            let pieces = pieces(&curve, (0.0, 5.0), 0.75, (525.0, 350.0));
             let [Piece::Line(line)] = &pieces[..] else { panic!("depth {depth}: {} pieces", pieces.len()) };
             // The dip is all there.
             let fall = |points: &[(f64, f64)]| {
@@ -166,7 +173,7 @@ mod tests {
                 points.iter().fold((f64::NEG_INFINITY, 0.0), |last, (_, y)| fall(last, *y)).1
             };
             assert!((fall(line) - fall(&points)).abs() < 0.75 / 350.0, "depth {depth}");
-            assert_eq!(chatter(&points, (0.0, 5.0), 400.0), None);
+            assert_eq!(chatter(&curve, (0.0, 5.0), 400.0), None);
         }
     }
 }

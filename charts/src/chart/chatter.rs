@@ -1,7 +1,7 @@
 //! Where a curve swings faster than a picture can show.
 
+use super::Points;
 use super::bands::{bins, stretches};
-use super::points::{inside, shown, within};
 
 /// Where a curve chatters in a picture of some width.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,21 +16,23 @@ pub struct Chatter {
 
 /// Where a curve chatters longest in a picture of this width in px, if it does.
 #[must_use]
-pub fn chatter(points: &[(f64, f64)], range: (f64, f64), width: f64) -> Option<Chatter> {
-    let (low, high) = shown(points, range)?;
-    let inside = inside(points, range);
+pub fn chatter(points: &Points, range: (f64, f64), width: f64) -> Option<Chatter> {
+    let within = points.all().within(range);
+    let finite = within.finite();
+    let inside = finite.as_ref().map_or(within, Points::all);
+    let (low, high) = inside.extremes()?;
     let px = 200.0 / (high - low).max(f64::MIN_POSITIVE);
-    let bins = bins(&inside, range, px, width);
+    let bins = bins(inside, range, px, width);
     let stretches = stretches(&bins, px).into_iter().filter(|(fast, _)| *fast);
     let stretches = stretches.map(|(_, part)| (bins[part.start].left(), bins[part.end - 1].right()));
     let (from, to) = stretches.max_by(|a, b| (a.1 - a.0).total_cmp(&(b.1 - b.0)))?;
     let at = f64::midpoint(from, to);
     // An oscillation must cover a good part of the band's height; a ripple does not count.
     let near = (at, at + (to - from) / 16.0);
-    let (low, high) = shown(points, near)?;
-    let near = within(points, near);
+    let near = points.all().within(near);
+    let (low, high) = near.shown((f64::NEG_INFINITY, f64::INFINITY))?;
     let (mut is_up, mut turns) = (None, 0_u32);
-    for (_, y) in near {
+    for y in near.heights() {
         let side = match (y - low) / (high - low) {
             share if share > 0.7 => true,
             share if share < 0.3 => false,

@@ -5,14 +5,13 @@
 
 mod bands;
 mod chatter;
+mod cut;
 mod panel;
 mod pen;
 mod points;
 mod signals;
 mod thinned;
 mod ticks;
-
-use std::sync::Arc;
 
 use plotters::prelude::*;
 use quick_xml::escape::partial_escape;
@@ -23,6 +22,7 @@ use pen::{
     CURVE, Canvas, DrawResult, LABEL_SIZE, TITLE_SIZE, TextLook, WIDE, WIDE_OPACITY, draw_line, pen, units, write,
 };
 pub use plotters::style::RGBColor;
+pub use points::Points;
 pub use signals::Signals;
 
 /// Dark text.
@@ -100,8 +100,8 @@ pub struct Curve {
     pub color: RGBColor,
     /// Wide, pale and below the others, so that both show where another curve coincides with it.
     pub wide: bool,
-    /// Points from left to right, which the panels that show parts of them share.
-    pub points: Arc<[(f64, f64)]>,
+    /// Points from left to right.
+    pub points: Points,
 }
 
 /// A horizontal line to be reached, with a band around it.
@@ -269,7 +269,7 @@ impl Panel {
     /// How far its curves go up and down around zero, from a time on.
     #[must_use]
     pub fn span(&self, from: f64) -> f64 {
-        let curves = self.curves.iter().filter_map(|curve| points::shown(&curve.points, (from, f64::INFINITY)));
+        let curves = self.curves.iter().filter_map(|curve| curve.points.all().shown((from, f64::INFINITY)));
         let (low, high) = curves.fold((0.0_f64, 0.0_f64), |(low, high), (l, h)| (low.min(l), high.max(h)));
         high - low
     }
@@ -298,7 +298,7 @@ mod tests {
 
     #[test]
     fn svg_files_are_small_valid_and_show_coinciding_curves() {
-        let noise: Arc<[_]> =
+        let noise: Points =
             (0..50_000).map(|index| (f64::from(index) * 1e-4, (f64::from(index) * 0.7).sin())).collect();
         let curve = |name: &str, wide| Curve { name: name.into(), color: palette::BLUE, wide, points: noise.clone() };
         let svg = figure(vec![curve("one", false), curve("two", true)]).to_svg();
@@ -321,7 +321,7 @@ mod tests {
             name: name.into(),
             color: palette::BLUE,
             wide: false,
-            points: [(0.0, 0.0), (1.0, 1.0)].into(),
+            points: Points::from_iter([(0.0, 0.0), (1.0, 1.0)]),
         };
         let mut figure = figure(vec![curve(&long), curve("short"), curve(&long[1..])]);
         figure.title.clone_from(&long);
@@ -341,7 +341,7 @@ mod tests {
     #[test]
     fn empty_and_constant_curves_do_not_break_the_axes() {
         for points in [vec![], vec![(0.0, 0.0), (5.0, 0.0)], vec![(0.0, f64::NAN)], vec![(1.0, 7.0)]] {
-            let points = points.into();
+            let points = points.into_iter().collect();
             let svg = figure(vec![Curve { name: String::new(), color: palette::GREEN, wide: false, points }]).to_svg();
             assert!(!svg.contains("NaN") && roxmltree::Document::parse(&svg).is_ok());
         }

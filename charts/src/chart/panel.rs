@@ -4,8 +4,8 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use super::bands::{Piece, pieces};
+use super::cut::cut;
 use super::pen::{Canvas, DrawResult, LABEL_SIZE, PlotArea, TICK_SIZE, TextLook, UNITS, draw_line, pen, units, write};
-use super::points::{cut, shown};
 use super::ticks::ticks;
 use super::{Frame, INK, Mark, Panel};
 use crate::text;
@@ -180,7 +180,7 @@ impl Panel {
     /// The shown vertical range: all curves, targets and wanted values, and a little air.
     pub(super) fn y_range(&self) -> (f64, f64) {
         let from = self.y_from.map_or(self.x_range.0, |from| from.max(self.x_range.0));
-        let curves = self.curves.iter().filter_map(|curve| shown(&curve.points, (from, self.x_range.1)));
+        let curves = self.curves.iter().filter_map(|curve| curve.points.all().shown((from, self.x_range.1)));
         let curves = curves.flat_map(|(low, high)| [low, high]);
         let targets = self.targets.iter().flat_map(|target| [target.value - target.band, target.value + target.band]);
         let values = curves.chain(targets).chain(self.y_include.iter().copied()).filter(|value| value.is_finite());

@@ -2,47 +2,29 @@
 
 use std::sync::Arc;
 
+use super::Points;
+
 /// Signals over common times. Values are kept in single precision: half the memory, and 2⁻²⁴ of a value is a hundredth of the
 /// unit in which charts are drawn.
 #[derive(Debug, Clone, Default)]
 pub struct Signals {
-    times: Vec<f64>,
+    times: Arc<Vec<f64>>,
     columns: Vec<Signal>,
 }
 
 #[derive(Debug, Clone)]
 struct Signal {
     name: String,
-    values: Vec<f32>,
+    values: Arc<Vec<f32>>,
     last: Option<f64>,
 }
 
 impl Signals {
-    /// Signals with their names, as long as the times.
+    /// Signals over times: their names, values, and the last value with all its digits.
     #[must_use]
-    pub fn new(times: Vec<f64>, columns: impl IntoIterator<Item = (String, Vec<f64>)>) -> Self {
-        let mut signals = Self { times, columns: Vec::new() };
-        for (name, values) in columns {
-            signals.add(name, &values);
-        }
-        signals
-    }
-
-    /// And further ones, which already are in single precision.
-    #[must_use]
-    pub fn and(mut self, columns: impl IntoIterator<Item = (String, Vec<f32>)>) -> Self {
-        for (name, values) in columns {
-            let last = values.last().copied().map(f64::from);
-            self.columns.push(Signal { name, values, last });
-        }
-        self
-    }
-
-    /// A function of its own, which is compiled here and not by the caller.
-    #[allow(clippy::cast_possible_truncation)] // as the type says
-    fn add(&mut self, name: String, values: &[f64]) {
-        let (last, values) = (values.last().copied(), values.iter().map(|value| *value as f32).collect());
-        self.columns.push(Signal { name, values, last });
+    pub fn new(times: Arc<Vec<f64>>, signals: impl IntoIterator<Item = (String, Vec<f32>, Option<f64>)>) -> Self {
+        let signal = |(name, values, last)| Signal { name, values: Arc::new(values), last };
+        Self { times, columns: signals.into_iter().map(signal).collect() }
     }
 
     /// The times.
@@ -60,11 +42,17 @@ impl Signals {
     /// A signal as the points of a curve that is shown from one time to another: `scale` times its values; without a signal of this name
     /// there are none.
     #[must_use]
-    pub fn curve(&self, name: &str, scale: f64, (from, to): (f64, f64)) -> Arc<[(f64, f64)]> {
+    pub fn curve(&self, name: &str, scale: f64, (from, to): (f64, f64)) -> Points {
         let times = &self.times;
-        let shown = times.partition_point(|time| *time < from)..times.partition_point(|time| *time <= to);
-        let values = self.find(name).and_then(|signal| signal.values.get(shown.clone())).unwrap_or_default();
-        times[shown].iter().copied().zip(values.iter().map(|value| f64::from(*value) * scale)).collect()
+        let Some(signal) = self.find(name) else { return Points::from_iter([]) };
+        let end = |place: usize| place.min(signal.values.len());
+        let (first, after) = (times.partition_point(|time| *time < from), times.partition_point(|time| *time <= to));
+        Points {
+            times: Arc::clone(times),
+            values: Arc::clone(&signal.values),
+            scale,
+            part: end(first)..end(after.max(first)),
+        }
     }
 
     fn find(&self, name: &str) -> Option<&Signal> {
@@ -78,14 +66,14 @@ mod tests {
 
     #[test]
     fn a_curve_is_a_part_of_its_signal() {
-        let signals = Signals::new(vec![0.0, 0.1, 0.2, 0.3], [("a".to_owned(), vec![0.1, -0.2, 0.3, 0.4])]);
+        let values = vec![0.1, -0.2, 0.3, 0.4];
+        let signals = Signals::new(Arc::new(vec![0.0, 0.1, 0.2, 0.3]), [("a".to_owned(), values, Some(0.4))]);
         let curve = signals.curve("a", 10.0, (0.1, 0.25));
+        let points: Vec<_> = (0..curve.all().len()).filter_map(|index| curve.all().get(index)).collect();
         let near =
             |(point, wanted): (&(f64, f64), (f64, f64))| point.0 == wanted.0 && (point.1 - wanted.1).abs() < 1e-6;
-        assert!(curve.len() == 2 && curve.iter().zip([(0.1, -2.0), (0.2, 3.0)]).all(near), "{curve:?}");
-        assert_eq!(
-            (signals.last("a"), signals.last("b"), signals.curve("b", 1.0, (0.0, 1.0)).len()),
-            (Some(0.4), None, 0)
-        );
+        assert!(points.len() == 2 && points.iter().zip([(0.1, -2.0), (0.2, 3.0)]).all(near), "{points:?}");
+        assert_eq!((signals.last("a"), signals.last("b")), (Some(0.4), None));
+        assert!(signals.curve("b", 1.0, (0.0, 1.0)).first().is_none());
     }
 }

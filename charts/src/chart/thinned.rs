@@ -1,29 +1,20 @@
 //! Which points of a curve the eye can tell from the line through the others.
 
-use super::points::{columns, within};
+use super::points::Part;
 
 /// By how many px a line may pass a point above or below: less than the half unit by which all coordinates are rounded.
 pub(super) const CLOSE: f64 = 0.03;
 
 /// Two points per column of pixels, the smallest and the largest, and both ends: all visible features of the curve remain. Of these
 /// points those are left out that are no farther from the line than `close`. All values are finite.
-pub(super) fn decimate(points: &[(f64, f64)], range: (f64, f64), count: f64, close: f64) -> Vec<(f64, f64)> {
+pub(super) fn decimate(points: Part, range: (f64, f64), count: f64, close: f64) -> Vec<(f64, f64)> {
     let width = (range.1 - range.0) / count;
     #[allow(clippy::cast_possible_truncation)] // thousands at most; what is inside is not left of the range
     let column = |x: f64| ((x - range.0) / width) as i64;
-    let inside = within(points, range);
-    let mut kept: Vec<(f64, f64)> = inside.first().copied().into_iter().collect();
-    for group in columns(inside, column) {
-        let (mut low, mut high) = (&group[0], &group[0]);
-        for point in group {
-            if point.1 < low.1 {
-                low = point;
-            }
-            if point.1 >= high.1 {
-                high = point;
-            }
-        }
-        kept.extend(if low.0 <= high.0 { [*low, *high] } else { [*high, *low] });
+    let inside = points.within(range);
+    let mut kept: Vec<(f64, f64)> = inside.get(0).into_iter().collect();
+    for [low, high] in inside.columns(column).filter_map(Part::ends) {
+        kept.extend(if low.0 <= high.0 { [low, high] } else { [high, low] });
     }
     kept.extend(inside.last());
     kept.dedup();
@@ -59,17 +50,22 @@ pub(super) fn straightened(points: &[(f64, f64)], close: f64) -> Vec<(f64, f64)>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::Points;
 
     #[test]
     fn decimation_keeps_every_peak_and_drops_flat_stretches() {
         let spike = |index: u32| if index == 31_234 { 9.0 } else { f64::from(index % 2) };
         let points: Vec<_> = (0..50_000).map(|index| (f64::from(index) * 1e-4, spike(index))).collect();
-        let kept = decimate(&points, (0.0, 5.0), 600.0, 1e-3);
+        let decimate = |points: &[(f64, f64)]| {
+            let points: Points = points.iter().copied().collect();
+            super::decimate(points.all(), (0.0, 5.0), 600.0, 1e-3)
+        };
+        let kept = decimate(&points);
         assert!(kept.len() <= 2 * 601 && kept.iter().any(|(_, y)| *y > 8.0));
         assert!(kept.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[49_999]));
         let flat: Vec<_> = (0..50_000).map(|index| (f64::from(index) * 1e-4, 0.5)).collect();
-        assert_eq!(decimate(&flat, (0.0, 5.0), 600.0, 1e-3).len(), 2);
+        assert_eq!(decimate(&flat).len(), 2);
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod parallel;
 mod run;
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::grasp::instruments::{InstrumentsError, Profile};
 use crate::grasp::matrix::{Lab, Matrices};
@@ -124,10 +125,13 @@ impl Runs {
         // The rows of the page are packed.
         parallel::give_back();
         let (mut runs, mut rows, mut masters) = (Vec::new(), Vec::new(), Vec::new());
+        let times = Arc::new(setup.grid.times());
         for made in made {
-            runs.push(made.run);
-            rows.push(made.rows);
-            masters.push(made.master);
+            let run::Made { scenario, drawn, metrics, models, rows: of_page, master } = made;
+            let drawn = drawn.into_iter().map(|signal| (signal.column.name, signal.values, signal.last));
+            runs.push(PaperRun { scenario, signals: Signals::new(Arc::clone(&times), drawn), metrics, models });
+            rows.push(of_page);
+            masters.push(master);
         }
         Ok(Self { runs, figures: Vec::new(), rows, masters })
     }

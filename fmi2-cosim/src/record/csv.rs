@@ -2,7 +2,8 @@
 
 use std::io::{self, BufWriter, Write};
 
-use super::{Column, Sink, digits};
+use super::digits::{self, LONGEST};
+use super::{Column, Sink};
 use crate::files::{NewFile, WriteError};
 
 /// Rows as CSV: a header with `time` and the names, then one line per row in the shortest digits that read back exactly.
@@ -14,7 +15,7 @@ pub struct CsvSink<W: Write> {
 /// Rows as text. It does not depend on what is written to, so it is compiled here and not by the caller.
 #[derive(Default)]
 struct Text {
-    /// The last row, and the one before it.
+    /// The last row, and the one before it, each with room after it.
     line: Vec<u8>,
     before: Vec<u8>,
     /// For each column its last value, and where in the last row its text begins and ends.
@@ -97,29 +98,48 @@ impl<W: Write> Sink for CsvSink<W> {
 }
 
 impl Text {
+    /// A separator, and room for a number.
+    const MOST: usize = 1 + LONGEST;
+
     /// The text of a row.
     fn of(&mut self, time: f64, values: &[f64]) -> &[u8] {
         let Self { line, before, last } = self;
         std::mem::swap(line, before);
-        line.clear();
-        last.resize(values.len(), (0, 0, 0));
+        let room = Self::MOST * (values.len() + 2);
+        if line.len() < room || last.len() != values.len() {
+            line.resize(room, 0);
+            before.resize(room, 0);
+            last.clear();
+            last.resize(values.len(), (0, 0, 0));
+        }
         // Numbers need no quotes.
-        digits::push(time, line);
-        for (index, value) in values.iter().enumerate() {
-            let (bits, from, to) = &mut last[index];
-            let begin = line.len();
+        let mut at = put(time, line, 0);
+        for ((bits, from, to), value) in last.iter_mut().zip(values) {
+            let begin = at;
             // A fifth of all values are those of the row before.
             if value.to_bits() == *bits && from < to {
-                line.extend_from_slice(&before[*from..*to]);
+                // All of the room is copied in one piece.
+                let text: &mut [u8] = &mut line[at..at + Self::MOST];
+                text.copy_from_slice(&before[*from..*from + Self::MOST]);
+                at += *to - *from;
             } else {
                 *bits = value.to_bits();
-                line.push(b',');
-                digits::push(*value, line);
+                line[at] = b',';
+                at = put(*value, line, at + 1);
             }
-            (*from, *to) = (begin, line.len());
+            (*from, *to) = (begin, at);
         }
-        line.push(b'\n');
-        line
+        line[at] = b'\n';
+        &line[..=at]
+    }
+}
+
+/// Writes a number at a place of a line, and returns the place after it.
+#[inline]
+fn put(value: f64, line: &mut [u8], at: usize) -> usize {
+    match line[at..].first_chunk_mut() {
+        Some(room) => at + digits::put(value, room),
+        None => unreachable!("a line has room for all of its numbers"),
     }
 }
 

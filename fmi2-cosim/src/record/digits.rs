@@ -15,39 +15,44 @@ fn may_be_halfway(value: f64) -> bool {
     (exponent + 1..=exponent + 25).contains(&places)
 }
 
-/// Appends the shortest digits that read back exactly: fixed point from 10⁻⁴ to 10¹⁶, with an exponent below and above, whole
-/// numbers without a point, zero without a sign.
-pub(super) fn push(value: f64, text: &mut Vec<u8>) {
+/// No text is longer: a sign, a point, 17 digits and `0.000` or `e-308` are 24 bytes.
+pub(super) const LONGEST: usize = 32;
+
+/// Writes the shortest digits that read back exactly, and returns how many bytes these are: fixed point from 10⁻⁴ to 10¹⁶, with an
+/// exponent below and above, whole numbers without a point, zero without a sign. What is after them may be overwritten.
+#[inline]
+pub(super) fn put(value: f64, text: &mut [u8; LONGEST]) -> usize {
     let size = value.abs();
-    if size == 0.0 {
-        text.push(b'0');
-        return;
-    }
-    if may_be_halfway(value) {
-        // Writing to memory cannot fail.
-        let _ = if size < 1e-4 { write!(text, "{value:e}") } else { write!(text, "{value}") };
-        return;
+    if !(f64::MIN_POSITIVE..1e16).contains(&size) || may_be_halfway(value) {
+        return put_odd(value, text);
     }
     let mut buffer = zmij::Buffer::new();
-    let digits = buffer.format(value).as_bytes();
-    if (1e-4..1e16).contains(&size) || !size.is_finite() {
-        text.extend_from_slice(without_fraction(digits));
-        return;
-    }
-    // `e-300` is the longest exponent.
-    let tail = digits.len().saturating_sub(5);
-    if let Some(at) = digits[tail..].iter().position(|byte| *byte == b'e') {
-        let (mantissa, exponent) = digits.split_at(tail + at);
-        text.extend_from_slice(without_fraction(mantissa));
-        let (sign, number): (&[u8], _) = match &exponent[1..] {
-            [b'-', number @ ..] => (b"e-", number),
-            [b'+', number @ ..] | number => (b"e", number),
-        };
-        text.extend_from_slice(sign);
-        text.extend_from_slice(&number[number.iter().take_while(|digit| **digit == b'0').count()..]);
+    let digits = buffer.format_finite(value).as_bytes();
+    if size >= 1e-4 {
+        put_short(without_fraction(digits), text)
+    } else if size >= 1e-5 {
+        put_small(digits, text)
     } else {
-        push_small(digits, text);
+        put_short(digits, text)
     }
+}
+
+/// The same of any number.
+#[cold]
+fn put_odd(value: f64, text: &mut [u8; LONGEST]) -> usize {
+    let size = value.abs();
+    if size == 0.0 {
+        text[0] = b'0';
+        return 1;
+    }
+    let mut rest = &mut text[..];
+    // There is room for all of it.
+    let _ = if size < 1e-4 || (size >= 1e16 && size.is_finite()) {
+        write!(rest, "{value:e}")
+    } else {
+        write!(rest, "{value}")
+    };
+    LONGEST - rest.len()
 }
 
 /// A whole number as text, without the fraction of zero that it may have.
@@ -55,31 +60,53 @@ fn without_fraction(digits: &[u8]) -> &[u8] {
     digits.strip_suffix(b".0").unwrap_or(digits)
 }
 
-/// Appends a number that comes as `0.0…`, with an exponent instead.
-fn push_small(mut digits: &[u8], text: &mut Vec<u8>) {
-    if let Some(size) = digits.strip_prefix(b"-") {
-        text.push(b'-');
-        digits = size;
+/// Copies some bytes, as a few large pieces.
+#[inline]
+fn put_short(bytes: &[u8], text: &mut [u8; LONGEST]) -> usize {
+    let count = bytes.len();
+    if let (Some(first), Some(last)) = (bytes.first_chunk::<16>(), bytes.last_chunk::<16>()) {
+        text[..16].copy_from_slice(first);
+        text[count - 16..count].copy_from_slice(last);
+    } else if let (Some(first), Some(last)) = (bytes.first_chunk::<8>(), bytes.last_chunk::<8>()) {
+        text[..8].copy_from_slice(first);
+        text[count - 8..count].copy_from_slice(last);
+    } else {
+        for (to, from) in text.iter_mut().zip(bytes) {
+            *to = *from;
+        }
     }
-    let zeros = digits.iter().take_while(|digit| matches!(digit, b'0' | b'.')).count();
-    let (first, others) = digits[zeros..].split_at(1);
-    text.extend_from_slice(first);
-    if !others.is_empty() {
-        text.push(b'.');
-        text.extend_from_slice(others);
+    count
+}
+
+/// A number from 10⁻⁵ to 10⁻⁴, which comes as `0.0000…`, with an exponent instead.
+#[inline]
+fn put_small(digits: &[u8], text: &mut [u8; LONGEST]) -> usize {
+    const ZEROS: &[u8] = b"0.0000";
+    let (sign, digits) = digits.split_at(usize::from(digits[0] == b'-'));
+    let digits = &digits[ZEROS.len()..];
+    text[0] = b'-';
+    let begin = sign.len();
+    // One place farther on, to make room for the point.
+    let (head, tail) = digits.split_at(1);
+    text[begin] = head[0];
+    let mut end = begin + 1;
+    if !tail.is_empty() {
+        text[end] = b'.';
+        text[end + 1..=end + tail.len()].copy_from_slice(tail);
+        end += 1 + tail.len();
     }
-    // Of the zeros one is before the point; writing to memory cannot fail.
-    let _ = write!(text, "e-{}", zeros - 1);
+    text[end..end + 3].copy_from_slice(b"e-5");
+    end + 3
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn pushed(value: f64) -> String {
-        let mut text = Vec::new();
-        push(value, &mut text);
-        String::from_utf8(text).unwrap()
+    fn text(value: f64) -> String {
+        let mut text = [b'x'; LONGEST];
+        let count = put(value, &mut text);
+        String::from_utf8(text[..count].to_vec()).unwrap()
     }
 
     /// What rows said before there was anything faster, and what other languages read.
@@ -93,18 +120,32 @@ mod tests {
         let powers = (-324..=308).map(|power| format!("1e{power}").parse::<f64>().unwrap());
         for power in powers {
             for value in [power, power.next_down(), power.next_up(), 1.5 * power, 9.876_543_21 * power, -power / 3.0] {
-                assert_eq!(pushed(value), standard(value));
+                assert_eq!(text(value), standard(value));
             }
         }
-        for value in [0.0, -0.0, 1e16 - 2.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, f64::from_bits(1)] {
-            assert_eq!(pushed(value), standard(value));
+        for value in [
+            0.0,
+            -0.0,
+            1e16 - 2.0,
+            -f64::MAX,
+            -f64::MIN_POSITIVE,
+            -123_456_789_012_345.67,
+            12_345_678.0,
+            1234.5,
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            f64::MAX,
+            f64::from_bits(1),
+        ] {
+            assert_eq!(text(value), standard(value));
         }
         // Halfway between two texts, and around: few bits after the point.
         for odd in (1..20_000).step_by(2) {
             for places in 1..30 {
                 let part = f64::from(odd) * 0.5_f64.powi(places);
                 for value in [part, part + 10_f64.powi(16 - places), part + 4.0 * 10_f64.powi(15 - places)] {
-                    assert_eq!(pushed(value), standard(value));
+                    assert_eq!(text(value), standard(value));
                 }
             }
         }
@@ -113,7 +154,7 @@ mod tests {
         for _ in 0..1_000_000 {
             bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             let value = f64::from_bits(bits ^ (bits >> 29));
-            assert_eq!(pushed(value), standard(value));
+            assert_eq!(text(value), standard(value));
         }
     }
 }

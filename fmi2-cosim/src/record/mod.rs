@@ -9,6 +9,7 @@ mod follow;
 mod parquet;
 mod points;
 mod read;
+mod singles;
 mod table;
 
 use std::io;
@@ -16,10 +17,11 @@ use std::io;
 pub use csv::CsvSink;
 pub use file::FileSink;
 pub use filters::{Every, Pick, Schedule};
-pub use follow::{Follow, Singles};
+pub use follow::Follow;
 pub use parquet::ParquetSink;
 pub use points::Points;
 pub use read::{ReadError, read};
+pub use singles::{Single, Singles};
 pub use table::Table;
 
 use fmi2_import::description::BaseType;

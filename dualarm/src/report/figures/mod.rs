@@ -8,7 +8,6 @@ pub mod paper;
 use crate::grasp::Controller;
 use crate::report::parameters::ModelParameters;
 use charts::chart::{Figure, Signals};
-use fmi2_cosim::record::{Singles, Table};
 use grasp_merit::metrics::Metrics;
 
 /// One of the paper's runs, as figures and the report need it.
@@ -22,14 +21,6 @@ pub struct PaperRun {
     pub metrics: Metrics,
     /// Parameters of plant and controller, in this order.
     pub models: Vec<ModelParameters>,
-}
-
-/// The signals of a recorded run, to be drawn: those of a table, and those in single precision.
-#[must_use]
-pub fn signals(table: Table, singles: Singles) -> Signals {
-    let (times, columns) = table.into_columns();
-    let signals = Signals::new(times, columns.map(|(column, values)| (column.name, values)));
-    signals.and(singles.into_iter().map(|(column, values)| (column.name, values)))
 }
 
 /// A figure with the name of its files.

@@ -60,7 +60,7 @@ fn hero(runs: &[PaperRun]) -> NamedFigure {
             let start = run.signals.times()[0];
             let values = run.signals.curve(&format!("contact_force{arm}"), 1.0, (start + settling, f64::INFINITY));
             Some(Mark {
-                point: *values.first()?,
+                point: values.first()?,
                 color: color(index),
                 name: run.scenario.title.into(),
                 text: format!("{} s", number(settling, 2)),

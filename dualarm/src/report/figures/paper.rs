@@ -255,7 +255,7 @@ fn estimates(run: &PaperRun, x_range: (f64, f64)) -> Vec<Vec<Panel>> {
             name: if is_object { "object".into() } else { format!("arm {}", arm + 1) },
             color,
             wide: !is_object && arm == 0, // the second arm's may lie on it
-            points: run.signals.curve(signal, 1.0, x_range).iter().map(|(time, value)| (*time, value.abs())).collect(),
+            points: run.signals.curve(signal, 1.0, x_range).magnitudes(),
         });
         Panel {
             heading: Some(heading.into()),
