@@ -42,9 +42,12 @@ fn tokens(bytes: &[u8], above: Option<usize>) -> Vec<Token> {
 fn common(bytes: &[u8], from: usize, at: usize) -> usize {
     const WORD: usize = size_of::<u64>();
     let (earlier, later) = (&bytes[from..], &bytes[at..]);
-    // Most often not even the first one.
-    if earlier.first() != later.first() {
-        return 0;
+    // Most often not even the first few.
+    if let (Some(earlier), Some(later)) = (earlier.first_chunk(), later.first_chunk()) {
+        let differ = u64::from_le_bytes(*later) ^ u64::from_le_bytes(*earlier);
+        if differ != 0 {
+            return differ.trailing_zeros() as usize / 8;
+        }
     }
     // A few words at once, as long as they are equal.
     let far = 4 * WORD;

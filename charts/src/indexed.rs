@@ -35,19 +35,22 @@ impl Indexed {
         let distinct = distinct(columns, pixels);
         if colors.len() <= PLACES {
             #[allow(clippy::cast_possible_truncation)] // fewer than 256
-            write(&mut rows, &distinct, |rows, row| rows.extend(row.iter().map(|place| *place as u8)));
+            write(&mut rows, &distinct, |to, row| to.iter_mut().zip(row).for_each(|(to, place)| *to = *place as u8));
             return Some(Self { palette: colors.concat(), rows });
         }
         let (palette, places) = reduced(&counted(&distinct, colors))?;
-        write(&mut rows, &distinct, |rows, row| {
+        write(&mut rows, &distinct, |to, row| {
             let (groups, rest) = row.as_chunks::<TOGETHER>();
-            let place = |color: &u16| places[usize::from(*color)];
-            for group in groups {
-                let group =
-                    if are_alike(group) { [place(&group[0]); TOGETHER] } else { group.map(|color| place(&color)) };
-                rows.extend_from_slice(&group);
+            let (of_groups, of_rest) = to.as_chunks_mut::<TOGETHER>();
+            let place = |(to, color): (&mut u8, &u16)| *to = places[usize::from(*color)];
+            for (to, group) in of_groups.iter_mut().zip(groups) {
+                if are_alike(group) {
+                    *to = [places[usize::from(group[0])]; TOGETHER];
+                } else {
+                    to.iter_mut().zip(group).for_each(place);
+                }
             }
-            rows.extend(rest.iter().map(place));
+            of_rest.iter_mut().zip(rest).for_each(place);
         });
         Some(Self { palette, rows })
     }
@@ -91,12 +94,12 @@ fn distinct(columns: usize, pixels: &[u16]) -> Vec<(&[u16], u32)> {
 }
 
 /// Writes rows, each after a zero.
-fn write(rows: &mut Vec<u8>, distinct: &[(&[u16], u32)], write: impl Fn(&mut Vec<u8>, &[u16])) {
+fn write(rows: &mut Vec<u8>, distinct: &[(&[u16], u32)], write: impl Fn(&mut [u8], &[u16])) {
     for (row, count) in distinct {
         let begin = rows.len();
-        rows.push(0);
-        write(rows, row);
-        let end = rows.len();
+        let end = begin + 1 + row.len();
+        rows.resize(end, 0);
+        write(&mut rows[begin + 1..], row);
         for _ in 1..*count {
             rows.extend_from_within(begin..end);
         }
@@ -126,7 +129,7 @@ fn counted(distinct: &[(&[u16], u32)], colors: &[Color]) -> Vec<(Color, u32)> {
 }
 
 fn are_alike(group: &[u16; TOGETHER]) -> bool {
-    group.iter().fold(0, |all, color| all | (color ^ group[0])) == 0
+    *group == [group[0]; TOGETHER]
 }
 
 /// A palette of 256 colours, and the place in it of each of these.

@@ -68,7 +68,11 @@ impl Packer {
     /// 2²⁹ above the lowest one.
     pub fn add_with(&mut self, low: f64, quantum: f64, values: &[f64]) -> Scale {
         self.numbers.clear();
-        self.numbers.extend(values.iter().map(|value| number(*value, low, quantum)));
+        if quantum > 0.0 {
+            self.numbers.extend(values.iter().map(|value| number(*value, low, quantum)));
+        } else {
+            self.numbers.extend(values.iter().map(|value| if value.is_finite() { 0 } else { GAP }));
+        }
         let [first, second] = &mut self.differences;
         differences(&self.numbers, first, second);
         let (order, shorter) = if size(second) < size(first) { (2, second) } else { (1, first) };
@@ -113,15 +117,20 @@ pub fn same(columns: &[&[f64]], place: usize) -> Option<usize> {
 /// A value as a number of quanta.
 #[inline]
 fn number(value: f64, low: f64, quantum: f64) -> i32 {
-    #[allow(clippy::cast_possible_truncation)] // a conversion that is not possible gives an end of i32
-    let number = ((value - low) / quantum + 0.5) as i32;
-    if !value.is_finite() {
-        GAP
-    } else if quantum > 0.0 {
-        number.clamp(GAP, MOST)
-    } else {
-        0
-    }
+    // The number whose lowest bits are those of a whole number that is added to it. A conversion would do the same for one value at a
+    // time, this is done for several at once.
+    const WHOLE: f64 = (3_u64 << 51) as f64;
+    // What is no finite number is no number then.
+    let number = (value - low) / quantum + 0.5 + 0.0 * value;
+    let number = if number > f64::from(GAP) { number } else { f64::from(GAP) };
+    let number = if number < f64::from(MOST) { number } else { f64::from(MOST) };
+    // Between the gap and zero is zero.
+    let number = if number > f64::from(GAP) && number < 0.0 { 0.0 } else { number };
+    let nearest = number + WHOLE;
+    let is_beyond = nearest - WHOLE > number;
+    #[allow(clippy::cast_possible_truncation)] // the lowest bits
+    let whole = nearest.to_bits() as i32;
+    whole.wrapping_sub(i32::from(is_beyond))
 }
 
 /// 0, −1, 1, −2, 2 … as 0, 1, 2, 3, 4 …
@@ -195,25 +204,33 @@ fn runs(bytes: &[u8], tokens: &mut Vec<Token>) {
 
 /// The smallest and the largest finite value; 0 and less if there is none.
 fn range(values: &[f64]) -> (f64, f64) {
-    // Side by side, so that one comparison needs not wait for the one before.
-    const LANES: usize = 8;
-    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    let mut take = |lane: usize, value: f64| {
-        let (less, more) = if value.is_finite() { (value, value) } else { (f64::INFINITY, f64::NEG_INFINITY) };
-        low[lane] = if less < low[lane] { less } else { low[lane] };
-        high[lane] = if more > high[lane] { more } else { high[lane] };
-    };
+    // Side by side, so that one comparison needs not wait for the one before; in loops of their own, as the compiler needs them.
+    const LANES: usize = 4;
+    let lower = |low: f64, value: f64| if value < low { value } else { low };
+    let higher = |high: f64, value: f64| if value > high { value } else { high };
+    let (mut lows, mut highs) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    // Zero, but for what is no number or infinite.
+    let mut odd = [0.0; LANES];
     let (groups, rest) = values.as_chunks::<LANES>();
     for group in groups {
-        for (lane, value) in group.iter().enumerate() {
-            take(lane, *value);
+        for (low, value) in lows.iter_mut().zip(group) {
+            *low = lower(*low, *value);
+        }
+        for (high, value) in highs.iter_mut().zip(group) {
+            *high = higher(*high, *value);
+        }
+        for (odd, value) in odd.iter_mut().zip(group) {
+            *odd += value * 0.0;
         }
     }
-    for value in rest {
-        take(0, *value);
-    }
-    let low = low.into_iter().fold(f64::INFINITY, f64::min);
-    let high = high.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let is_finite = odd.into_iter().chain(rest.iter().map(|value| value * 0.0)).sum::<f64>() == 0.0;
+    let (low, high) = if is_finite {
+        let low = lows.into_iter().chain(rest.iter().copied()).fold(f64::INFINITY, lower);
+        (low, highs.into_iter().chain(rest.iter().copied()).fold(f64::NEG_INFINITY, higher))
+    } else {
+        let finite = || values.iter().copied().filter(|value| value.is_finite());
+        (finite().fold(f64::INFINITY, lower), finite().fold(f64::NEG_INFINITY, higher))
+    };
     (if low.is_finite() { low } else { 0.0 }, high)
 }
 

@@ -6,6 +6,7 @@
 mod bands;
 mod chatter;
 mod cut;
+mod heights;
 mod panel;
 mod pen;
 mod points;

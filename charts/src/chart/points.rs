@@ -3,13 +3,15 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::heights::Heights;
+
 /// Points from left to right. They are a part of a signal, which they share with it: curves of one signal in several panels and figures
 /// take no memory of their own. Heights are kept in single precision and multiplied by a scale: 2⁻²⁴ of a value is a hundredth of the
 /// unit in which charts are drawn.
 #[derive(Debug, Clone)]
 pub struct Points {
     pub(super) times: Arc<Vec<f64>>,
-    pub(super) values: Arc<Vec<f32>>,
+    pub(super) heights: Arc<Heights>,
     pub(super) scale: f64,
     /// Which of the values.
     pub(super) part: Range<usize>,
@@ -26,17 +28,18 @@ impl Points {
     #[must_use]
     pub fn magnitudes(&self) -> Self {
         let all = self.all();
+        let values = all.values().iter().map(|value| value.abs()).collect();
         Self {
-            times: Arc::new(all.times.to_vec()),
-            values: Arc::new(all.values.iter().map(|value| value.abs()).collect()),
+            times: Arc::new(all.times().to_vec()),
+            heights: Arc::new(Heights::new(values)),
             scale: self.scale.abs(),
             part: 0..all.len(),
         }
     }
 
     pub(super) fn all(&self) -> Part<'_> {
-        let Self { times, values, scale, part } = self;
-        Part { times: &times[part.clone()], values: &values[part.clone()], scale: *scale }
+        let Self { times, heights, scale, part } = self;
+        Part { times, heights, scale: *scale, from: part.start, to: part.end }
     }
 }
 
@@ -44,25 +47,37 @@ impl FromIterator<(f64, f64)> for Points {
     #[allow(clippy::cast_possible_truncation)] // as the type says
     fn from_iter<I: IntoIterator<Item = (f64, f64)>>(points: I) -> Self {
         let (times, values): (Vec<f64>, Vec<f32>) = points.into_iter().map(|(x, y)| (x, y as f32)).unzip();
-        Self { part: 0..times.len(), times: Arc::new(times), values: Arc::new(values), scale: 1.0 }
+        Self { part: 0..times.len(), times: Arc::new(times), heights: Arc::new(Heights::new(values)), scale: 1.0 }
     }
 }
 
 /// Neighbouring points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part<'a> {
+    /// Of all points.
     times: &'a [f64],
-    values: &'a [f32],
+    heights: &'a Heights,
     scale: f64,
+    /// Which points, up to the last but this.
+    from: usize,
+    to: usize,
 }
 
 impl<'a> Part<'a> {
     pub(super) fn len(self) -> usize {
-        self.times.len()
+        self.to - self.from
+    }
+
+    fn times(self) -> &'a [f64] {
+        &self.times[self.from..self.to]
+    }
+
+    fn values(self) -> &'a [f32] {
+        &self.heights.values[self.from..self.to]
     }
 
     pub(super) fn get(self, index: usize) -> Option<(f64, f64)> {
-        Some((*self.times.get(index)?, self.height(*self.values.get(index)?)))
+        Some((*self.times().get(index)?, self.height(*self.values().get(index)?)))
     }
 
     pub(super) fn last(self) -> Option<(f64, f64)> {
@@ -70,12 +85,12 @@ impl<'a> Part<'a> {
     }
 
     pub(super) fn slice(self, part: Range<usize>) -> Self {
-        Self { times: &self.times[part.clone()], values: &self.values[part], ..self }
+        Self { from: self.from + part.start, to: (self.from + part.end).min(self.to), ..self }
     }
 
     /// The heights one after the other.
     pub(super) fn heights(self) -> impl Iterator<Item = f64> + use<'a> {
-        self.values.iter().map(move |value| self.height(*value))
+        self.values().iter().map(move |value| self.height(*value))
     }
 
     fn height(self, value: f32) -> f64 {
@@ -84,8 +99,8 @@ impl<'a> Part<'a> {
 
     /// Those within a range.
     pub(super) fn within(self, range: (f64, f64)) -> Self {
-        let from = self.times.partition_point(|x| *x < range.0);
-        self.slice(from..self.times.partition_point(|x| *x <= range.1).max(from))
+        let from = self.times().partition_point(|x| *x < range.0);
+        self.slice(from..self.times().partition_point(|x| *x <= range.1).max(from))
     }
 
     /// The finite ones, if not all are.
@@ -94,13 +109,18 @@ impl<'a> Part<'a> {
             return None;
         }
         let finite = |values: (&f64, &f32)| values.1.is_finite().then_some((*values.0, *values.1));
-        let (times, values): (Vec<f64>, Vec<f32>) = self.times.iter().zip(self.values).filter_map(finite).unzip();
-        Some(Points { part: 0..times.len(), times: Arc::new(times), values: Arc::new(values), scale: self.scale })
+        let (times, values): (Vec<f64>, Vec<f32>) = self.times().iter().zip(self.values()).filter_map(finite).unzip();
+        Some(Points {
+            part: 0..times.len(),
+            times: Arc::new(times),
+            heights: Arc::new(Heights::new(values)),
+            scale: self.scale,
+        })
     }
 
     /// The smallest and the largest height; they are no numbers if some height is none, and nothing without points.
     pub(super) fn extremes(self) -> Option<(f64, f64)> {
-        let (low, high) = extremes(self.values)?;
+        let (low, high) = self.heights.extremes(self.from..self.to)?;
         Some((self.height(low), self.height(high)))
     }
 
@@ -113,9 +133,9 @@ impl<'a> Part<'a> {
 
     /// The first one of the lowest points and the last one of the highest. All heights are finite.
     pub(super) fn ends(self) -> Option<[(f64, f64); 2]> {
-        let (low, high) = extremes(self.values)?;
-        let low = self.values.iter().position(|value| *value == low)?;
-        let high = self.values.iter().rposition(|value| *value == high)?;
+        let (low, high) = self.heights.extremes(self.from..self.to)?;
+        let low = self.values().iter().position(|value| *value == low)?;
+        let high = self.values().iter().rposition(|value| *value == high)?;
         Some([self.get(low)?, self.get(high)?])
     }
 
@@ -125,45 +145,18 @@ impl<'a> Part<'a> {
         // Most groups are as long as the one before, or one longer or shorter.
         let mut likely = 0_usize;
         std::iter::from_fn(move || {
-            let here = column(*rest.times.first()?);
+            let times = rest.times();
+            let here = column(*times.first()?);
             let is_here = |x: &f64| column(*x) == here;
             let near = likely.saturating_sub(1).max(1)..(likely + 2).min(rest.len());
-            let is_near =
-                near.start < near.end && is_here(&rest.times[near.start - 1]) && !is_here(&rest.times[near.end - 1]);
+            let is_near = near.start < near.end && is_here(&times[near.start - 1]) && !is_here(&times[near.end - 1]);
             let within = if is_near { near } else { 0..rest.len() };
-            likely = within.start + rest.times[within].partition_point(is_here);
+            likely = within.start + times[within].partition_point(is_here);
             let group = rest.slice(0..likely);
             rest = rest.slice(likely..rest.len());
             Some(group)
         })
     }
-}
-
-/// The smallest and the largest value; they are no numbers if some value is none, and nothing without values.
-fn extremes(values: &[f32]) -> Option<(f32, f32)> {
-    // Side by side, so that one comparison needs not wait for the one before.
-    const LANES: usize = 8;
-    let (mut low, mut high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-    // Zero, but for what is no number or infinite.
-    let mut odd = [0.0; LANES];
-    let (groups, rest) = values.as_chunks::<LANES>();
-    let mut take = |lane: usize, y: f32| {
-        low[lane] = if y < low[lane] { y } else { low[lane] };
-        high[lane] = if y > high[lane] { y } else { high[lane] };
-        odd[lane] += y * 0.0;
-    };
-    for group in groups {
-        for (lane, y) in group.iter().enumerate() {
-            take(lane, *y);
-        }
-    }
-    for y in rest {
-        take(0, *y);
-    }
-    let odd: f32 = odd.iter().sum();
-    let low = low.into_iter().fold(f32::INFINITY, f32::min);
-    let high = high.into_iter().fold(f32::NEG_INFINITY, f32::max);
-    (!values.is_empty()).then_some((low + odd, high + odd))
 }
 
 #[cfg(test)]
@@ -214,7 +207,7 @@ mod tests {
             let column = |x: f64| (x / 2.0) as i64;
             let groups: Vec<Part> = points.all().columns(column).collect();
             assert_eq!(groups.iter().map(|group| group.len()).sum::<usize>(), 400);
-            let ends = |group: &Part| [group.times[0], group.times[group.len() - 1]].map(column);
+            let ends = |group: &Part| [group.times()[0], group.times()[group.len() - 1]].map(column);
             assert!(groups.iter().all(|group| ends(group)[0] == ends(group)[1]));
             assert!(groups.windows(2).all(|pair| ends(&pair[0])[1] < ends(&pair[1])[0]));
         }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::Points;
+use super::heights::Heights;
 
 /// Signals over common times. Values are kept in single precision: half the memory, and 2⁻²⁴ of a value is a hundredth of the
 /// unit in which charts are drawn.
@@ -15,7 +16,7 @@ pub struct Signals {
 #[derive(Debug, Clone)]
 struct Signal {
     name: String,
-    values: Arc<Vec<f32>>,
+    heights: Arc<Heights>,
     last: Option<f64>,
 }
 
@@ -23,7 +24,7 @@ impl Signals {
     /// Signals over times: their names, values, and the last value with all its digits.
     #[must_use]
     pub fn new(times: Arc<Vec<f64>>, signals: impl IntoIterator<Item = (String, Vec<f32>, Option<f64>)>) -> Self {
-        let signal = |(name, values, last)| Signal { name, values: Arc::new(values), last };
+        let signal = |(name, values, last)| Signal { name, heights: Arc::new(Heights::new(values)), last };
         Self { times, columns: signals.into_iter().map(signal).collect() }
     }
 
@@ -45,11 +46,11 @@ impl Signals {
     pub fn curve(&self, name: &str, scale: f64, (from, to): (f64, f64)) -> Points {
         let times = &self.times;
         let Some(signal) = self.find(name) else { return Points::from_iter([]) };
-        let end = |place: usize| place.min(signal.values.len());
+        let end = |place: usize| place.min(signal.heights.values.len());
         let (first, after) = (times.partition_point(|time| *time < from), times.partition_point(|time| *time <= to));
         Points {
             times: Arc::clone(times),
-            values: Arc::clone(&signal.values),
+            heights: Arc::clone(&signal.heights),
             scale,
             part: end(first)..end(after.max(first)),
         }

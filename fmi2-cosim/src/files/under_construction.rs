@@ -1,67 +1,84 @@
 //! Unfinished files, and their removal when the process must end.
 
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use tempfile::NamedTempFile;
 
 use super::place::{out_of_the_way, usual_permissions};
 
-/// Paths of this process that are useless if it ends now: unfinished files, and folders made for them. Each has
-/// the journal entry that names it, if there is a journal.
-type Unfinished = HashMap<PathBuf, Option<PathBuf>>;
+/// Paths of this process that are useless if it ends now: unfinished files, and folders made for them.
+#[derive(Default)]
+struct Unfinished {
+    paths: HashSet<PathBuf>,
+    /// Once there was one of them, if there is a journal.
+    journal: Option<File>,
+}
 
 static UNFINISHED: Mutex<Option<Unfinished>> = Mutex::new(None);
-/// The folder of the journal.
+/// The file of the journal.
 static JOURNAL: OnceLock<PathBuf> = OnceLock::new();
 
 fn unfinished() -> MutexGuard<'static, Option<Unfinished>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// From now on this process records its unfinished files in this folder, so that another process can remove them with
-/// [`clean_up_after`] if this one ends without doing so. The folder is made for the first of them; where it would be made, only
-/// this process makes files.
-pub fn keep_journal(folder: PathBuf) {
-    JOURNAL.get_or_init(|| folder);
+/// From now on this process records its unfinished files in this file, so that another process can remove them with
+/// [`clean_up_after`] if this one ends without doing so. It is made for the first of them, where only this process makes files.
+pub fn keep_journal(file: PathBuf) {
+    JOURNAL.get_or_init(|| file);
 }
+
+/// What begins an entry of the journal: a path that was begun, or one that is no more unfinished. Its end is a zero, which no path has.
+const BEGUN: u8 = b'+';
+const ENDED: u8 = b'-';
 
 /// Removes the unfinished files of a process that has ended, by its journal.
 pub fn clean_up_after(journal: &Path) {
-    let Ok(entries) = fs::read_dir(journal) else { return };
-    let read = |entry: io::Result<fs::DirEntry>| Some(path_of(fs::read(entry.ok()?.path()).ok()?));
-    remove(entries.filter_map(read).collect());
+    let Ok(entries) = fs::read(journal) else { return };
+    let mut unfinished = HashSet::new();
+    for entry in entries.split_inclusive(|byte| *byte == 0) {
+        // A process may have ended before it had written all of its last entry.
+        let [kind, path @ .., 0] = entry else { continue };
+        let path = path_of(path.to_vec());
+        if *kind == BEGUN {
+            unfinished.insert(path)
+        } else {
+            unfinished.remove(&path)
+        };
+    }
+    remove(unfinished.into_iter().collect());
 }
 
 /// Adds an unfinished path.
 fn begun(unfinished: &mut Option<Unfinished>, path: PathBuf) {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    let entry = JOURNAL.get().map(|journal| journal.join(NEXT.fetch_add(1, Ordering::Relaxed).to_string()));
-    // Without an entry the file is only removed by this process.
-    let entry = entry.filter(|entry| note(entry, bytes_of(&path)).is_ok());
-    unfinished.get_or_insert_default().insert(path, entry);
-}
-
-/// Writes an entry of the journal, which most runs never begin.
-fn note(entry: &Path, content: &[u8]) -> io::Result<()> {
-    match (fs::write(entry, content), entry.parent()) {
-        (Err(error), Some(journal)) if error.kind() == io::ErrorKind::NotFound => {
-            fs::create_dir(journal)?;
-            fs::write(entry, content)
-        }
-        (result, _) => result,
+    let unfinished = unfinished.get_or_insert_default();
+    if unfinished.journal.is_none() {
+        let file = JOURNAL.get().and_then(|file| OpenOptions::new().create(true).append(true).open(file).ok());
+        unfinished.journal = file.map(out_of_the_way);
     }
+    unfinished.note(BEGUN, &path);
+    unfinished.paths.insert(path);
 }
 
 /// Removes a path from the unfinished ones.
 fn ended(path: &Path) {
-    let entry = unfinished().as_mut().and_then(|unfinished| unfinished.remove(path));
-    if let Some(Some(entry)) = entry {
-        let _ = fs::remove_file(entry);
+    if let Some(unfinished) = unfinished().as_mut()
+        && unfinished.paths.remove(path)
+    {
+        unfinished.note(ENDED, path);
+    }
+}
+
+impl Unfinished {
+    /// Writes an entry of the journal. Without it the file is only removed by this process.
+    fn note(&mut self, kind: u8, path: &Path) {
+        if let Some(journal) = &mut self.journal {
+            let _ = journal.write_all(&[&[kind], bytes_of(path), &[0]].concat());
+        }
     }
 }
 
@@ -100,7 +117,7 @@ fn remove(mut paths: Vec<PathBuf>) {
 /// that are being moved to their places, and prevents further moves.
 pub fn abandon() {
     let mut unfinished = unfinished();
-    remove(unfinished.take().unwrap_or_default().into_keys().collect());
+    remove(unfinished.take().unwrap_or_default().paths.into_iter().collect());
     // No file is begun or moved until the process has ended.
     std::mem::forget(unfinished);
 }

@@ -60,22 +60,30 @@ fn without_fraction(digits: &[u8]) -> &[u8] {
     digits.strip_suffix(b".0").unwrap_or(digits)
 }
 
-/// Copies some bytes, as a few large pieces.
+/// Copies some bytes, as two pieces that may overlap.
 #[inline]
 fn put_short(bytes: &[u8], text: &mut [u8; LONGEST]) -> usize {
     let count = bytes.len();
-    if let (Some(first), Some(last)) = (bytes.first_chunk::<16>(), bytes.last_chunk::<16>()) {
-        text[..16].copy_from_slice(first);
-        text[count - 16..count].copy_from_slice(last);
-    } else if let (Some(first), Some(last)) = (bytes.first_chunk::<8>(), bytes.last_chunk::<8>()) {
-        text[..8].copy_from_slice(first);
-        text[count - 8..count].copy_from_slice(last);
-    } else {
+    if !put_pieces::<16>(bytes, text) && !put_pieces::<8>(bytes, text) {
         for (to, from) in text.iter_mut().zip(bytes) {
             *to = *from;
         }
     }
     count
+}
+
+/// The first `N` bytes and the last ones, if there are as many.
+#[inline]
+fn put_pieces<const N: usize>(bytes: &[u8], text: &mut [u8; LONGEST]) -> bool {
+    let (Some(first), Some(last)) = (bytes.first_chunk::<N>(), bytes.last_chunk::<N>()) else { return false };
+    let mut place = |at: usize, piece: &[u8; N]| {
+        if let Some(to) = text[at..].first_chunk_mut() {
+            *to = *piece;
+        }
+    };
+    place(0, first);
+    place(bytes.len() - N, last);
+    true
 }
 
 /// A number from 10⁻⁵ to 10⁻⁴, which comes as `0.0000…`, with an exponent instead.
@@ -95,8 +103,11 @@ fn put_small(digits: &[u8], text: &mut [u8; LONGEST]) -> usize {
         text[end + 1..=end + tail.len()].copy_from_slice(tail);
         end += 1 + tail.len();
     }
-    text[end..end + 3].copy_from_slice(b"e-5");
-    end + 3
+    for byte in b"e-5" {
+        text[end] = *byte;
+        end += 1;
+    }
+    end
 }
 
 #[cfg(test)]

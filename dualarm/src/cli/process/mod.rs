@@ -55,7 +55,7 @@ pub fn run(work: impl FnOnce() -> u8) -> u8 {
     code
 }
 
-/// The folder in which the working process names its unfinished files.
+/// The file in which the working process names its unfinished files.
 #[cfg(unix)]
 fn journal() -> Option<PathBuf> {
     TEMPORARY_FOLDER.get().map(|folder| folder.join("journal"))
