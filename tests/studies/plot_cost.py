@@ -13,7 +13,8 @@ import numpy as np
 
 matplotlib.use("svg")
 import matplotlib.pyplot as plt
-from matplotlib.ticker import LogLocator
+from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator, NullLocator
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 #: Pairs of the plant and a law: the name in the file, what it is called, its marker.
@@ -25,6 +26,21 @@ LARGE = 10
 def slope(x: list[float], y: list[float]) -> float:
     """Exponent of the power law through the points."""
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+def label_heights(axes: Axes) -> None:
+    """Numbers 1, 2 and 5 of every decade in view, more where these are fewer than four: matplotlib's own locator leaves two then."""
+    low, high = axes.get_ylim()
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    for digits in ((1, 2, 5), (1, 1.5, 2, 3, 4, 5, 6, 8)):
+        numbers = [digit * 10.0**decade for decade in decades for digit in digits]
+        shown = [number for number in numbers if low <= number <= high]
+        if len(shown) >= 4:
+            break
+    axes.yaxis.set_major_locator(FixedLocator(shown))
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.set_ylim(low, high)
 
 
 def draw() -> list[str]:
@@ -49,8 +65,7 @@ def draw() -> list[str]:
     left.set(xlabel="order k", ylabel="ns per step", title="One plant")
     left.set_xticks(k, [f"{order:.0f}" for order in k])
     left.minorticks_off()
-    left.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    left.yaxis.set_major_formatter("{x:.0f}")
+    label_heights(left)
     left.legend(fontsize=8)
 
     for what, law, marker in PAIRS:
@@ -61,6 +76,7 @@ def draw() -> list[str]:
         right.loglog(n, total, marker=marker, label=f"a step of all, {law}: slope {slope(n, total):.2f}")
     right.loglog(n, [total[0] * count for count in n], "k:", label="slope 1")
     right.set(xlabel="pairs in one process", ylabel="µs per step of all", title="Plant of order 8 and NABFC")
+    label_heights(right)
     right.legend(fontsize=8)
     figure.savefig(DOCS / "figures/cost.svg", metadata={"Date": None})
     return said

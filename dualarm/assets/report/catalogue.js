@@ -1,4 +1,5 @@
-// Which charts there are. `scale` turns a signal into the unit of its chart, `also` is a second signal in dashes.
+// Which charts there are. `scale` turns a signal into the unit of its chart, `also` is a second signal in dashes,
+// `commands` says that this is what a controller commands.
 
 const DEGREES = 180 / Math.PI;
 
@@ -10,9 +11,9 @@ const GRASP = [
   { signal: "theta1", title: "Hub angle θ₁", unit: "°", decimals: 3, scale: DEGREES, target: "theta1_d" },
   { signal: "theta2", title: "Hub angle θ₂", unit: "°", decimals: 3, scale: DEGREES, target: "theta2_d" },
   { signal: "energy", title: "Energy of arms and object", unit: "mJ", decimals: 3, scale: 1000 },
-  { signal: "tau1", title: "Torque τ₁", unit: "N·m", decimals: 3, kick: true, also: "tau1_cmd" },
-  { signal: "tau2", title: "Torque τ₂", unit: "N·m", decimals: 3, kick: true, also: "tau2_cmd" },
-  { signal: "u", title: "Force u at the object", unit: "N", decimals: 3, kick: true, also: "u_cmd" },
+  { signal: "tau1", title: "Torque τ₁", unit: "N·m", decimals: 3, kick: true, commands: true, also: "tau1_cmd" },
+  { signal: "tau2", title: "Torque τ₂", unit: "N·m", decimals: 3, kick: true, commands: true, also: "tau2_cmd" },
+  { signal: "u", title: "Force u at the object", unit: "N", decimals: 3, kick: true, commands: true, also: "u_cmd" },
 ];
 
 /** Charts of contacts that can open; of tip 2 in dashes. */

@@ -5,6 +5,8 @@ const HEIGHT = 210;
 const KICK = 0.02;
 const LONG_SPAN = 0.2;
 const DASHES = [6, 4];
+/** How far the axis follows commands beyond what actuators deliver, in parts of that. */
+const COMMANDS = 0.25;
 
 /** `chart` says what is drawn, `curves` and `targets` are its columns. */
 function options(chart, curves, targets, data, clock, frame) {
@@ -111,20 +113,20 @@ function decimals(step) {
   return 9;
 }
 
-/** What the curves in view reach, the target if it is near, and a little air. */
+/** What the curves in view reach, commands and the target if they are near, and a little air. */
 function verticalRange(chart, curves, targets, times, { from, to }) {
   const isLong = chart.kick && to - from > LONG_SPAN && from < times[0] + KICK;
   const first = locate(times, isLong ? times[0] + KICK : from).row;
   const last = locate(times, to).row + 1;
-  let low = Infinity;
-  let high = -Infinity;
-  for (const { values, run } of curves) {
-    if (run.hidden) continue;
-    for (let row = first; row <= last && row < values.length; row++) {
-      if (values[row] < low) low = values[row];
-      if (values[row] > high) high = values[row];
-    }
-  }
+  const shown = curves.filter(({ run }) => !run.hidden);
+  // Commands can be far beyond what any actuator delivers, and would make a line of that.
+  const isCommand = ({ dashed }) => Boolean(chart.commands) && dashed;
+  let [low, high] = reach(shown.filter((curve) => !isCommand(curve)), first, last);
+  const [lowest, highest] = reach(shown.filter(isCommand), first, last);
+  const more = COMMANDS * (high - low);
+  const [least, most] = high > low ? [low - more, high + more] : [-Infinity, Infinity];
+  low = Math.min(low, Math.max(lowest, least));
+  high = Math.max(high, Math.min(highest, most));
   if (!(low <= high && high - low < Infinity)) return [-1, 1];
   for (const values of targets) {
     // The target belongs into the picture until one looks closer than the curves are to it.
@@ -138,6 +140,18 @@ function verticalRange(chart, curves, targets, times, { from, to }) {
   const size = Math.max(Math.abs(low), Math.abs(high));
   const air = high > low ? Math.max(0.07 * (high - low), 1e-12 * size) : Math.max(0.1 * size, 1e-6);
   return [low - air, high + air];
+}
+
+/** The smallest and the largest value of curves between two rows. */
+function reach(curves, first, last) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const { values } of curves) {
+    for (let row = first; row <= last && row < values.length; row++) {
+      if (values[row] < low) low = values[row];
+      if (values[row] > high) high = values[row];
+    }
+  }
+  return [low, high];
 }
 
 /** Where a target is, as few points as its shape needs. */

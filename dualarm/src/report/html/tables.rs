@@ -101,6 +101,10 @@ struct Group {
     rows: Vec<(String, Vec<String>)>,
 }
 
+/// Why a time in saturation is not there.
+const UNKNOWN_LIMITS: &str = " In saturation: \u{2013} where the limits of the actuator are not known; they are parameters of the \
+                              plant, which a file of results does not hold.";
+
 /// The metrics, one column per run, as a section of the page; nothing if no run has any.
 #[must_use]
 pub fn metrics(runs: &[Run]) -> String {
@@ -123,12 +127,14 @@ pub fn metrics(runs: &[Run]) -> String {
         }
         html += "</tbody>";
     }
+    let mut efforts = runs.iter().filter_map(|run| run.metrics.as_ref()).flat_map(|metrics| &metrics.efforts);
+    let limits = if efforts.all(|effort| effort.saturated.is_some()) { "" } else { UNKNOWN_LIMITS };
     format!(
         "<section aria-labelledby=\"metrics-title\"><h2 id=\"metrics-title\">Metrics</h2>\
          <div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Metrics\">{html}</table></div>\
          <p class=\"soft\">Settling time: after it the force stays within the band around its target. Overshoot: in % of the \
          way from the first value to the target. Steady error: mean over the last 5 % of the run. Control effort: outputs of \
-         the actuators over the whole run.</p></section>"
+         the actuators over the whole run.{limits}</p></section>"
     )
 }
 
