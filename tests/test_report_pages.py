@@ -12,7 +12,7 @@ import pytest
 
 from .support.browser import Browser
 from .support.paths import ROOT
-from .support.report import scrub, show, shown_time, spans
+from .support.report import MINUS, scrub, show, shown_time, spans
 from .support.tool import dualarm
 
 
@@ -124,6 +124,21 @@ def reported(file: Path, text: str) -> subprocess.CompletedProcess[str]:
     done = dualarm("report", str(file))
     assert done.returncode == 0, done.stderr
     return done
+
+
+def test_commands_beyond_what_is_delivered(browser: Browser, tmp_path: Path) -> None:
+    """The axis of an actuator's chart follows what it delivers; that its limits are not in the file is said."""
+    names = "contact_force1,contact_force2,lambda2_d,tau1,tau2,u,u_cmd"
+    rows = "".join(f"{k / 100},0.5,0.5,0.5,0.1,0.1,{0.3 * (-1) ** (k // 20)},{40 * (-1) ** (k // 20)}\n" for k in range(200))
+    reported(tmp_path / "limited.csv", f"time,{names}\n{rows}")
+    with browser.open(tmp_path / "limited.html") as opened:
+        page = opened.page
+        said = page.get_attribute("[data-signal=u] [role=img]", "aria-label")
+        low, high = (float(number.replace(MINUS, "-")) for number in re.search(r"between (\S+) and (\S+) N", said).groups())
+        # A quarter of 0.6 N beyond ±0.3 N, and seven per cent of all that as air.
+        assert (low, high) == pytest.approx((-0.513, 0.513), abs=0.01)
+        assert "commands far beyond that are cut off" in page.inner_text("[aria-labelledby=signals-title]")
+        assert "where the limits of the actuator are not known" in page.inner_text("[aria-labelledby=metrics-title]")
 
 
 def test_a_page_of_another_system(browser: Browser, tmp_path: Path) -> None:

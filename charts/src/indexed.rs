@@ -31,7 +31,12 @@ impl Indexed {
     /// kept, then those that are farthest from all kept ones; the others become the nearest of these.
     pub(crate) fn of(columns: usize, pixels: &[u16], colors: &[Color], mut rows: Vec<u8>) -> Option<Self> {
         rows.clear();
-        rows.try_reserve_exact(pixels.len() + pixels.len() / columns.max(1)).ok()?;
+        let length = pixels.len() + pixels.len() / columns.max(1);
+        if rows.capacity() < length {
+            // To make it longer would copy what is in it.
+            rows = Vec::new();
+            rows.try_reserve_exact(length).ok()?;
+        }
         let distinct = distinct(columns, pixels);
         if colors.len() <= PLACES {
             #[allow(clippy::cast_possible_truncation)] // fewer than 256

@@ -9,6 +9,9 @@ use std::ops::Range;
 use crate::cells::LEVELS;
 use crate::indexed::{Indexed, MOST};
 
+/// Most pictures have no more pixels than this.
+const USUAL: usize = 1 << 21;
+
 /// Red, green and blue.
 pub(crate) type Color = [u8; 3];
 
@@ -40,8 +43,12 @@ impl Picture {
     pub(crate) fn new(columns: u32, rows: u32, color: Color, mut memory: Vec<u16>) -> Option<Self> {
         let (columns, rows) = (usize::try_from(columns).ok()?, usize::try_from(rows).ok()?);
         let count = columns.checked_mul(rows).filter(|count| *count > 0)?;
+        if memory.capacity() < count {
+            // To make it longer would copy what is in it. What is never used of the new memory costs nothing.
+            memory = Vec::new();
+            memory.try_reserve_exact(count.max(USUAL)).ok()?;
+        }
         memory.clear();
-        memory.try_reserve_exact(count).ok()?;
         memory.resize(count, 0);
         let places = HashMap::from([(color, 0)]);
         Some(Self { columns, rows, pixels: memory, colors: vec![color], places, brushes: Vec::new() })

@@ -123,8 +123,8 @@ function verticalRange(chart, curves, targets, times, { from, to }) {
   const isCommand = ({ dashed }) => Boolean(chart.commands) && dashed;
   let [low, high] = reach(shown.filter((curve) => !isCommand(curve)), first, last);
   const [lowest, highest] = reach(shown.filter(isCommand), first, last);
-  const more = COMMANDS * (high - low);
-  const [least, most] = high > low ? [low - more, high + more] : [-Infinity, Infinity];
+  const more = COMMANDS * (high > low ? high - low : Math.abs(low));
+  const [least, most] = more > 0 && more < Infinity ? [low - more, high + more] : [-Infinity, Infinity];
   low = Math.min(low, Math.max(lowest, least));
   high = Math.max(high, Math.min(highest, most));
   if (!(low <= high && high - low < Infinity)) return [-1, 1];

@@ -79,7 +79,8 @@ pub fn simulate(
     let mut master = system.master(setup.coupling)?;
     let columns = master.record(|_| true);
     let mut watch = Watch {
-        drawn: Singles::new(&columns, |name| figures::SIGNALS.contains(&name), points(grid)),
+        drawn: Singles::new(&columns, |name| figures::SIGNALS.contains(&name), points(grid))
+            .with_last_only(|name| figures::TARGETS.contains(&name)),
         judged: GraspWatch::default(),
         shown: Rows::new(grid, &columns),
     };

@@ -23,10 +23,10 @@ impl Points {
     /// Adds a point. True when no more are to come.
     #[inline]
     pub(crate) fn push(&mut self, time: f64, row: &[f64]) -> bool {
-        let mut places = self.places.iter();
-        for column in self.values.chunks_exact_mut(Self::MOST) {
-            let Some(place) = places.next() else { break };
-            column[self.times.len()] = row[*place];
+        let point = self.times.len();
+        let (columns, _) = self.values.as_chunks_mut::<{ Self::MOST }>();
+        for (column, place) in columns.iter_mut().zip(&self.places) {
+            column[point] = row[*place];
         }
         self.times.push(time);
         self.times.len() == Self::MOST

@@ -20,6 +20,8 @@ pub struct Single {
     pub last: Option<f64>,
     /// Its place in a row.
     place: usize,
+    /// Whether only the last value is kept.
+    is_last_only: bool,
 }
 
 impl Singles {
@@ -32,9 +34,20 @@ impl Singles {
                 values: Vec::with_capacity(points),
                 last: None,
                 place,
+                is_last_only: false,
             })
         };
         Self { signals: columns.iter().enumerate().filter_map(single).collect() }
+    }
+
+    /// The same, but of those that `wanted` accepts only the last value is kept.
+    #[must_use]
+    pub fn with_last_only(mut self, wanted: impl Fn(&str) -> bool) -> Self {
+        for signal in self.signals.iter_mut().filter(|signal| wanted(&signal.column.name)) {
+            signal.is_last_only = true;
+            signal.values = Vec::new();
+        }
+        self
     }
 
     /// Adds the values at the next communication points, as far as these have the columns.
@@ -42,7 +55,9 @@ impl Singles {
     pub fn extend(&mut self, points: &Points) {
         for signal in &mut self.signals {
             let Some(values) = points.column(signal.place) else { continue };
-            signal.values.extend(values.iter().map(|value| *value as f32));
+            if !signal.is_last_only {
+                signal.values.extend(values.iter().map(|value| *value as f32));
+            }
             signal.last = values.last().copied().or(signal.last);
         }
     }
@@ -62,7 +77,8 @@ mod tests {
     fn every_point_is_in_every_column() {
         let columns = ["a", "b", "c"].map(|name| Column { name: name.into(), ..Column::default() });
         for count in [0_u32, 1, 127, 128, 129, 1000] {
-            let mut singles = Singles::new(&columns, |name| name != "b", usize::try_from(count).unwrap());
+            let mut singles = Singles::new(&columns, |_| true, usize::try_from(count).unwrap());
+            singles = singles.with_last_only(|name| name == "b");
             let mut points = Points::new(vec![0, 1, 2]);
             for point in 0..count {
                 let value = f64::from(point);
@@ -73,8 +89,9 @@ mod tests {
             }
             singles.extend(&points);
             let signals = singles.into_signals();
-            let [a, c] = &signals[..] else { panic!("{} columns", signals.len()) };
-            assert_eq!((a.column.name.as_str(), c.column.name.as_str()), ("a", "c"));
+            let [a, b, c] = &signals[..] else { panic!("{} columns", signals.len()) };
+            assert_eq!([a, b, c].map(|signal| signal.column.name.as_str()), ["a", "b", "c"]);
+            assert_eq!((b.values.len(), b.last), (0, (count > 0).then_some(7.0)));
             #[allow(clippy::cast_possible_truncation)]
             let are = |single: &Single, value: fn(f64) -> f64| {
                 let wanted = (0..count).map(|point| value(f64::from(point)));

@@ -87,6 +87,9 @@ pub const SIGNALS: &[&str] = &[
     "U2_norm",
 ];
 
+/// Those of them of which figures show the last value only.
+pub const TARGETS: &[&str] = &["theta1_d", "theta2_d", "lambda2_d"];
+
 /// All figures of a comparison, in the order of the report.
 #[must_use]
 pub fn all(runs: &[PaperRun]) -> Vec<Sketch<'_>> {

@@ -1,5 +1,7 @@
 //! Text inside HTML.
 
+use std::borrow::Cow;
+
 /// A text so that nothing in it is markup, between tags or inside a quoted attribute. Control characters, which XML cannot
 /// contain, are replaced.
 #[must_use]
@@ -28,13 +30,14 @@ pub fn in_script(json: String) -> String {
 /// When the template contains a name that `value` does not define, or does not close a name.
 pub fn fill(template: &str, value: impl Fn(&str) -> Option<String>) -> String {
     let mut parts = template.split("{{");
-    let mut filled = parts.next().unwrap_or_default().to_owned();
+    // Some are long: what is filled in is put together once.
+    let mut filled = vec![Cow::Borrowed(parts.next().unwrap_or_default())];
     for part in parts {
         let (name, rest) = part.split_once("}}").expect("the page's template closes every name");
-        filled += &value(name).unwrap_or_else(|| panic!("the page's template knows no {name}"));
-        filled += rest;
+        let text = value(name).unwrap_or_else(|| panic!("the page's template knows no {name}"));
+        filled.extend([Cow::Owned(text), Cow::Borrowed(rest)]);
     }
-    filled
+    filled.concat()
 }
 
 #[cfg(test)]
