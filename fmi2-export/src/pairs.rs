@@ -6,7 +6,8 @@
 
 pub(crate) use numbers::{Range, Two};
 
-/// Whether value references follow each other, which must be so many that there can be. The first is the first, so an odd number of them leaves pairs behind it.
+/// Whether value references follow each other, from the first on; there must be as many references. An odd number of them leaves pairs behind
+/// the first, which is what it is.
 #[inline(always)]
 pub(crate) fn follow_each_other(references: &[u32], first: u32) -> bool {
     let mut i = references.len() % 2;
