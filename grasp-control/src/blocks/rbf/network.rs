@@ -164,9 +164,18 @@ impl<const D: usize> Network<D> {
     pub(crate) fn output_here<V: Four>(&self) -> f64 {
         total(match self.output {
             Some(sums) => sums,
-            None if V::IS_WIDE => self.sums::<V>(),
+            // SAFETY: a wide register is in use.
+            #[cfg(target_arch = "x86_64")]
+            None if V::IS_WIDE => unsafe { self.sums_wide() },
             None => self.sums_narrow(),
         })
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    #[inline(never)]
+    fn sums_wide(&self) -> Lanes {
+        self.sums::<Wide>()
     }
 
     #[inline(never)]

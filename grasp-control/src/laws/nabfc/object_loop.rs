@@ -9,6 +9,8 @@ use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, ObjectGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::exponential::{powers, tanh};
+#[cfg(target_arch = "x86_64")]
+use crate::blocks::four::Wide;
 use crate::blocks::four::{Four, Lanes, Narrow};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
@@ -86,6 +88,8 @@ impl ObjectSettings {
 }
 
 /// Controller of the object.
+// What is unsafe asks for a feature of the processor, and nothing of the data.
+#[allow(clippy::unsafe_derive_deserialize)]
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct ObjectLoop {
     pub(super) settings: ObjectSettings,
@@ -241,9 +245,32 @@ impl ObjectLoop {
         V::splat(z1_dot) * V::load(by_velocity) + of_rates
     }
 
-    /// Goes to a point where only the shear rates are others than where the loop is evaluated.
+    /// Goes to a point where only the shear rates are others than where the loop is evaluated. Not inlined: it is called in several places,
+    /// and the usual step does without.
     #[inline(always)]
     pub fn move_to<V: Four>(&mut self, shear_dot: [f64; 2]) {
+        #[cfg(target_arch = "x86_64")]
+        if V::IS_WIDE {
+            // SAFETY: a wide register is in use.
+            return unsafe { self.move_to_wide(shear_dot) };
+        }
+        self.move_to_narrow(shear_dot);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    #[inline(never)]
+    fn move_to_wide(&mut self, shear_dot: [f64; 2]) {
+        self.move_to_here::<Wide>(shear_dot);
+    }
+
+    #[inline(never)]
+    fn move_to_narrow(&mut self, shear_dot: [f64; 2]) {
+        self.move_to_here::<Narrow>(shear_dot);
+    }
+
+    #[inline(always)]
+    fn move_to_here<V: Four>(&mut self, shear_dot: [f64; 2]) {
         let Some(point) = &self.point else { return };
         let x = self.moved::<V>(point.inputs.z1_dot, shear_dot);
         let network = &mut self.estimator.network;
