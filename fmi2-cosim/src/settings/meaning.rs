@@ -149,7 +149,7 @@ fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
     }
 }
 
-/// The settable variables whose names have this word in them, those with the closest names, and those whose description contains the word,
+/// The settable variables whose names end with this word, those with the closest names, and those whose description contains the word,
 /// with `prefix.` in front.
 fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -> Vec<String> {
     const SHOWN: usize = 5;
@@ -164,7 +164,8 @@ fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -
     let word = wanted.to_lowercase();
     let says =
         |text: &str| text.to_lowercase().split(|letter: char| !letter.is_alphanumeric()).any(|said| said == word);
-    let named = settable().filter(|variable| says(&variable.name)).map(|variable| variable.name.as_str());
+    let ends = |name: &str| name.to_lowercase().strip_suffix(&word).is_some_and(|begin| begin.ends_with('_'));
+    let named = settable().filter(|variable| ends(&variable.name)).map(|variable| variable.name.as_str());
     let described = settable().filter(|variable| variable.description.as_deref().is_some_and(says));
     let described = described.map(|variable| variable.name.as_str());
     let mut names: Vec<&str> = Vec::new();
