@@ -21,9 +21,6 @@ use std::sync::atomic::{AtomicU8, AtomicUsize, Ordering, compiler_fence};
 
 use super::barrier::{HAS_BARRIER, barrier, can_bar, this_thread};
 
-/// Whether a guard can have an owner.
-pub const HAS_OWNERS: bool = HAS_BARRIER;
-
 /// An owner that is none. No thread has such a number, nor the next.
 const NOBODY: usize = usize::MAX;
 
@@ -95,7 +92,7 @@ impl Guard {
     /// Begins a call if this thread is the owner, no call is running, and the instance is ready for the short way.
     #[inline(always)]
     pub fn enter_shortly(&self) -> Option<Entered<'_>> {
-        if !HAS_OWNERS {
+        if !HAS_BARRIER {
             return None;
         }
         let owner = self.owner.load(Ordering::Relaxed);

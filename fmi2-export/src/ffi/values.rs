@@ -5,7 +5,7 @@ use std::ffi::{c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::arguments::{are_right, out, places, right_places, right_values, slice, strings, values};
-use super::guard::{Entered, HAS_OWNERS};
+use super::guard::Entered;
 use super::instance::{call, end_panicked, enter_shortly, instance};
 use super::types::{Boolean, Component, ValueReference};
 use crate::status::{Refusal, Status};
@@ -74,10 +74,8 @@ unsafe extern "C" fn get_any_real(
         call(component, |instance| {
             let (references, mut places) = places(vr, value, count)?;
             let slave = &mut instance.slave;
-            if !HAS_OWNERS
-                && slave.is_ready()
-                && (slave.get_shortly(vr, value, count) || slave.get_near(references, places.again()))
-            {
+            // Of a thread that is not the owner.
+            if slave.is_ready() && (slave.get_shortly(vr, value, count) || slave.get_near(references, places.again())) {
                 return Ok(());
             }
             slave.get_real(references, places)
@@ -180,10 +178,8 @@ unsafe extern "C" fn set_any_real(
         call(component, |instance| {
             let (references, values) = values(vr, value, count)?;
             let slave = &mut instance.slave;
-            if !HAS_OWNERS
-                && slave.is_ready()
-                && (slave.set_shortly(vr, value, count) || slave.set_near(references, values))
-            {
+            // Of a thread that is not the owner.
+            if slave.is_ready() && (slave.set_shortly(vr, value, count) || slave.set_near(references, values)) {
                 return Ok(());
             }
             slave.set_real(references, values)
