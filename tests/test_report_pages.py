@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from .support.browser import Browser
+from .support.browser import Browser, settle
 from .support.paths import ROOT
 from .support.report import MINUS, scrub, show, shown_time, spans
 from .support.tool import dualarm
@@ -139,6 +139,32 @@ def test_commands_beyond_what_is_delivered(browser: Browser, tmp_path: Path) -> 
         assert (low, high) == pytest.approx((-0.513, 0.513), abs=0.01)
         assert "commands far beyond that are cut off" in page.inner_text("[aria-labelledby=signals-title]")
         assert "where the limits of the actuator are not known" in page.inner_text("[aria-labelledby=metrics-title]")
+
+
+def test_a_dead_zone_stays_in_the_picture(browser: Browser, tmp_path: Path) -> None:
+    """Where what an actuator delivers is constant, the command beside it is still in its chart."""
+    names = "contact_force1,contact_force2,lambda2_d,tau1,tau2,u,u_cmd"
+    force = [0.5 if k < 20 else 0.1 for k in range(200)]
+    rows = "".join(f"{k / 100},0.5,0.5,0.5,0.1,0.1,{u},{u + 0.1}\n" for k, u in enumerate(force))
+    reported(tmp_path / "zone.csv", f"time,{names}\n{rows}")
+    with browser.open(tmp_path / "zone.html") as opened:
+        page = opened.page
+        plot = page.locator("[data-signal=u] .u-over")
+        plot.scroll_into_view_if_needed()
+        box = plot.bounding_box()
+        middle = box["y"] + box["height"] / 2
+        page.mouse.move(box["x"] + 0.5 * box["width"], middle)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.75 * box["width"], middle, steps=5)
+        page.mouse.up()
+        settle(page)
+        said = page.get_attribute("[data-signal=u] [role=img]", "aria-label")
+        begin, low, high = (
+            float(number.replace(MINUS, "-"))
+            for number in re.search(r"from (\S+) to \S+ s, between (\S+) and (\S+) N", said).groups()
+        )
+        assert begin > 0.9, "the step at the beginning is not in view"
+        assert low < 0.1 and high > 0.2
 
 
 def test_a_page_of_another_system(browser: Browser, tmp_path: Path) -> None:

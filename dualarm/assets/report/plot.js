@@ -5,7 +5,7 @@ const HEIGHT = 210;
 const KICK = 0.02;
 const LONG_SPAN = 0.2;
 const DASHES = [6, 4];
-/** How far the axis follows commands beyond what actuators deliver, in parts of that. */
+/** How far the axis follows commands beyond what actuators deliver, in parts of what they deliver in the whole run. */
 const COMMANDS = 0.25;
 
 /** `chart` says what is drawn, `curves` and `targets` are its columns. */
@@ -121,9 +121,12 @@ function verticalRange(chart, curves, targets, times, { from, to }) {
   const shown = curves.filter(({ run }) => !run.hidden);
   // Commands can be far beyond what any actuator delivers, and would make a line of that.
   const isCommand = ({ dashed }) => Boolean(chart.commands) && dashed;
-  let [low, high] = reach(shown.filter((curve) => !isCommand(curve)), first, last);
+  const delivered = shown.filter((curve) => !isCommand(curve));
+  let [low, high] = reach(delivered, first, last);
   const [lowest, highest] = reach(shown.filter(isCommand), first, last);
-  const more = COMMANDS * (high > low ? high - low : Math.abs(low));
+  // The whole run, and not what is in view: a dead zone stays in the picture where what is delivered hardly changes.
+  const [bottom, top] = reach(delivered, 0, times.length);
+  const more = COMMANDS * (Math.max(top, 0) - Math.min(bottom, 0));
   const [least, most] = more > 0 && more < Infinity ? [low - more, high + more] : [-Infinity, Infinity];
   low = Math.min(low, Math.max(lowest, least));
   high = Math.max(high, Math.min(highest, most));
