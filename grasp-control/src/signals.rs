@@ -234,7 +234,7 @@ impl Inputs {
 
 /// Whether all numbers are equal; without a branch for each, so that several are compared at once.
 #[inline(always)]
-pub(crate) fn all_equal<const N: usize>(some: &[f64; N], others: &[f64; N]) -> bool {
+fn all_equal<const N: usize>(some: &[f64; N], others: &[f64; N]) -> bool {
     let mut any_differs = false;
     for (one, other) in some.iter().zip(others) {
         any_differs |= one != other;

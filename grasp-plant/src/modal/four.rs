@@ -47,7 +47,7 @@ pub(crate) trait Four: Copy {
     /// Whether the sum of the lanes plus the addend is negative, of any of both.
     fn is_any_sum_negative(both: [Self; 2], addends: [f64; 2]) -> bool;
     /// The larger of these and of the filler minus the sizes of `values`: a filler of −0.0 leaves the sizes, one of −1.0 makes each result
-    /// −1.0 or less. Of numbers that are all finite.
+    /// of a zero −1.0. Of numbers that are all finite.
     fn lowered(self, values: Self, filler: &Lanes) -> Self;
     /// Whether any is.
     fn is_any_above(self, limit: f64) -> bool;

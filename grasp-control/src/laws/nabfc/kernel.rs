@@ -18,7 +18,7 @@ use crate::blocks::exponential::{powers, tanh_of};
 use crate::blocks::four::Wide;
 use crate::blocks::four::{Four, LANES, Narrow};
 use crate::law::StepError;
-use crate::signals::{Commands, Inputs, all_equal};
+use crate::signals::{Commands, Inputs};
 
 impl Nabfc {
     /// Evaluates surfaces, tangents, regressors and bases for inputs, with other shear rates instead of those in them, as far as they
@@ -27,7 +27,12 @@ impl Nabfc {
     fn evaluate<V: Four>(&mut self, inputs: &Inputs, shear_dot: [f64; 2]) {
         if !self.knows(inputs) {
             self.evaluate_still::<V>(inputs);
-        } else if self.object.point.as_ref().is_some_and(|point| point.inputs.shear_dot == shear_dot) {
+        } else if self
+            .object
+            .point
+            .as_ref()
+            .is_some_and(|point| point.inputs.shear_dot.map(f64::to_bits) == shear_dot.map(f64::to_bits))
+        {
             return;
         }
         self.object.move_to::<V>(shear_dot);
@@ -41,7 +46,7 @@ impl Nabfc {
             return false;
         };
         let are_of_seen = object.is_of_seen & point1.is_of_seen & point2.is_of_seen;
-        are_of_seen && self.keep.knows_loops() && all_equal(&self.keep.seen.to_array(), &inputs.to_array())
+        are_of_seen && self.keep.knows_loops() && self.keep.seen.has_bits_of(inputs)
     }
 
     /// Evaluates all that the shear rates do not change. What they do change is to follow.

@@ -128,8 +128,7 @@ impl PostureLoop {
     /// Evaluates the surface, the tanh, the regressor and the network's basis, once per point.
     fn at(&mut self, e: f64, e_dot: f64) -> Point {
         if let Some(point) = self.point
-            && point.e == e
-            && point.e_dot == e_dot
+            && [point.e, point.e_dot].map(f64::to_bits) == [e, e_dot].map(f64::to_bits)
         {
             return point;
         }

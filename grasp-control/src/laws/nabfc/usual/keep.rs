@@ -83,7 +83,7 @@ impl Nabfc {
     }
 
     /// Gets the table of a step size to the first place, for the step after this one. A new size gets one at once while there is room, later if it
-    /// comes twice in a row: where every step has another size, that would be in vain.
+    /// comes twice without another new one between: where every step has another size, that would be in vain.
     #[cold]
     #[inline(never)]
     pub(in crate::laws::nabfc) fn adopt(&mut self, h: f64) {

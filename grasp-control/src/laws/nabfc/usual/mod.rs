@@ -1,4 +1,4 @@
-//! The usual step: inputs that are held and that nobody has asked for commands for, networks that learn, are plain and have no ball, a
+//! The usual step: inputs that are held and for which the loops are not evaluated already, networks that learn, are plain and have no ball, a
 //! low-pass in motion. It leaves the commands that follow it behind.
 //!
 //! Lanes are the three loops, so whatever all of them do is done once: hub 1, hub 2, and the object in the last one. Inputs of

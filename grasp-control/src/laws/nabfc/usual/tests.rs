@@ -109,6 +109,36 @@ fn what_is_kept_changes_nothing() {
     }
 }
 
+/// Zeros of both signs are different inputs where a command is a zero: its sign is that of a law that keeps nothing, whichever the law has seen
+/// before.
+#[test]
+fn what_is_kept_for_zeros_has_their_signs() {
+    let arms = arms();
+    let zeros = |choice: usize| {
+        let mut values: [f64; 16] = std::array::from_fn(|i| if choice >> i & 1 == 0 { 0.0 } else { -0.0 });
+        // Where the object is at its target.
+        values[4] = 0.5 * arms.hub_distance;
+        Inputs::from_array(values)
+    };
+    let mut law = Nabfc::new(arms, gains(&Gains::default())).unwrap();
+    law.initialize(&zeros(0));
+    let mut random = 1_u64;
+    for i in 0..2000 {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let (seen, way) = (zeros((random >> 40) as usize), (random >> 33) % 4);
+        let mut fresh = serde_json::from_str::<Nabfc>(&text(&law)).unwrap();
+        match way {
+            0 => {
+                law.step(H, &seen, &Inputs::HELD).unwrap();
+                fresh.step(H, &seen, &Inputs::HELD).unwrap();
+            }
+            1 => assert_eq!(format!("{:?}", law.jacobian(&seen)), format!("{:?}", fresh.jacobian(&seen)), "{i}"),
+            _ => assert_eq!(bits(&law.commands(&seen)), bits(&fresh.commands(&seen)), "{i}"),
+        }
+        assert_eq!(text(&law), text(&fresh), "{i}");
+    }
+}
+
 #[test]
 fn equal_laws_share_a_table_and_nothing_is_kept() {
     let table = |factor: f64| {
