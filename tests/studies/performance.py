@@ -2,6 +2,7 @@
 
     cargo run --release -- package
     python -m tests.studies.performance
+    python -m tests.studies.performance --before FOLDER     # beside FMUs of an earlier version, measured in turns
 
 Writes docs/performance/time.csv, docs/performance/cost.csv and docs/figures/cost.svg, and the tables between the marks in the page. Takes
 a minute or two; the machine should have nothing else to do. Needs matplotlib; counts need valgrind.
@@ -9,12 +10,11 @@ a minute or two; the machine should have nothing else to do. Needs matplotlib; c
 
 from __future__ import annotations
 
+import argparse
 import csv
 import re
 import subprocess
 from pathlib import Path
-
-from tests.studies import plot_cost
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -28,13 +28,14 @@ def run(*command: str) -> str:
     return subprocess.run(command, check=True, cwd=ROOT, stdout=subprocess.PIPE, text=True).stdout
 
 
-def times() -> dict[str, float]:
-    """The lowest of each line over the rounds [ns]."""
-    lowest: dict[str, float] = {}
+def times(folders: list[Path]) -> list[dict[str, float]]:
+    """For each folder of FMUs the lowest of each line over the rounds [ns]; the folders in turns."""
+    lowest: list[dict[str, float]] = [{} for _ in folders]
     for _ in range(ROUNDS):
-        for line in run(*PROGRAM, "time").splitlines():
-            if found := re.match(r"(\S.*?)\s{2,}(\d+)(?:\s|$)", line):
-                lowest[found[1]] = min(lowest.get(found[1], float("inf")), float(found[2]))
+        for folder, least in zip(folders, lowest, strict=True):
+            for line in run(*PROGRAM, "time", str(folder)).splitlines():
+                if found := re.match(r"(\S.*?)\s{2,}(\d+)(?:\s|$)", line):
+                    least[found[1]] = min(least.get(found[1], float("inf")), float(found[2]))
     return lowest
 
 
@@ -44,35 +45,46 @@ def counts() -> dict[str, int]:
     return {case: int(count) for case, count in found}
 
 
-def step_table(lowest: dict[str, float], instructions: dict[str, int]) -> list[str]:
-    rows = ["| step | instructions | ns | in C, ns | ratio | in C without wide registers, ns | target, ns | |",
-            "|---|---|---|---|---|---|---|---|"]
-    cases = [name.removeprefix("step, ") for name in lowest if name.startswith("step, ")]
-    for case in cases:
-        ns = lowest[f"step, {case}"]
-        peer = "coupled" if case in {"coupled", "get_first", "master"} else case
-        in_c, narrow = lowest.get(f"in C, {peer}"), lowest.get(f"in C without wide registers, {peer}")
-        target = TARGETS.get(case)
-        verdict = "" if target is None else "met" if ns <= target else "missed"
-        rows.append(
-            f"| {case} | {instructions.get(case, '')} | {ns:.0f} | {'' if in_c is None else f'{in_c:.0f}'} "
-            f"| {'' if in_c is None else f'{ns / in_c:.2f}'} | {'' if narrow is None else f'{narrow:.0f}'} "
-            f"| {'' if target is None else target} | {verdict} |")
-    return rows
+def table(names: list[str], rows: list[list[object]]) -> list[str]:
+    """Columns in which nothing stands are left out."""
+    used = [i for i in range(len(names)) if any(row[i] != "" for row in rows)]
+    lines = [[names[i] for i in used], ["---"] * len(used), *([str(row[i]) for i in used] for row in rows)]
+    return ["| " + " | ".join(line) + " |" for line in lines]
 
 
-def other_table(lowest: dict[str, float]) -> list[str]:
+def of(lowest: dict[str, float], name: str) -> str:
+    return f"{lowest[name]:.0f}" if name in lowest else ""
+
+
+def step_table(lowest: dict[str, float], before: dict[str, float], instructions: dict[str, int]) -> list[str]:
+    rows = []
+    for name in (name for name in lowest if name.startswith("step, ")):
+        case = name.removeprefix("step, ")
+        ns, in_c = lowest[name], f"in C, {'coupled' if case in {'get_first', 'master'} else case}"
+        target = TARGETS.get(case, "")
+        rows.append([case, instructions.get(case, ""), f"{ns:.0f}", of(before, name), of(lowest, in_c),
+                     f"{ns / lowest[in_c]:.2f}" if in_c in lowest else "", of(lowest, in_c.replace("C,", "C without wide registers,")),
+                     target, "" if target == "" else "met" if ns <= target else "missed"])
+    return table(["step", "instructions", "ns", "before, ns", "in C, ns", "ratio to C", "in C without wide registers, ns", "target, ns", ""], rows)
+
+
+def other_table(lowest: dict[str, float], before: dict[str, float]) -> list[str]:
     rest = [name for name in lowest if not name.startswith(("step, ", "in C"))]
-    return ["| other calls | ns |", "|---|---|", *(f"| {name} | {lowest[name]:.0f} |" for name in rest)]
+    return table(["other calls", "ns", "before, ns"], [[name, of(lowest, name), of(before, name)] for name in rest])
 
 
-def cost_table(rows: list[dict[str, str]]) -> list[str]:
-    pairs, default = ([row for row in rows if row["what"] == what] for what in ("pair", "pair-r"))
-    table = ["| pairs in one process | ns per pair and step | KiB per pair beyond the first | start, µs | default law: ns | start, µs |",
-             "|---|---|---|---|---|---|"]
-    return table + [
-        f"| {paper['instances']} | {paper['step_ns']} | {paper['kib_each'] if paper['instances'] != '1' else ''} | {paper['start_us']} "
-        f"| {row['step_ns']} | {row['start_us']} |" for paper, row in zip(pairs, default, strict=True)]
+def cost_table(rows: list[dict[str, str]], before: list[dict[str, str]]) -> list[str]:
+    def of_pairs(rows: list[dict[str, str]], what: str) -> list[dict[str, str]]:
+        return [row for row in rows if row["what"] == what]
+
+    earlier = {(row["what"], row["instances"]): row["step_ns"] for row in before}
+    lines = []
+    for paper, default in zip(of_pairs(rows, "pair"), of_pairs(rows, "pair-r"), strict=True):
+        count = paper["instances"]
+        lines.append([count, paper["step_ns"], earlier.get(("pair", count), ""), paper["kib_each"] if count != "1" else "", paper["start_us"],
+                      default["step_ns"], earlier.get(("pair-r", count), ""), default["start_us"]])
+    return table(["pairs in one process", "ns per pair and step", "before", "KiB per pair beyond the first", "start, µs", "default law: ns",
+                  "before", "start, µs"], lines)
 
 
 def processor() -> str:
@@ -83,15 +95,23 @@ def processor() -> str:
 
 
 def main() -> None:
+    parser = argparse.ArgumentParser(description="Measures all figures of docs/performance.md and writes them into the page.")
+    parser.add_argument("--before", type=Path, metavar="FOLDER", help="FMUs of an earlier version, to measure in turns with those of dist/")
+    earlier = parser.parse_args().before
+    folders = [ROOT / "dist", *([] if earlier is None else [earlier.resolve(strict=True)])]
     instructions = counts()
-    lowest = times()
-    sizes = run(*PROGRAM, "sizes")
+    lowest, before = (*times(folders), {})[:2]
+    sizes, sizes_before = (*(run(*PROGRAM, "sizes", str(folder)) for folder in folders), "")[:2]
     (DOCS / "performance/cost.csv").write_text(sizes)
     with (DOCS / "performance/time.csv").open("w", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([("what", "ns"), *((name, f"{ns:.0f}") for name, ns in lowest.items())])
+    # Only here: `tool_cost` measures the memory of children, in which that of this process counts.
+    from tests.studies import plot_cost
+
     slopes = plot_cost.draw()
     block = [f"Measured on {processor()}; the lowest of {ROUNDS} runs, each the best of 60 batches.", "",
-             *step_table(lowest, instructions), "", *other_table(lowest), "", *cost_table(list(csv.DictReader(sizes.splitlines()))), "",
+             *step_table(lowest, before, instructions), "", *other_table(lowest, before), "",
+             *cost_table(*(list(csv.DictReader(text.splitlines())) for text in (sizes, sizes_before))), "",
              *slopes]
     page = DOCS / "performance.md"
     begin, end = "<!-- measured: python -m tests.studies.performance -->", "<!-- end -->"
