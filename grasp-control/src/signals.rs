@@ -116,7 +116,12 @@ impl Inputs {
     #[must_use]
     #[inline(always)]
     pub fn are_held(&self) -> bool {
-        all_equal(&self.to_array(), &[0.0; INPUTS])
+        // Without a branch for each, so that several are compared at once.
+        let mut any_differs = false;
+        for rate in self.to_array() {
+            any_differs |= rate != 0.0;
+        }
+        !any_differs
     }
 
     /// Whether all are zero and positive. Unlike [`are_held`](Self::are_held) it looks at bits, which takes fewer instructions.
@@ -132,11 +137,7 @@ impl Inputs {
     /// Whether they have the bits of others.
     #[inline(always)]
     pub(crate) fn has_bits_of(&self, other: &Self) -> bool {
-        let mut bits = 0;
-        for (one, other) in self.to_array().into_iter().zip(other.to_array()) {
-            bits |= one.to_bits() ^ other.to_bits();
-        }
-        bits == 0
+        have_same_bits(self.to_array(), other.to_array())
     }
 
     /// Whether no input can be one that a step refuses: four sums of magnitudes are usable.
@@ -232,14 +233,14 @@ impl Inputs {
     }
 }
 
-/// Whether all numbers are equal; without a branch for each, so that several are compared at once.
+/// Whether numbers are the same to the bit, so that zeros of both signs are not; without a branch for each.
 #[inline(always)]
-fn all_equal<const N: usize>(some: &[f64; N], others: &[f64; N]) -> bool {
-    let mut any_differs = false;
-    for (one, other) in some.iter().zip(others) {
-        any_differs |= one != other;
+pub(crate) fn have_same_bits<const N: usize>(some: [f64; N], others: [f64; N]) -> bool {
+    let mut bits = 0;
+    for (one, other) in some.into_iter().zip(others) {
+        bits |= one.to_bits() ^ other.to_bits();
     }
-    !any_differs
+    bits == 0
 }
 
 /// What a controller commands.

@@ -18,7 +18,7 @@ use crate::blocks::exponential::{powers, tanh_of};
 use crate::blocks::four::Wide;
 use crate::blocks::four::{Four, LANES, Narrow};
 use crate::law::StepError;
-use crate::signals::{Commands, Inputs};
+use crate::signals::{Commands, Inputs, have_same_bits};
 
 impl Nabfc {
     /// Evaluates surfaces, tangents, regressors and bases for inputs, with other shear rates instead of those in them, as far as they
@@ -27,12 +27,7 @@ impl Nabfc {
     fn evaluate<V: Four>(&mut self, inputs: &Inputs, shear_dot: [f64; 2]) {
         if !self.knows(inputs) {
             self.evaluate_still::<V>(inputs);
-        } else if self
-            .object
-            .point
-            .as_ref()
-            .is_some_and(|point| point.inputs.shear_dot.map(f64::to_bits) == shear_dot.map(f64::to_bits))
-        {
+        } else if self.object.point.as_ref().is_some_and(|point| have_same_bits(point.inputs.shear_dot, shear_dot)) {
             return;
         }
         self.object.move_to::<V>(shear_dot);

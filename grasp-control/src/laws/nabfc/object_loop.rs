@@ -14,6 +14,7 @@ use crate::blocks::four::Wide;
 use crate::blocks::four::{Four, Lanes, Narrow};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
+use crate::signals::have_same_bits;
 use serde::{Deserialize, Serialize};
 
 /// What the loop sees at one instant.
@@ -34,11 +35,11 @@ pub(crate) struct ObjectInputs {
 impl ObjectInputs {
     /// Whether they have the bits of others: the sign of a zero may be that of a command.
     fn has_bits_of(&self, other: &Self) -> bool {
-        let bits = |inputs: &Self| {
+        let numbers = |inputs: &Self| {
             let Self { z1, z1_dot, shear, shear_dot, lambda1 } = *inputs;
-            [z1, z1_dot, shear[0], shear[1], shear_dot[0], shear_dot[1], lambda1].map(f64::to_bits)
+            [z1, z1_dot, shear[0], shear[1], shear_dot[0], shear_dot[1], lambda1]
         };
-        bits(self) == bits(other)
+        have_same_bits(numbers(self), numbers(other))
     }
 }
 
@@ -213,7 +214,7 @@ impl ObjectLoop {
         // Where only the shear rates differ, the surface is the same.
         let (mut point, still) = self.signals(inputs);
         point.tanh = match self.point {
-            Some(known) if known.s.to_bits() == point.s.to_bits() => known.tanh,
+            Some(known) if have_same_bits([known.s], [point.s]) => known.tanh,
             _ => tanh(point.s / self.epsilon()),
         };
         self.prepare();

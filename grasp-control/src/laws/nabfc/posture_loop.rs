@@ -12,6 +12,7 @@ use crate::blocks::exponential::tanh;
 use crate::blocks::four::{Four, Lanes};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
+use crate::signals::have_same_bits;
 use serde::{Deserialize, Serialize};
 
 /// What the user can set.
@@ -128,7 +129,7 @@ impl PostureLoop {
     /// Evaluates the surface, the tanh, the regressor and the network's basis, once per point.
     fn at(&mut self, e: f64, e_dot: f64) -> Point {
         if let Some(point) = self.point
-            && [point.e, point.e_dot].map(f64::to_bits) == [e, e_dot].map(f64::to_bits)
+            && have_same_bits([point.e, point.e_dot], [e, e_dot])
         {
             return point;
         }
