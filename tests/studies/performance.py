@@ -94,6 +94,13 @@ def processor() -> str:
     return "an unknown processor"
 
 
+def write(begin: str, end: str, lines: list[str]) -> None:
+    """Puts lines between two marks of the page."""
+    page = DOCS / "performance.md"
+    before, rest = page.read_text().split(begin)
+    page.write_text(f"{before}{begin}\n" + "\n".join(lines) + f"\n{end}" + rest.split(end, 1)[1])
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Measures all figures of docs/performance.md and writes them into the page.")
     parser.add_argument("--before", type=Path, metavar="FOLDER", help="FMUs of an earlier version, to measure in turns with those of dist/")
@@ -113,10 +120,7 @@ def main() -> None:
              *step_table(lowest, before, instructions), "", *other_table(lowest, before), "",
              *cost_table(*(list(csv.DictReader(text.splitlines())) for text in (sizes, sizes_before))), "",
              *slopes]
-    page = DOCS / "performance.md"
-    begin, end = "<!-- measured: python -m tests.studies.performance -->", "<!-- end -->"
-    before, rest = page.read_text().split(begin)
-    page.write_text(f"{before}{begin}\n" + "\n".join(block) + f"\n{end}" + rest.split(end, 1)[1])
+    write("<!-- measured: python -m tests.studies.performance -->", "<!-- end -->", block)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from statistics import median
 
-from tests.studies.performance import DOCS, ROOT, processor, table
+from tests.studies.performance import ROOT, processor, table, write
 
 #: Runs in turns of each version.
 RUNS = 40
@@ -68,8 +68,9 @@ def programs(before: Path | None) -> list[tuple[Path, Path]]:
 
 def rows(before: Path | None) -> list[list[object]]:
     result: list[list[object]] = []
+    paths = programs(before)
     for what, kind, target, arguments in TASKS:
-        versions = [Version(program, fmus) for program, fmus in programs(before)]
+        versions = [Version(program, fmus) for program, fmus in paths]
         # All into one folder: results replace those of the run before, as they do where people work.
         with tempfile.TemporaryDirectory() as results:
             for version in versions * RUNS:
@@ -91,10 +92,7 @@ def main() -> None:
     before = parser.parse_args().before
     lines = [f"Measured on {processor()}, {os.cpu_count()} of its processors; the lowest of {RUNS} runs in turns, in brackets the median.", "",
              *table(["", "now", "before", "target", ""], rows(None if before is None else before.resolve(strict=True)))]
-    page = DOCS / "performance.md"
-    begin, end = "<!-- measured: python -m tests.studies.tool_cost -->", "<!-- end of the tool -->"
-    text, rest = page.read_text().split(begin)
-    page.write_text(f"{text}{begin}\n" + "\n".join(lines) + f"\n{end}" + rest.split(end, 1)[1])
+    write("<!-- measured: python -m tests.studies.tool_cost -->", "<!-- end of the tool -->", lines)
 
 
 if __name__ == "__main__":
