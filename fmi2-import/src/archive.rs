@@ -164,6 +164,15 @@ impl Archive {
         self.unpack_entry(index, path, target)
     }
 
+    /// Writes a file to one that has just been made.
+    ///
+    /// # Errors
+    /// When there is no such file in the archive, it is damaged or too large, or cannot be written.
+    pub fn unpack_into(&mut self, path: &str, target: &mut File) -> Result<()> {
+        let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
+        self.copy(index, u64::MAX, path, target)
+    }
+
     /// The files below `parts`, in the order of the archive.
     #[must_use]
     pub fn files_in(&self, parts: &[&str]) -> Vec<String> {

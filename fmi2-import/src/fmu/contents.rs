@@ -1,7 +1,9 @@
 //! The parts of its archive that an FMU needs: a description, and a library for this platform.
 
-use std::fs;
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use tempfile::TempDir;
 
@@ -37,51 +39,98 @@ pub(super) fn description(path: &Path, archive: &mut Archive) -> Result<ModelDes
     ModelDescription::from_bytes(&document).map_err(|source| FmuError::Description { path: path.to_owned(), source })
 }
 
-/// Where the files of an FMU are unpacked.
+/// The folder of libraries that are alone, if they share one.
+static SHARED: OnceLock<PathBuf> = OnceLock::new();
+
+/// How many libraries have been put there.
+static GUESTS: AtomicU64 = AtomicU64::new(0);
+
+/// From now on, libraries that are alone are unpacked to this folder. The first call counts.
+pub(super) fn share(folder: PathBuf) {
+    // Whoever comes second has lost nothing.
+    let _ = SHARED.set(folder);
+}
+
+/// Where the files of an FMU are unpacked. They are removed with it.
 #[derive(Debug)]
-pub(super) struct Unpacked {
-    pub folder: TempDir,
-    /// There is no other file than the library: it is in the folder itself. Any other FMU has the folders of its archive.
-    is_alone: bool,
+pub(super) enum Unpacked {
+    /// In the folders of the archive, below this one.
+    Folders(TempDir),
+    /// There is no other file than the library: it is in this folder itself.
+    Alone(TempDir),
+    /// The same in a folder that is somebody else's, which has other files, too.
+    Guest(Guest),
+}
+
+/// A file that is removed at the end.
+#[derive(Debug)]
+pub(super) struct Guest(PathBuf);
+
+impl Drop for Guest {
+    fn drop(&mut self) {
+        // If that fails, it is removed with its folder.
+        let _ = fs::remove_file(&self.0);
+    }
 }
 
 impl Unpacked {
     /// Where a file of the archive is.
     pub fn place(&self, entry: &str) -> PathBuf {
-        self.folder.path().join(if self.is_alone { entry.rsplit('/').next().unwrap_or(entry) } else { entry })
+        match self {
+            Self::Folders(folder) => folder.path().join(entry),
+            Self::Alone(folder) => folder.path().join(name(entry)),
+            Self::Guest(Guest(library)) => library.clone(),
+        }
     }
 
-    /// The folder of the resources.
+    /// The folder of the resources. An FMU that brings no resources gets a folder nevertheless.
     pub fn resources(&self) -> PathBuf {
-        // An FMU that brings no resources gets a folder nevertheless.
-        if self.is_alone { self.folder.path().to_owned() } else { self.folder.path().join(RESOURCES) }
+        match self {
+            Self::Folders(folder) => folder.path().join(RESOURCES),
+            Self::Alone(folder) => folder.path().to_owned(),
+            Self::Guest(Guest(library)) => library.parent().unwrap_or(library).to_owned(),
+        }
     }
+}
+
+/// The name of an entry without its folders.
+fn name(entry: &str) -> &str {
+    entry.rsplit('/').next().unwrap_or(entry)
 }
 
 const RESOURCES: &str = "resources";
 
 /// Unpacks all files for this platform, and the resources, to a temporary folder. A library that is alone is put into this
-/// folder itself: to remove a folder takes some systems longer than to remove a library.
+/// folder itself, or into that which libraries share: to remove a folder takes some systems longer than to remove a library.
 pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<Unpacked, FmuError> {
     let unpack = |source| FmuError::Unpack { path: path.to_owned(), source };
     let refused = |error| match error {
         ArchiveError::Read(source) => unpack(source),
         other => of_archive(path, other),
     };
-    let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
     let libraries: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
     let parts: Vec<&str> = libraries.iter().map(String::as_str).chain(["resources/"]).collect();
     let files = archive.files_in(&parts);
-    if let [only] = &files[..]
-        && !archive.has("resources/")
-    {
-        let unpacked = Unpacked { folder, is_alone: true };
-        archive.unpack_file(only, &unpacked.place(only)).map_err(refused)?;
-        return Ok(unpacked);
+    let is_alone = files.len() == 1 && !archive.has("resources/");
+    if let ([only], Some(shared), true) = (&files[..], SHARED.get(), is_alone) {
+        // The loader takes a library for one of the same path that it has not quite let go.
+        let number = GUESTS.fetch_add(1, Ordering::Relaxed);
+        let library = shared.join(format!("{number}-{}", name(only)));
+        // If that cannot be, it gets a folder of its own, or that says why not.
+        if let Ok(mut file) = File::create_new(&library) {
+            let guest = Guest(library);
+            archive.unpack_into(only, &mut file).map_err(refused)?;
+            return Ok(Unpacked::Guest(guest));
+        }
+    }
+    let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
+    if let ([only], true) = (&files[..], is_alone) {
+        archive.unpack_file(only, &folder.path().join(name(only))).map_err(refused)?;
+        return Ok(Unpacked::Alone(folder));
     }
     archive.unpack(folder.path(), &files).map_err(refused)?;
     fs::create_dir_all(folder.path().join(RESOURCES)).map_err(unpack)?;
-    Ok(Unpacked { folder, is_alone: false })
+    Ok(Unpacked::Folders(folder))
 }
 
 /// The folders of this platform that have the library, the preferred one first, and its name in the archive.

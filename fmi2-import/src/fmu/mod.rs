@@ -15,7 +15,7 @@ use crate::description::ModelDescription;
 use crate::error::{CallError, FmuError};
 use crate::instance::Instance;
 use crate::library::Functions;
-use contents::{archive, candidates, description, of_archive, unpacked};
+use contents::{archive, candidates, description, of_archive, share, unpacked};
 use uri::file_uri;
 
 /// An unpacked FMU. Cheap to clone; the unpacked files are removed with the last clone. [`Fmu::load`] or the first instance
@@ -161,6 +161,13 @@ impl Fmu {
             }
         }
         Err(refused.unwrap_or_else(|| FmuError::NotCoSimulation { path: path.to_owned() }))
+    }
+
+    /// From now on, FMUs that are nothing but a library, as most are on one platform, are unpacked to this folder of the caller's, and not
+    /// each to a temporary one: folders take some systems long to make and to remove. No other user should be able to write to it. Each
+    /// library is removed with its last user. The first call counts.
+    pub fn share_folder(folder: impl Into<PathBuf>) {
+        share(folder.into());
     }
 
     /// Unpacks an FMU to a temporary folder and loads its library.

@@ -16,7 +16,7 @@ pub const GUID: &str = "{fixture}";
 const SLAVE: &str = include_str!("../fixtures/slave.c");
 
 /// The slave compiled as `Lag` or `Gain`, once per process; `None` (with a message) without a C compiler.
-fn library(model: &str) -> Option<&'static [u8]> {
+pub fn library(model: &str) -> Option<&'static [u8]> {
     static LAG: OnceLock<Option<Vec<u8>>> = OnceLock::new();
     static GAIN: OnceLock<Option<Vec<u8>>> = OnceLock::new();
     let library = if model == "Gain" { &GAIN } else { &LAG };

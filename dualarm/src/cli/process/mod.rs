@@ -19,6 +19,7 @@ use std::thread;
 use std::time::Duration;
 
 use fmi2_cosim::files;
+use fmi2_import::Fmu;
 
 use super::print_error;
 
@@ -46,6 +47,7 @@ pub fn run(work: impl FnOnce() -> u8) -> u8 {
     if let Ok(folder) = tempfile::Builder::new().prefix("dualarm-").tempdir() {
         let folder = TEMPORARY_FOLDER.get_or_init(|| folder.keep());
         let _ = tempfile::env::override_temp_dir(folder);
+        Fmu::share_folder(folder);
     }
     #[cfg(unix)]
     let code = supervisor::run(work);
