@@ -95,13 +95,12 @@ impl Force {
 
     pub(crate) fn extend(&mut self, times: &[f64], values: &[f64]) {
         let (direction, mut beyond) = (self.way.signum(), self.beyond);
-        for (time, value) in times.iter().zip(values) {
-            let error = value - self.target;
-            beyond = beyond.max(error * direction);
-            self.within_2.push(*time, error);
-            self.within_5.push(*time, error);
+        for value in values {
+            beyond = beyond.max((value - self.target) * direction);
         }
         self.beyond = beyond;
+        self.within_2.extend(times, values, self.target);
+        self.within_5.extend(times, values, self.target);
         self.end = times.last().copied().unwrap_or(self.end);
         self.count += values.len();
         self.tail.extend_from_slice(values);
@@ -140,14 +139,18 @@ struct Settling {
 }
 
 impl Settling {
-    #[inline]
-    fn push(&mut self, time: f64, error: f64) {
+    fn extend(&mut self, times: &[f64], values: &[f64], target: f64) {
         // An error that is no number is outside.
-        if error.abs() > self.band || error.is_nan() {
-            (self.outside, self.next) = (Some((time, error)), None);
+        let is_within = |value: &f64| (value - target).abs() <= self.band;
+        let sample = |index: usize| Some((*times.get(index)?, *values.get(index)? - target));
+        // Most samples are within; without a branch, the compiler looks at several at once.
+        let are_within = values.iter().fold(true, |all, value| all & is_within(value));
+        let last = if are_within { None } else { values.iter().rposition(|value| !is_within(value)) };
+        if let Some(last) = last {
+            (self.outside, self.next) = (sample(last), sample(last + 1));
         } else if self.next.is_none() {
             // Before anything is outside, this is of no account.
-            self.next = Some((time, error));
+            self.next = sample(0);
         }
     }
 
