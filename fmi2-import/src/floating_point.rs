@@ -2,21 +2,47 @@
 //! numbers are flushed to zero, whether an overflow raises a signal. A library that was compiled with `-ffast-math` changes
 //! it when it is loaded; others change it when they compute. This must not affect the host or other FMUs.
 
+/// The floating-point environment of a thread at one moment. Who makes many calls one after the other, and changes nothing in between,
+/// looks once: to look takes the processor as long as dozens of other instructions.
+#[derive(Debug, Clone, Copy)]
+pub struct Environment(Settings);
+
+impl Environment {
+    /// The present one of this thread.
+    #[inline]
+    #[must_use]
+    pub fn now() -> Self {
+        Self(control())
+    }
+
+    /// Runs foreign code, and leaves this environment.
+    #[inline]
+    pub(crate) fn guard<T>(self, foreign: impl FnOnce() -> T) -> T {
+        let result = foreign();
+        if control() != self.0 {
+            restore(self.0);
+        }
+        result
+    }
+}
+
 /// Runs foreign code, and leaves the environment as it was before.
 #[inline]
 pub(crate) fn guarded<T>(foreign: impl FnOnce() -> T) -> T {
-    let before = control();
-    let result = foreign();
-    if control() != before {
-        restore(before);
-    }
-    result
+    Environment::now().guard(foreign)
 }
+
+#[cfg(target_arch = "x86_64")]
+type Settings = u32;
+#[cfg(target_arch = "aarch64")]
+type Settings = u64;
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+type Settings = ();
 
 /// The settings of the environment.
 #[cfg(target_arch = "x86_64")]
 #[inline]
-fn control() -> u32 {
+fn control() -> Settings {
     /// The lowest six bits are flags of exceptions that occurred; every operation may change them.
     const SETTINGS: u32 = !0x3f;
     let mut register = 0_u32;
@@ -29,7 +55,7 @@ fn control() -> u32 {
 /// initial settings of a process.
 #[cfg(target_arch = "x86_64")]
 #[cold]
-fn restore(settings: u32) {
+fn restore(settings: Settings) {
     const X87: u16 = 0x037f;
     // SAFETY: reads the registers from places of their sizes. Pending exceptions of the older unit are cleared first: a
     // trap that is armed there would go off.
@@ -41,7 +67,7 @@ fn restore(settings: u32) {
 /// The settings of the environment.
 #[cfg(target_arch = "aarch64")]
 #[inline]
-fn control() -> u64 {
+fn control() -> Settings {
     let register: u64;
     // SAFETY: reads a register.
     unsafe { std::arch::asm!("mrs {}, fpcr", out(reg) register, options(nostack, preserves_flags)) };
@@ -51,7 +77,7 @@ fn control() -> u64 {
 /// Sets the environment.
 #[cfg(target_arch = "aarch64")]
 #[cold]
-fn restore(settings: u64) {
+fn restore(settings: Settings) {
     // SAFETY: gives the register the value that it had.
     unsafe { std::arch::asm!("msr fpcr, {}", in(reg) settings, options(nostack, preserves_flags)) };
 }
@@ -77,12 +103,16 @@ mod tests {
         let third = || black_box(1.0_f64) / black_box(3.0);
         let before = (control(), tiny().to_bits(), third().to_bits());
         for change in [FLUSH_TO_ZERO, UPWARD, TRAP_ON_DIVISION] {
-            let inside = guarded(|| {
-                restore(before.0 ^ change);
-                control()
-            });
-            assert_eq!(inside, before.0 ^ change);
-            assert_eq!((control(), tiny().to_bits(), third().to_bits()), before);
+            let host = Environment::now();
+            // Twice: the environment at the beginning does for all.
+            for _ in 0..2 {
+                let inside = host.guard(|| {
+                    restore(before.0 ^ change);
+                    control()
+                });
+                assert_eq!(inside, before.0 ^ change);
+                assert_eq!((control(), tiny().to_bits(), third().to_bits()), before);
+            }
         }
         assert!((black_box(1.0) / black_box(0.0_f64)).is_infinite(), "no trap is left");
     }

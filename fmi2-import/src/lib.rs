@@ -44,6 +44,7 @@ pub use archive::ArchiveError;
 pub use description::{Causality, DescriptionError, Initial, ModelDescription, Variability, Variable, VariableType};
 pub use document::XmlError;
 pub use error::{CallError, FmuError};
+pub use floating_point::Environment;
 pub use fmu::{Contents, Files, Fmu};
 pub use instance::{Calls, Experiment, Instance, LogMessage, SavedState};
 pub use library::{Component, Functions, LibraryError, Status, ValueReference};

@@ -1,5 +1,9 @@
 //! The buffers that signals pass through on their way from outputs to inputs.
 
+// What reals need is short, and each function of it that is a call of its own costs half as much again: it saves and restores
+// registers, and passes on a large result.
+#![allow(clippy::inline_always)]
+
 use std::collections::HashMap;
 
 use fmi2_import::{CallError, Calls, ModelDescription, Status, ValueReference};
@@ -187,7 +191,7 @@ impl Buses {
     }
 
     /// Writes the followed outputs of a component into a row, if they are known here.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn take(&self, component: usize, row: &mut [f64]) -> bool {
         let State { tap: Some(tap), is_fresh: true, .. } = &self.components[component] else { return false };
         for (signal, column) in &tap.wired {
@@ -211,38 +215,49 @@ impl Buses {
     }
 
     /// Fetches the outputs of a component.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn read(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         self.clock += 1;
         let state = &mut self.components[component];
         (state.read_at, state.is_fresh) = (self.clock, false);
         self.real.read(component, slave)?;
         if !state.is_real {
-            self.integer.read(component, slave)?;
-            for crossing in self.crossings.iter().filter(|crossing| crossing.component == component) {
-                self.real.signals[crossing.real] = f64::from(self.integer.signals[crossing.integer]);
-            }
-            self.boolean.read(component, slave)?;
+            return self.read_others(component, slave);
         }
         state.is_fresh = true;
         Ok(())
     }
 
+    /// Fetches what is no real, after all that is.
+    #[inline(never)]
+    fn read_others(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
+        self.integer.read(component, slave)?;
+        for crossing in self.crossings.iter().filter(|crossing| crossing.component == component) {
+            self.real.signals[crossing.real] = f64::from(self.integer.signals[crossing.integer]);
+        }
+        self.boolean.read(component, slave)?;
+        self.components[component].is_fresh = true;
+        Ok(())
+    }
+
     /// Sets the inputs of a component.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn write(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         let state = &mut self.components[component];
         (state.written_at, state.is_fresh) = (self.clock, false);
         self.real.write(component, slave)?;
-        if state.is_real {
-            return Ok(());
-        }
+        if state.is_real { Ok(()) } else { self.write_others(component, slave) }
+    }
+
+    /// Sets what is no real.
+    #[inline(never)]
+    fn write_others(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         self.integer.write(component, slave)?;
         self.boolean.write(component, slave)
     }
 
     /// Sets the inputs of a component, unless no outputs have been read since they were last set.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn refresh(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         let State { sources, written_at, .. } = &self.components[component];
         if sources.iter().any(|source| self.components[*source].read_at > *written_at) {
@@ -380,7 +395,7 @@ impl<T: Signal> Bus<T> {
         port.in_line = port.is_in_line();
     }
 
-    #[inline]
+    #[inline(always)]
     fn read(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         let port = &mut self.ports[component];
         if port.offered.is_empty() {
@@ -396,7 +411,7 @@ impl<T: Signal> Bus<T> {
         Ok(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn write(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
         let Self { signals, ports, .. } = self;
         let port = &mut ports[component];

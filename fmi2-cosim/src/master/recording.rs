@@ -1,5 +1,8 @@
 //! The outputs that a row holds, and how they are read from the components.
 
+// As in `bus.rs`.
+#![allow(clippy::inline_always)]
+
 use std::collections::HashSet;
 
 use crate::names::free_name;
@@ -49,7 +52,7 @@ impl<T: Copy + Default> Outputs<T> {
         some
     }
 
-    #[inline]
+    #[inline(always)]
     fn read(
         &mut self,
         row: &mut [f64],
@@ -81,7 +84,7 @@ impl Port {
         Self { real: self.real.only(columns), integer: self.integer.only(columns), boolean: self.boolean.only(columns) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn read(&mut self, slave: &mut Calls, row: &mut [f64]) -> Result<(), CallError> {
         self.real.read(row, |references, values| slave.get_real(references, values), |value| value)?;
         self.integer.read(row, |references, values| slave.get_integer(references, values), f64::from)?;
@@ -158,7 +161,7 @@ impl Recording {
     }
 
     /// Reads those columns of a component that are followed into the row, unless `known` writes them.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn read_followed(
         &mut self,
         component: usize,

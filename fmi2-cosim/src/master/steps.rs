@@ -1,10 +1,13 @@
 //! From the first exchange of signals to the last step.
 
+// As in `bus.rs`.
+#![allow(clippy::inline_always)]
+
 use super::{Coupling, Master, MasterError, check_steps};
 use crate::grid::TimeGrid;
 use crate::record::{Schedule, Sink};
 use crate::system::is_tolerance;
-use fmi2_import::{CallError, Experiment, Status};
+use fmi2_import::{CallError, Environment, Experiment, Status};
 
 impl Master {
     /// Exchanges at most this often to find consistent initial values.
@@ -92,6 +95,8 @@ impl Master {
         self.steps = 0;
         let mut schedule = Schedule::new(grid.start(), interval);
         let mut next = grid.time(0);
+        // No other code of this thread changes it.
+        let host = Environment::now();
         for index in 0..grid.steps() {
             let time = next;
             next = grid.time(index + 1);
@@ -102,9 +107,9 @@ impl Master {
             if schedule.is_due(time) && sink.wants(time) {
                 self.put_row(time, sink)?;
             } else if self.recording.has_followed() {
-                self.put_followed(time, sink)?;
+                self.put_followed(host, time, sink)?;
             }
-            if let Err(error) = self.step(time, size) {
+            if let Err(error) = self.step_in(host, time, size) {
                 if let MasterError::Ended { time: end, .. } = &error {
                     self.put_early_end(*end, time, sink)?;
                 }
@@ -145,14 +150,15 @@ impl Master {
         sink.row(time, values).map_err(MasterError::Record)
     }
 
-    fn put_followed(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
+    #[inline(always)]
+    fn put_followed(&mut self, host: Environment, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
         let mut follow = || {
             if !self.exchanged && self.coupling == Coupling::Jacobi {
                 self.read_all()?;
             }
             let Self { components, buses, recording, exchanged, .. } = self;
             for (index, component) in components.iter_mut().enumerate() {
-                component.instance.together(|slave| {
+                component.instance.together_in(host, |slave| {
                     if !*exchanged {
                         buses.refresh(index, slave)?;
                     }
@@ -184,9 +190,14 @@ impl Master {
     /// When an FMU does not complete it.
     #[inline]
     pub fn step(&mut self, time: f64, size: f64) -> Result<(), MasterError> {
+        self.step_in(Environment::now(), time, size)
+    }
+
+    #[inline]
+    fn step_in(&mut self, host: Environment, time: f64, size: f64) -> Result<(), MasterError> {
         let result = match self.coupling {
             Coupling::Jacobi => self.step_all(time, size),
-            Coupling::GaussSeidel => self.step_in_turn(time, size),
+            Coupling::GaussSeidel => self.step_in_turn(host, time, size),
         };
         self.exchanged = false;
         result.map_err(|(index, source)| self.failure(index, time, size, source))
@@ -201,9 +212,10 @@ impl Master {
         Ok(())
     }
 
-    fn step_in_turn(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
+    #[inline(always)]
+    fn step_in_turn(&mut self, host: Environment, time: f64, size: f64) -> Result<(), (usize, CallError)> {
         for (index, component) in self.components.iter_mut().enumerate() {
-            let turn = component.instance.together(|slave| {
+            let turn = component.instance.together_in(host, |slave| {
                 // Nobody has stepped yet: the first one has its inputs where a row was taken.
                 if index == 0 && self.exchanged {
                     self.buses.refresh(index, slave)?;

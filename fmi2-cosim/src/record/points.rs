@@ -25,7 +25,10 @@ impl Points {
     pub(crate) fn push(&mut self, time: f64, row: &[f64]) -> bool {
         let point = self.times.len();
         let (columns, _) = self.values.as_chunks_mut::<{ Self::MOST }>();
-        for (column, place) in columns.iter_mut().zip(&self.places) {
+        // Two iterators in one would be put together by a call, at every step.
+        let mut places = self.places.iter();
+        for column in columns {
+            let Some(place) = places.next() else { break };
             column[point] = row[*place];
         }
         self.times.push(time);

@@ -4,7 +4,7 @@
 use std::ffi::c_int;
 
 use super::{Instance, Result};
-use crate::floating_point::guarded;
+use crate::floating_point::Environment;
 use crate::library::{Component, Status, ValueReference};
 
 /// Booleans that cross the C interface in one call.
@@ -18,7 +18,13 @@ impl Instance {
     /// that others are to have are computed before the first one.
     #[inline]
     pub fn together<T>(&mut self, calls: impl FnOnce(&mut Calls<'_>) -> T) -> T {
-        guarded(|| calls(&mut Calls(self)))
+        self.together_in(Environment::now(), calls)
+    }
+
+    /// The same where the floating-point environment of this thread is known.
+    #[inline]
+    pub fn together_in<T>(&mut self, host: Environment, calls: impl FnOnce(&mut Calls<'_>) -> T) -> T {
+        host.guard(|| calls(&mut Calls(self)))
     }
 }
 
