@@ -3,6 +3,7 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
+use crate::blocks::four::Four;
 use serde::{Deserialize, Serialize};
 
 /// Number of inputs of every controller: fourteen measurements and two references.
@@ -141,13 +142,16 @@ impl Inputs {
     }
 
     /// Whether no input can be one that a step refuses: four sums of magnitudes are usable.
+    ///
+    /// Read in pairs, as they have just been set: where four are read at once, a processor waits until all of them are in its cache.
     #[inline(always)]
-    pub(crate) fn are_surely_usable(&self) -> bool {
-        let values = self.to_array();
+    pub(crate) fn are_surely_usable<V: Four>(&self) -> bool {
+        // No closure and no loop: they would not see the wide registers.
+        let x = self.to_array();
+        let motions = V::pairs([x[0], x[1]], [x[2], x[3]]).abs() + V::pairs([x[4], x[5]], [x[6], x[7]]).abs();
+        let rest = V::pairs([x[8], x[9]], [x[10], x[11]]).abs() + V::pairs([x[12], x[13]], [x[14], x[15]]).abs();
         let mut are_usable = true;
-        for lane in 0..4 {
-            let sum =
-                (values[lane].abs() + values[lane + 4].abs()) + (values[lane + 8].abs() + values[lane + 12].abs());
+        for sum in (motions + rest).lanes() {
             are_usable &= sum <= Self::LARGEST;
         }
         are_usable

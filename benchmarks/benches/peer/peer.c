@@ -347,8 +347,7 @@ ALWAYS four last(four x, double y) {
 ALWAYS double common(const struct axis *a, struct powers e) { return e.up[3] > a->least ? e.up[3] : 0; }
 
 /* A grid learns; four sums that make up its output. */
-ALWAYS four grid(struct hub *hub, const struct axis *a, double s, four exponents) {
-    struct powers e = powers(exponents);
+ALWAYS four grid(struct hub *hub, const struct axis *a, double s, struct powers e) {
     four r[4], c[4], inner[ROW];
     ratios(a, 1, e, r);
     double middle = common(a, e), decay = hub->loop.weights.decay, gain = hub->loop.weights.held * s;
@@ -375,7 +374,9 @@ ALWAYS four grid(struct hub *hub, const struct axis *a, double s, four exponents
 }
 
 void paper_step(struct paper *p, double h) {
-    const double *in = p->in;
+    /* One by one, as they have just been set: where two are read at once, a processor waits until both are in its cache. */
+    double in[12];
+    for (int i = 0; i < 12; i++) in[i] = ((const volatile double *)p->in)[i];
     const struct lanes *l = &p->lanes;
     struct object *o = &p->object;
     four error = (four){in[0], in[1], 0, in[4]} - l->target, velocity = {in[2], in[3], 0, in[5]};
@@ -390,8 +391,9 @@ void paper_step(struct paper *p, double h) {
     for (int i = 0; i < 4; i++) row[i] *= l->step;
     row[3] += greater(square * l->square, all(-1020));
     turn(row, column);
-    four of_hub[2];
-    for (int i = 0; i < 2; i++) of_hub[i] = grid(&p->hub[i], &p->grid, s[i], column[i]);
+    /* Both before the weights, of which there are too many for a processor to look beyond them. */
+    struct powers e1 = powers(column[0]), e2 = powers(column[1]);
+    four of_hub[2] = {grid(&p->hub[0], &p->grid, s[0], e1), grid(&p->hub[1], &p->grid, s[1], e2)};
 
     /* What the shear rates move, with the two points of the step and its end in lanes. */
     four rate[2], turned[4];

@@ -57,6 +57,8 @@ pub(crate) trait Four: Number {
     /// Whether it is one wide register.
     const IS_WIDE: bool;
     fn load(lanes: &Lanes) -> Self;
+    /// Two pairs of numbers, which are read pair by pair where they come from memory.
+    fn pairs(first: [f64; 2], second: [f64; 2]) -> Self;
     fn lanes(self) -> Lanes;
     /// Zero where it is not larger than `least`, and where it is no number.
     fn above(self, least: f64) -> Self;

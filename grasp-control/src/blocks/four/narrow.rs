@@ -3,7 +3,7 @@
 use super::{Add, Div, Four, Lanes, Mul, Number, Sub};
 use std::arch::x86_64::{
     __m128d, _mm_add_epi64, _mm_add_pd, _mm_and_pd, _mm_andnot_pd, _mm_castpd_si128, _mm_castsi128_pd, _mm_cmpgt_pd,
-    _mm_cvtsd_f64, _mm_div_pd, _mm_loadu_pd, _mm_max_pd, _mm_min_pd, _mm_mul_pd, _mm_or_pd, _mm_set1_pd,
+    _mm_cvtsd_f64, _mm_div_pd, _mm_loadu_pd, _mm_max_pd, _mm_min_pd, _mm_mul_pd, _mm_or_pd, _mm_set_pd, _mm_set1_pd,
     _mm_slli_epi64, _mm_storeu_pd, _mm_sub_epi64, _mm_sub_pd, _mm_unpackhi_pd, _mm_unpacklo_pd,
 };
 
@@ -115,6 +115,12 @@ impl Four for Narrow {
     fn load(lanes: &Lanes) -> Self {
         // SAFETY: every x86-64 processor has SSE2; four numbers are read of four.
         Self(unsafe { [_mm_loadu_pd(lanes.as_ptr()), _mm_loadu_pd(lanes.as_ptr().add(2))] })
+    }
+
+    #[inline(always)]
+    fn pairs([a, b]: [f64; 2], [c, d]: [f64; 2]) -> Self {
+        // SAFETY: every x86-64 processor has SSE2.
+        Self(unsafe { [_mm_set_pd(b, a), _mm_set_pd(d, c)] })
     }
 
     #[inline(always)]

@@ -79,6 +79,11 @@ impl Four for Portable {
     }
 
     #[inline(always)]
+    fn pairs([a, b]: [f64; 2], [c, d]: [f64; 2]) -> Self {
+        Self([a, b, c, d])
+    }
+
+    #[inline(always)]
     fn lanes(self) -> Lanes {
         self.0
     }

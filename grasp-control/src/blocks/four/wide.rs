@@ -2,10 +2,10 @@
 
 use super::{Four, Lanes, Number, Wide};
 use std::arch::x86_64::{
-    __m256d, _CMP_GT_OQ, _mm256_add_epi64, _mm256_and_pd, _mm256_andnot_pd, _mm256_blend_pd, _mm256_blendv_pd,
-    _mm256_castpd_si256, _mm256_castsi256_pd, _mm256_cmp_pd, _mm256_max_pd, _mm256_min_pd, _mm256_or_pd,
-    _mm256_permute2f128_pd, _mm256_set1_pd, _mm256_slli_epi64, _mm256_sub_epi64, _mm256_unpackhi_pd,
-    _mm256_unpacklo_pd,
+    __m128d, __m256d, _CMP_GT_OQ, _mm_set_pd, _mm256_add_epi64, _mm256_and_pd, _mm256_andnot_pd, _mm256_blend_pd,
+    _mm256_blendv_pd, _mm256_castpd_si256, _mm256_castpd128_pd256, _mm256_castsi256_pd, _mm256_cmp_pd,
+    _mm256_insertf128_pd, _mm256_max_pd, _mm256_min_pd, _mm256_or_pd, _mm256_permute2f128_pd, _mm256_set1_pd,
+    _mm256_slli_epi64, _mm256_sub_epi64, _mm256_unpackhi_pd, _mm256_unpacklo_pd,
 };
 
 #[target_feature(enable = "avx2")]
@@ -14,6 +14,17 @@ fn whole(mut register: __m256d) -> __m256d {
     // SAFETY: no instruction at all; the register stays what it is.
     unsafe {
         std::arch::asm!("/* {0} */", inout(ymm_reg) register, options(pure, nomem, nostack, preserves_flags));
+    }
+    register
+}
+
+/// The same two numbers, of which the compiler does not know any more where they come from.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn pair(mut register: __m128d) -> __m128d {
+    // SAFETY: no instruction at all; the register stays what it is.
+    unsafe {
+        std::arch::asm!("/* {0} */", inout(xmm_reg) register, options(pure, nomem, nostack, preserves_flags));
     }
     register
 }
@@ -93,6 +104,15 @@ impl Four for Wide {
     #[inline(always)]
     fn load(lanes: &Lanes) -> Self {
         Self::load(lanes)
+    }
+
+    #[inline(always)]
+    fn pairs([a, b]: [f64; 2], [c, d]: [f64; 2]) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        Self::of(unsafe {
+            let first = pair(_mm_set_pd(b, a));
+            _mm256_insertf128_pd::<1>(_mm256_castpd128_pd256(first), _mm_set_pd(d, c))
+        })
     }
 
     #[inline(always)]

@@ -57,9 +57,9 @@ fn step<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
     // (16), (33) and (51).
     let [by_theta1, by_lambda1, rest] = &table.targets;
     let targets = V::load(by_theta1) * V::splat(reference.theta1_ref) + V::load(by_lambda1) * V::splat(lambda1);
-    let position = V::load(&[measured.theta[0], measured.theta[1], 0.0, measured.y_object]);
+    let position = V::pairs(measured.theta, [0.0, measured.y_object]);
     let error = position - (targets + V::load(rest));
-    let velocity = V::load(&[measured.theta_dot[0], measured.theta_dot[1], 0.0, measured.y_object_dot]);
+    let velocity = V::pairs(measured.theta_dot, [0.0, measured.y_object_dot]);
     let slope = V::load(&table.slope);
     let [c1, c2] = table.compliance;
     let shear_error = (shear[0] - lambda1) * c1 + (shear[1] + lambda1) * c2;
@@ -87,12 +87,12 @@ fn step<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
     // it stores weights, and would have to put those aside that it needs later.
     let mut of_grids = [V::splat(0.0); HUBS];
     let surfaces = s.lanes();
-    let z = [z1, z2];
+    // Of both before the weights of the first: these are as many instructions as a processor looks ahead.
+    let of_z = powers([z1, z2]);
     for (hub, w) in [hub1.weights, hub2.weights].into_iter().enumerate() {
         let [decay, weight] = table.grid_weights[hub];
         let step = (decay, weight * surfaces[hub]);
-        let [of_z] = powers([z[hub]]);
-        of_grids[hub] = learn_grid(w, &table.grid_heights[hub], table.least[hub], of_z, step);
+        of_grids[hub] = learn_grid(w, &table.grid_heights[hub], table.least[hub], of_z[hub], step);
     }
 
     // The low-pass, and what it moves, at the nodes of the step and at its end.
@@ -145,8 +145,8 @@ fn step<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
     // (36) and (54).
     let of_s = V::load(&table.switching) * s.within(table.limit) - V::load(&table.k) * s - error;
     let of_inertias = inertias * regressor.with_last(regressor3);
-    let [moment1, moment2] = measured.root_moment;
-    let with_loads = of_s - of_inertias.with_last(-shear[0]) + V::load(&[moment1, moment2, 0.0, shear[1]]);
+    let loads = V::pairs(measured.root_moment, [0.0, shear[1]]);
+    let with_loads = of_s - of_inertias.with_last(-shear[0]) + loads;
     let [tau1, tau2, _, u] = (with_loads - outputs - bounds * tanh).lanes();
     Commands { tau: [tau1, tau2], u: u - of_inertias.last() }
 }
@@ -160,7 +160,7 @@ impl Nabfc {
         let is_usual = !(keep.knows_loops() && keep.seen.has_bits_of(inputs))
             && shear_rate.state() != inputs.measured.tip_shear_dot
             && rates.are_zeros()
-            && inputs.are_surely_usable();
+            && inputs.are_surely_usable::<V>();
         if !is_usual {
             return false;
         }
