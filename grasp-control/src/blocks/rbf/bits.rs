@@ -1,9 +1,13 @@
 //! The same bits on every processor, in the loop that the networks learn in.
 
-use crate::laws::nabfc::{Gains, Nabfc};
+use crate::blocks::observer::RateSource;
+use crate::laws::encoders::Actuation;
+use crate::laws::nabfc::{Gains, Nabfc, RbfLayout};
+use crate::laws::root_strain::{Learner, RootStrain, RootStrainGains};
 use crate::{Arms, Inputs, Law, Measurements, References};
 use grasp_kernel::narrowly;
 use grasp_plant::{Measured, Parameters, Plant};
+use serde::Serialize;
 
 const STEP: f64 = 1e-3;
 
@@ -14,9 +18,8 @@ fn read(plant: &Plant) -> Measurements {
 }
 
 /// Commands, plant and law (weights included) over 200 steps together.
-fn run(gains: &Gains) -> (Vec<u64>, String) {
+fn run(mut law: impl Law + Serialize) -> (Vec<u64>, String) {
     let mut plant = Plant::new(Parameters::default()).unwrap();
-    let mut law = Nabfc::new(Arms::default(), *gains).unwrap();
     let mut seen = Inputs { measured: read(&plant), reference: References::default() };
     law.initialize(&seen);
     let mut numbers = Vec::new();
@@ -41,6 +44,20 @@ fn run(gains: &Gains) -> (Vec<u64>, String) {
 #[test]
 fn whole_loops_are_the_same_bits_without_wide_registers() {
     for gains in [Gains::default(), Gains::fast()] {
-        assert!(run(&gains) == narrowly(|| run(&gains)), "{gains:?}");
+        let law = || Nabfc::new(Arms::default(), gains).unwrap();
+        assert!(run(law()) == narrowly(|| run(law())), "{gains:?}");
+    }
+}
+
+/// As above, for the default law, whatever learns and wherever rates come from.
+#[test]
+fn whole_loops_of_the_default_law_are_the_same_bits_without_wide_registers() {
+    for learner in [Learner::Observer, Learner::Networks] {
+        let gains = RootStrainGains { learner, ..RootStrainGains::default() };
+        for source in [RateSource::Measured, RateSource::Estimated] {
+            let (arms, actuation, layout) = (Arms::default(), Actuation::default(), RbfLayout::default());
+            let law = || RootStrain::new(arms, gains, actuation, source, &layout).unwrap();
+            assert!(run(law()) == narrowly(|| run(law())), "{learner:?}, {source:?}");
+        }
     }
 }

@@ -5,6 +5,9 @@ use super::inertia::{Moving, OfSize, Priors, Sights};
 use super::loops::{Outcome, Point};
 use super::networks::Seen;
 use super::signals::motions;
+use crate::blocks::four::{Four, Narrow};
+#[cfg(target_arch = "x86_64")]
+use crate::blocks::four::{Wide, has_wide_registers};
 use crate::blocks::observer::{Known, Observer, RateSource};
 use crate::law::StepError;
 use crate::laws::encoders::Actuation;
@@ -61,14 +64,14 @@ impl RootStrain {
 
     /// What the estimators of the inertias see, under the known forces.
     pub(super) fn moving(&self, inputs: &Inputs, forces: &[f64; 3]) -> [Moving; 3] {
-        moving(self.source, &self.observers, inputs, forces)
+        moving(self.source, &self.observers.all(), inputs, forces)
     }
 
     pub(super) fn state_rates(&self, inputs: &Inputs) -> StateRates {
         let (forces, motions, known) = (self.forces(inputs), motions(inputs), self.known());
         let moving = self.moving(inputs, &forces);
         StateRates {
-            observers: std::array::from_fn(|i| self.observers[i].derivative(&known[i], motions[i], forces[i])),
+            observers: std::array::from_fn(|i| self.observers.of(i).derivative(&known[i], motions[i], forces[i])),
             inertia: std::array::from_fn(|i| {
                 self.inertia.of(i).inertia_rate(&self.gains.filter, &self.priors[i], moving[i])
             }),
@@ -94,26 +97,42 @@ impl RootStrain {
 
     /// A step of all that learns, with the inputs held at `mean`.
     pub(super) fn learn(&mut self, h: f64, mean: &Inputs) {
+        #[cfg(target_arch = "x86_64")]
+        if has_wide_registers() {
+            // SAFETY: the processor has it.
+            return unsafe { self.learn_wide(h, mean) };
+        }
+        self.learn_here::<Narrow>(h, mean);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn learn_wide(&mut self, h: f64, mean: &Inputs) {
+        self.learn_here::<Wide>(h, mean);
+    }
+
+    /// Here what is measured gets into the lanes of a register, and not through memory: there a processor waits until all four are in its cache.
+    #[inline(always)]
+    fn learn_here<V: Four>(&mut self, h: f64, mean: &Inputs) {
         let forces = self.forces(mean);
         let m = &mean.measured;
-        let rate = [m.theta_dot[0], m.theta_dot[1], m.y_object_dot, 0.0];
-        let [hub1, hub2, object] = &self.observers;
+        let rate = V::pairs(m.theta_dot, [m.y_object_dot, 0.0]);
         let sights = Sights {
-            position: [m.theta[0], m.theta[1], m.y_object, 0.0],
+            position: V::pairs(m.theta, [m.y_object, 0.0]),
             rate,
             moving: match self.source {
                 RateSource::Measured => rate,
-                RateSource::Estimated => [hub1.rate, hub2.rate, object.rate, 0.0],
+                RateSource::Estimated => V::load(&self.observers.rate),
             },
-            force: [forces[0], forces[1], forces[2], 0.0],
-            load: [m.root_moment[0], m.root_moment[1], m.tip_shear[0] + m.tip_shear[1], 0.0],
+            force: V::pairs([forces[0], forces[1]], [forces[2], 0.0]),
+            load: V::pairs(m.root_moment, [m.tip_shear[0] + m.tip_shear[1], 0.0]),
         };
         let mut inertias = None;
         if self.networks.is_some() {
             self.step_networks(h, mean, &forces);
         } else {
             let [hub1, hub2, object] = self.inertias();
-            inertias = Some([hub1, hub2, object, object]);
+            inertias = Some(V::pairs([hub1, hub2], [object; 2]));
         }
         if self.of_size.as_ref().is_none_or(|of_size| of_size.h != h) {
             self.of_size = Some(self.of_size(h));
@@ -123,6 +142,7 @@ impl RootStrain {
     }
 
     /// A step of the networks with the inputs held at `mean`.
+    #[inline(never)]
     fn step_networks(&mut self, h: f64, mean: &Inputs, forces: &[f64; 3]) {
         let known = self.known();
         let at = self.point(mean);
@@ -131,7 +151,9 @@ impl RootStrain {
         let Some(networks) = &mut self.networks else { return };
         let motions = motions(mean);
         let measured = std::array::from_fn(|i| (motions[i], forces[i]));
-        networks.step(h, &self.gains.networks, &known, &seen, &mut self.observers, &measured);
+        let mut observers = self.observers.all();
+        networks.step(h, &self.gains.networks, &known, &seen, &mut observers, &measured);
+        self.observers = observers.into();
     }
 
     /// What the networks see at a point whose surfaces are those of `outcome`, with the shears and their rates of each arm.

@@ -45,6 +45,8 @@
 
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
+// What is unsafe asks for a feature of the processor, and nothing of the data.
+#![allow(clippy::unsafe_derive_deserialize)]
 // Where a part of what is computed is not used, the compiler sees it only if it is inlined.
 #![allow(clippy::inline_always)]
 
@@ -55,6 +57,7 @@ mod learning;
 mod loops;
 mod natural;
 mod networks;
+mod observed;
 mod signals;
 mod table;
 
@@ -76,6 +79,7 @@ use crate::target::{Arms, TargetSlopes};
 use inertia::{Estimator, Estimators, Moving, OfSize, Prior};
 use loops::{Loops, Outcome};
 use networks::Networks;
+use observed::Observers;
 use parameter_table::InvalidParameter;
 use serde::{Deserialize, Serialize};
 use signals::loads;
@@ -88,8 +92,7 @@ pub struct RootStrain {
     scaled: Scaled,
     actuation: Actuation,
     source: RateSource,
-    /// Hub 1, hub 2, object.
-    observers: [Observer; 3],
+    observers: Observers,
     /// What there is to know of each inertia beforehand, and what has been learnt of it.
     priors: [Prior; 3],
     inertia: Estimators,
@@ -143,7 +146,7 @@ impl RootStrain {
             scaled,
             actuation,
             source,
-            observers: [Observer::default(); 3],
+            observers: [Observer::default(); 3].into(),
             priors: gains.priors(&arms, &actuation),
             inertia: [Estimator::default(); 3].into(),
             found: None,
@@ -204,7 +207,7 @@ impl RootStrain {
     /// What the law has learnt: m̂, and Δ̂ as the weights of its constant basis functions, or those of the networks.
     #[must_use]
     pub fn estimates(&self) -> Estimates {
-        let [hub1, hub2, object] = self.observers.map(|observer| observer.disturbance.abs());
+        let [hub1, hub2, object, _] = self.observers.disturbance.map(f64::abs);
         let constants = ([hub1, hub2], [0.0; 2], object, 0.0);
         let (u_norm, pi_hat, w_norm, epsilon_hat) =
             self.networks.as_ref().map_or(constants, |networks| networks.norms());
@@ -218,9 +221,9 @@ impl RootStrain {
         let (u_norm, pi_hat, w_norm, epsilon_hat) = if let Some(networks) = &self.networks {
             let known = self.known();
             let motions = motions(inputs);
-            networks.norm_rates(&self.gains.networks, &known, &self.observers, &state.observers, &motions)
+            networks.norm_rates(&self.gains.networks, &known, &self.observers.all(), &state.observers, &motions)
         } else {
-            let rate = |i: usize| state.observers[i].disturbance * self.observers[i].disturbance.signum();
+            let rate = |i: usize| state.observers[i].disturbance * self.observers.disturbance[i].signum();
             ([rate(0), rate(1)], [0.0; 2], rate(2), 0.0)
         };
         let [inertia1, inertia2, m_hat] = state.inertia;
@@ -234,7 +237,7 @@ impl Law for RootStrain {
     }
 
     fn initialize(&mut self, inputs: &Inputs) {
-        self.observers = motions(inputs).map(|motion| Observer::settled(self.source, motion));
+        self.observers = motions(inputs).map(|motion| Observer::settled(self.source, motion)).into();
         let settled = |moving: Moving| Estimator::settled(moving.rate, moving.load);
         self.inertia = self.moving(inputs, &[0.0; 3]).map(settled).into();
         self.found = None;

@@ -19,13 +19,13 @@ impl RootStrain {
     /// Rates of root moments and of the tip shears. Estimated ones are those of arms that bend as at rest: right below
     /// the first beam mode.
     pub(super) fn strain_rates(&self, inputs: &Inputs) -> ([f64; 2], [f64; 2]) {
-        let [hub1, hub2, object] = &self.observers;
+        let [hub1, hub2, object, _] = self.observers.rate;
         match self.source {
             RateSource::Measured => {
                 let (moments, shears) = loads(inputs);
                 (self.root_moment_rate.output(moments), self.tip_shear_rate.output(shears))
             }
-            RateSource::Estimated => self.quasi_static([hub1.rate, hub2.rate], object.rate),
+            RateSource::Estimated => self.quasi_static([hub1, hub2], object),
         }
     }
 
@@ -47,23 +47,24 @@ impl RootStrain {
         let targets = self.arms.targets_with(&slopes, &inputs.reference);
         let errors = targets.errors(inputs);
         let measured = &inputs.measured;
-        let [hub1, hub2, object] = &self.observers;
+        let [hub1, hub2, object, _] = self.observers.rate;
+        let [unknown1, unknown2, unknown, _] = self.observers.disturbance;
         let (moment_rate, shear_rate) = self.strain_rates(inputs);
         let [inertia1, inertia2, mass] = self.inertias();
         let moment = self.root_moment.output(measured.root_moment);
         Point {
             e: errors.e,
-            omega: [hub1.rate, hub2.rate],
+            omega: [hub1, hub2],
             moment: std::array::from_fn(|i| moment[i] + targets.lambda[i] * self.arms.length),
             moment_rate,
             load: measured.root_moment,
             p: errors.p,
-            v: object.rate,
+            v: object,
             shear: measured.tip_shear[0] + measured.tip_shear[1],
             shear_rate: shear_rate[0] + shear_rate[1],
             mass,
             inertia: [inertia1, inertia2],
-            unknown: self.observers.map(|observer| observer.disturbance),
+            unknown: [unknown1, unknown2, unknown],
         }
     }
 

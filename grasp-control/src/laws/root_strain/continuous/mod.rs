@@ -29,7 +29,7 @@ impl Continuous for RootStrain {
     fn continuous_states(&self, out: &mut [f64]) {
         out.fill(0.0);
         // A position means something where the rate is estimated, a disturbance where no networks stand for it.
-        let kept = self.observers.map(|observer| Observer {
+        let kept = self.observers.all().map(|observer| Observer {
             position: if self.source == RateSource::Estimated { observer.position } else { 0.0 },
             disturbance: if self.networks.is_some() { 0.0 } else { observer.disturbance },
             ..observer
@@ -52,7 +52,7 @@ impl Continuous for RootStrain {
 
     #[inline]
     fn take_states(&mut self, states: &[f64]) {
-        self.observers = observers(states);
+        self.observers = observers(states).into();
         if self.filters() {
             self.tip_shear_rate.take(std::array::from_fn(|i| states[state::SLOW_SHEARS.start + i]));
             self.root_moment_rate.take(std::array::from_fn(|i| states[state::SLOW_MOMENTS.start + i]));
@@ -206,7 +206,7 @@ impl Continuous for RootStrain {
         } else {
             for (i, held) in regimes.disturbance.iter_mut().enumerate() {
                 let Sight { known, measured, .. } = now.sight[i];
-                self.observers[i].decide(&known, measured, forces[i], held, &mut decision);
+                self.observers.of(i).decide(&known, measured, forces[i], held, &mut decision);
             }
         }
         decision

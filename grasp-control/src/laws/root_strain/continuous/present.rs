@@ -47,7 +47,7 @@ impl RootStrain {
         let (_, shear_rate) = self.strain_rates(inputs);
         let (known, measured) = (self.known(), motions(inputs));
         let mut sight: [Sight; 3] =
-            std::array::from_fn(|i| Sight { known: known[i], observer: self.observers[i], measured: measured[i] });
+            std::array::from_fn(|i| Sight { known: known[i], observer: self.observers.of(i), measured: measured[i] });
         let mut outcome = self.loops().at(&at);
         if self.networks.is_some() {
             // Surfaces, which the networks see, do not depend on what they learn.
@@ -166,7 +166,7 @@ impl RootStrain {
             (networks.norm_changes(direction.weights), direction.bounds)
         } else {
             let changes = observers(states);
-            let change = |i: usize| changes[i].disturbance * self.observers[i].disturbance.signum();
+            let change = |i: usize| changes[i].disturbance * self.observers.disturbance[i].signum();
             ([change(0), change(1), change(2)], [0.0; 3])
         };
         Estimates {

@@ -2,14 +2,11 @@
 
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
-// What is unsafe asks for a feature of the processor, and nothing of the data.
-#![allow(clippy::unsafe_derive_deserialize)]
 
+use super::super::observed::Observers;
 use super::{Estimator, FilterGains, Moving, Prior, Shares, Weights};
-use crate::blocks::four::{Four, Lanes, Narrow};
-#[cfg(target_arch = "x86_64")]
-use crate::blocks::four::{Wide, has_wide_registers};
-use crate::blocks::observer::{Observed, Observer, RateSource};
+use crate::blocks::four::{Four, Lanes};
+use crate::blocks::observer::{Observed, RateSource};
 use serde::{Deserialize, Serialize};
 
 /// The estimators of all three coordinates; stored as if they were one after the other.
@@ -36,14 +33,14 @@ pub(in super::super) struct OfSize {
 pub(in super::super) struct Priors([Lanes; Weights::<f64>::NUMBERS]);
 
 /// What is measured, and the known force.
-#[derive(Debug, Clone, Copy)]
-pub(in super::super) struct Sights {
-    pub position: Lanes,
-    pub rate: Lanes,
+#[derive(Clone, Copy)]
+pub(in super::super) struct Sights<V> {
+    pub position: V,
+    pub rate: V,
     /// The rates that the estimators take: as measured, or as the observers had them before.
-    pub moving: Lanes,
-    pub force: Lanes,
-    pub load: Lanes,
+    pub moving: V,
+    pub force: V,
+    pub load: V,
 }
 
 impl From<[Estimator; 3]> for Estimators {
@@ -79,62 +76,26 @@ impl Estimators {
 
     /// Advances the estimators by a step in which what is seen is held, and with `inertias` as they are before also the `observers`, if
     /// these learn. Gives the inertias after the step.
-    pub fn step(
-        &mut self,
-        size: &OfSize,
-        sights: &Sights,
-        observers: &mut [Observer; 3],
-        inertias: Option<Lanes>,
-    ) -> Lanes {
-        #[cfg(target_arch = "x86_64")]
-        if has_wide_registers() {
-            // SAFETY: the processor has it.
-            return unsafe { self.step_wide(size, sights, observers, inertias) };
-        }
-        self.step_in::<Narrow>(size, sights, observers, inertias)
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn step_wide(
-        &mut self,
-        size: &OfSize,
-        sights: &Sights,
-        observers: &mut [Observer; 3],
-        inertias: Option<Lanes>,
-    ) -> Lanes {
-        self.step_in::<Wide>(size, sights, observers, inertias)
-    }
-
     #[inline(always)]
-    fn step_in<V: Four>(
+    pub fn step<V: Four>(
         &mut self,
         size: &OfSize,
-        sights: &Sights,
-        observers: &mut [Observer; 3],
-        inertias: Option<Lanes>,
+        sights: &Sights<V>,
+        observers: &mut Observers,
+        inertias: Option<V>,
     ) -> Lanes {
         let h = V::splat(size.h);
-        let moving =
-            Moving { rate: V::load(&sights.moving), force: V::load(&sights.force), load: V::load(&sights.load) };
+        let moving = Moving { rate: sights.moving, force: sights.force, load: sights.load };
         if let Some(inertias) = inertias {
-            let [hub1, hub2, object] = &*observers;
+            let Observers { position, rate, disturbance } = observers;
             let observed = Observed {
-                state: [
-                    V::load(&[hub1.position, hub2.position, object.position, 0.0]),
-                    V::load(&[hub1.rate, hub2.rate, object.rate, 0.0]),
-                    V::load(&[hub1.disturbance, hub2.disturbance, object.disturbance, 0.0]),
-                ],
-                measured: [V::load(&sights.position), V::load(&sights.rate)],
+                state: [V::load(position), V::load(rate), V::load(disturbance)],
+                measured: [sights.position, sights.rate],
                 force: moving.force,
             };
             let (decays, poles, limits) = (V::load(&size.decays), V::load(&size.poles), V::load(&size.limits));
-            let [position, rate, disturbance] =
-                observed.after(size.source, h, decays, poles, V::load(&inertias), limits);
-            let (position, rate, disturbance) = (position.lanes(), rate.lanes(), disturbance.lanes());
-            for (i, observer) in observers.iter_mut().enumerate() {
-                *observer = Observer { position: position[i], rate: rate[i], disturbance: disturbance[i] };
-            }
+            let after = observed.after(size.source, h, decays, poles, inertias, limits);
+            (*position, *rate, *disturbance) = (after[0].lanes(), after[1].lanes(), after[2].lanes());
         }
         let mut numbers = [h; Estimator::<f64>::STATES];
         for (number, lanes) in numbers.iter_mut().zip(&self.0) {
@@ -157,8 +118,10 @@ impl Estimators {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocks::observer::{Known, Motion};
-    use grasp_kernel::narrowly;
+    use crate::blocks::four::{Narrow, Portable};
+    #[cfg(target_arch = "x86_64")]
+    use crate::blocks::four::{Wide, has_wide_registers};
+    use crate::blocks::observer::{Known, Motion, Observer};
 
     const FILTER: FilterGains = FilterGains { bandwidth: 150.0, high_pass: 3.0 };
     const SIZE: f64 = 1e-3;
@@ -191,46 +154,73 @@ mod tests {
         }
     }
 
-    fn sights(step: u32, observers: &[Observer; 3], source: RateSource) -> Sights {
-        let wave = |rate: f64| std::array::from_fn(|i| (rate * f64::from(step) * SIZE + i as f64).sin());
-        let rate = wave(30.0);
-        let moving = match source {
-            RateSource::Measured => rate,
-            RateSource::Estimated => [observers[0].rate, observers[1].rate, observers[2].rate, 0.0],
-        };
-        Sights { position: wave(20.0), rate, moving, force: wave(45.0), load: wave(12.0) }
+    /// What is seen in a step, in lanes.
+    struct Seen {
+        position: Lanes,
+        rate: Lanes,
+        moving: Lanes,
+        force: Lanes,
+        load: Lanes,
+    }
+
+    impl Seen {
+        fn new(step: u32, rates: Lanes, source: RateSource) -> Self {
+            let wave = |rate: f64| std::array::from_fn(|i| (rate * f64::from(step) * SIZE + i as f64).sin());
+            let rate = wave(30.0);
+            let moving = match source {
+                RateSource::Measured => rate,
+                RateSource::Estimated => rates,
+            };
+            Self { position: wave(20.0), rate, moving, force: wave(45.0), load: wave(12.0) }
+        }
+
+        fn sights<V: Four>(&self) -> Sights<V> {
+            Sights {
+                position: V::load(&self.position),
+                rate: V::load(&self.rate),
+                moving: V::load(&self.moving),
+                force: V::load(&self.force),
+                load: V::load(&self.load),
+            }
+        }
     }
 
     /// Estimators, observers and inertias of some hundred steps.
-    fn run(source: RateSource) -> (Estimators, [Observer; 3], Vec<[u64; 3]>) {
-        let (size, mut observers) = (size(source), [Observer::default(); 3]);
+    fn run<V: Four>(source: RateSource) -> (Estimators, [Observer; 3], Vec<[u64; 3]>) {
+        let (size, mut observers) = (size(source), Observers::from([Observer::default(); 3]));
         let (mut estimators, mut inertias) = (Estimators::from([Estimator::default(); 3]), Vec::new());
         for step in 0..400 {
-            let sights = sights(step, &observers, source);
-            let found = estimators.step(&size, &sights, &mut observers, Some(INERTIAS));
+            let sights = Seen::new(step, observers.rate, source).sights::<V>();
+            let found = estimators.step(&size, &sights, &mut observers, Some(V::load(&INERTIAS)));
             inertias.push([0, 1, 2].map(|i: usize| found[i].to_bits()));
         }
-        (estimators, observers, inertias)
+        (estimators, observers.into(), inertias)
     }
 
     /// In lanes of any kind and one by one give the same bits.
     #[test]
     fn side_by_side_is_the_same_as_one_by_one() {
         for source in [RateSource::Measured, RateSource::Estimated] {
-            let (estimators, observers, inertias) = run(source);
-            let narrow = narrowly(|| run(source));
-            assert_eq!((&estimators.0, &observers, &inertias), (&narrow.0.0, &narrow.1, &narrow.2));
+            let (estimators, observers, inertias) = run::<Portable>(source);
+            let same = |(of, and, found): &(Estimators, [Observer; 3], Vec<[u64; 3]>)| {
+                assert_eq!((&of.0, and, found), (&estimators.0, &observers, &inertias));
+            };
+            same(&run::<Narrow>(source));
+            #[cfg(target_arch = "x86_64")]
+            if has_wide_registers() {
+                same(&run::<Wide>(source));
+            }
             let (size, priors) = (size(source), priors());
             let (mut one_by_one, mut alone) = ([Estimator::default(); 3], [Observer::default(); 3]);
             for step in 0..400 {
-                let sights = sights(step, &alone, source);
+                let seen = Seen::new(step, Observers::from(alone).rate, source);
                 for i in 0..3 {
-                    let moving = Moving { rate: sights.moving[i], force: sights.force[i], load: sights.load[i] };
+                    let moving = Moving { rate: seen.moving[i], force: seen.force[i], load: seen.load[i] };
                     let shares = [size.shares.slow, size.shares.follow];
                     one_by_one[i].step_with(SIZE, FILTER.bandwidth, shares, &priors[i].weights(), &moving);
                     let known = Known { source, bandwidth: size.poles[i], inertia: INERTIAS[i], limit: size.limits[i] };
-                    let measured = Motion { position: sights.position[i], rate: sights.rate[i] };
-                    alone[i].step(SIZE, &known, measured, sights.force[i]);
+                    let measured = Motion { position: seen.position[i], rate: seen.rate[i] };
+                    alone[i].step(SIZE, &known, measured, seen.force[i]);
                     assert_eq!(one_by_one[i].inertia(&priors[i]).to_bits(), inertias[step as usize][i]);
                 }
             }
