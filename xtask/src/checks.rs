@@ -7,6 +7,10 @@ use crate::python;
 use crate::steps::{Outcome, Runner, run};
 use crate::tree::Tree;
 
+pub const FORMATTING: &str = "Formatting";
+pub const LINTS: &str = "Lints";
+pub const DOCUMENTATION: &str = "Documentation";
+
 /// How many steps [`add`] adds.
 pub const COUNT: usize = 4;
 
@@ -28,18 +32,34 @@ impl Fetched {
     }
 }
 
-/// Formatting, lints, documentation, workflow files.
+/// All of them.
 pub fn add(steps: &mut Runner, tree: &Tree, actionlint: Fetched) {
-    steps.step("Formatting", || tree.cargo_component("fmt", "rustfmt", &["--all", "--check"]));
-    steps.step("Lints", || {
-        let arguments = ["--release", "--workspace", "--all-features", "--all-targets", "--", "-D", "warnings"];
-        tree.cargo_component("clippy", "clippy", &arguments)
-    });
-    steps.step("Documentation", || {
-        let mut doc = tree.cargo_all("doc", &["--no-deps"]);
-        doc.env("RUSTDOCFLAGS", "-D warnings");
-        run(doc)
-    });
+    steps.step(FORMATTING, || formatting(tree));
+    steps.step(LINTS, || lints(tree));
+    steps.step(DOCUMENTATION, || documentation(tree));
+    workflows(steps, actionlint);
+}
+
+/// `cargo fmt`.
+pub fn formatting(tree: &Tree) -> Outcome {
+    tree.cargo_component("fmt", "rustfmt", &["--all", "--check"])
+}
+
+/// `cargo clippy`.
+pub fn lints(tree: &Tree) -> Outcome {
+    let arguments = ["--release", "--workspace", "--all-features", "--all-targets", "--", "-D", "warnings"];
+    tree.cargo_component("clippy", "clippy", &arguments)
+}
+
+/// `cargo doc`.
+pub fn documentation(tree: &Tree) -> Outcome {
+    let mut doc = tree.cargo_all("doc", &["--no-deps"]);
+    doc.env("RUSTDOCFLAGS", "-D warnings");
+    run(doc)
+}
+
+/// Workflow files.
+pub fn workflows(steps: &mut Runner, actionlint: Fetched) {
     steps.step("Workflow files", || match actionlint.end() {
         Ok(actionlint) => run(actionlint),
         Err(reason) => Outcome::Skipped(format!("actionlint is not there ({reason})")),

@@ -9,6 +9,7 @@ use std::time::SystemTime;
 
 use chrono::{DateTime, Utc};
 
+use crate::output;
 use crate::steps::Outcome;
 use crate::tree::Tree;
 
@@ -98,7 +99,7 @@ fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
     for (count, case) in all.iter_mut().zip(CASES) {
         let counted = if case == SIMULATE { simulated(tree) } else { counted(tree, case) };
         *count = counted.map_err(|reason| Outcome::Failed(format!("{case}: {reason}")))?;
-        println!("{case:<10} {count:>8} instructions per step");
+        output::line(&format!("{case:<10} {count:>8} instructions per step"));
     }
     Ok(all)
 }
@@ -184,7 +185,7 @@ fn compare(last: &Entry, counts: &[u64; CASES.len()]) -> Outcome {
         }
     }
     if risen.is_empty() {
-        println!("none is more than 5 % above the entry of {} ({})", last.date, last.note);
+        output::line(&format!("none is more than 5 % above the entry of {} ({})", last.date, last.note));
         return Outcome::Passed;
     }
     Outcome::Failed(format!(

@@ -12,13 +12,13 @@ use crate::tree::Tree;
 /// The crate that the tests make from the template; its name gives the model's, `WaterHeater`.
 const FROM_TEMPLATE: &str = "water-heater";
 
-/// Builds all helpers; the results are in `<build directory>/helpers`, the judge in `<build directory>/judges`.
+/// Builds what comes from our own crates, into `<build directory>/helpers`. The FMUs must have been packaged.
 pub fn build(tree: &Tree) -> Outcome {
     let folder = tree.target.join("helpers");
     if let Err(error) = fs::create_dir_all(&folder) {
         return Outcome::Failed(format!("cannot create {}: {error}", folder.display()));
     }
-    for make in [example, from_template, judge] {
+    for make in [example, from_template] {
         let outcome = make(tree, &folder);
         if outcome != Outcome::Passed {
             return outcome;
@@ -71,7 +71,8 @@ fn from_template(tree: &Tree, folder: &Path) -> Outcome {
     Outcome::Passed
 }
 
-/// The importer of rust-fmi. If it cannot be built here, a message says so, and the tests that need it are skipped.
-fn judge(tree: &Tree, _: &Path) -> Outcome {
+/// The importer of rust-fmi, into `<build directory>/judges`; it needs the Python environment. If it cannot be built here, a
+/// message says so, and the tests that need it are skipped.
+pub fn judge(tree: &Tree) -> Outcome {
     run(python::command(tree, &["-m", "tests.judges.rust_fmi"]))
 }

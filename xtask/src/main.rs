@@ -14,18 +14,21 @@
 //! Needs a stable Rust toolchain, a C toolchain (linker) and Python 3.9 or newer with `venv`; cargo and pip download
 //! everything else.
 
+mod beside;
 mod checks;
 mod cli;
 mod counts;
 mod fuzz;
 mod helpers;
 mod long;
+mod output;
 mod packaging;
 mod platforms;
 mod publish;
 mod python;
 mod release;
 mod steps;
+mod test;
 mod tree;
 
 use std::ffi::OsStr;
@@ -34,16 +37,14 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use cli::{Arguments, Command, Test};
-use steps::{Outcome, Runner, run};
+use cli::{Arguments, Command};
+use steps::{Runner, run};
 use tree::Tree;
-
-const PUBLISHED: &str = "Crates as they are published";
 
 fn main() -> ExitCode {
     let tree = Tree::find();
     match Arguments::parse().command {
-        Command::Test(what) => test(&tree, &what),
+        Command::Test(what) => test::all(&tree, &what),
         Command::Check => check(&tree),
         Command::Describe => describe(&tree),
         Command::NewFmu { path } => new_fmu(&path),
@@ -52,47 +53,6 @@ fn main() -> ExitCode {
         Command::Release { out, merge } => make_release(&tree, &out, &merge),
         Command::Counts { record } => counts(&tree, record.as_deref()),
     }
-}
-
-/// `cargo xtask test`: all tests, or only the Rust or the Python ones.
-fn test(tree: &Tree, what: &Test) -> ExitCode {
-    let everything = !what.rust && !what.python;
-    let mut steps = Runner::new(match (what.rust, what.python) {
-        (false, false) => 9 + checks::COUNT + if what.all_platforms { platforms::COUNT } else { 1 },
-        (true, _) => 2,
-        (_, true) => 4,
-    });
-    // Packaging comes first, because the Rust tests attack the FMUs' libraries too; old libraries would be attacked for
-    // faults that are fixed.
-    let mut environment = None;
-    steps.step("Build and package the FMUs", || {
-        let (packaged, prepared) = packaging::package(tree, !what.python, !what.rust);
-        environment = prepared;
-        packaged
-    });
-    let actionlint = everything.then(|| checks::Fetched::start(tree));
-    if !what.python {
-        steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
-    }
-    if !what.rust {
-        steps.step("Python environment", || environment.unwrap_or_else(|| python::prepare(tree)));
-        steps.step("Helper programs", || helpers::build(tree));
-        steps.step("Python tests", || run(python::pytest(tree, &what.pytest_args)));
-    }
-    if let Some(actionlint) = actionlint {
-        steps.step("Long checks", || long::checks(tree));
-        steps.step("Instruction counts", || counts::check(tree));
-        steps.step(PUBLISHED, || publish::check(tree));
-        steps.step("Fuzz targets", || fuzz::run_targets(tree));
-        if what.all_platforms {
-            platforms::add(&mut steps, tree);
-        } else {
-            steps.step("Other platforms", || Outcome::Skipped(platforms::NOT_CHECKED.into()));
-        }
-        // The code checks come last: a lint of a newer clippy must not hide the results of the tests.
-        checks::add(&mut steps, tree, actionlint);
-    }
-    steps.finish()
 }
 
 /// `cargo xtask check`: the checks that do not run the code.
@@ -132,7 +92,7 @@ fn new_fmu(path: &Path) -> ExitCode {
 /// `cargo xtask published`: tests the packages for crates.io.
 fn published(tree: &Tree) -> ExitCode {
     let mut steps = Runner::new(1);
-    steps.step(PUBLISHED, || publish::check(tree));
+    steps.step(publish::STEP, || publish::check(tree));
     steps.finish()
 }
 

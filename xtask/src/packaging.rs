@@ -1,7 +1,5 @@
-//! The first step of the tests: packages the FMUs, and meanwhile does other work that takes time and needs no FMU.
-//!
-//! The links of the FMU libraries use one processor for most of a minute. Meanwhile the other processors compile the Rust
-//! tests, and the Python packages are downloaded.
+//! The first step of the tests: packages the FMUs. The links of their libraries use one processor for most of a minute; meanwhile
+//! the other processors compile the Rust tests.
 
 use std::fs::{File, TryLockError};
 use std::process::Stdio;
@@ -9,26 +7,23 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use crate::python;
 use crate::steps::{Outcome, run};
 use crate::tree::Tree;
 
 /// How often is looked whether cargo has begun with the libraries.
 const LOOK_EVERY: Duration = Duration::from_millis(500);
 
-/// Packages the FMUs with their cross-check folders. Of the other work, only the outcome of the Python environment is
-/// returned (`None` if it is not wanted): tests that do not compile fail again in their own step.
-pub fn package(tree: &Tree, rust: bool, python: bool) -> (Outcome, Option<Outcome>) {
+/// Packages the FMUs with their cross-check folders, and compiles the `rust` tests if they are wanted: those that do not
+/// compile fail again in their own step.
+pub fn package(tree: &Tree, rust: bool) -> Outcome {
     let done = AtomicBool::new(false);
     thread::scope(|scope| {
-        let environment = python.then(|| scope.spawn(|| python::prepare(tree)));
         if rust {
             scope.spawn(|| compile_tests(tree, &done));
         }
         let packaged = run(tree.cargo(&["run", "--release", "--", "package", "--cross-check"]));
         done.store(true, Ordering::Relaxed);
-        let died = || Outcome::Failed("preparing the Python environment panicked".into());
-        (packaged, environment.map(|thread| thread.join().unwrap_or_else(|_| died())))
+        packaged
     })
 }
 

@@ -9,6 +9,9 @@ use std::process::Command;
 use crate::steps::{Outcome, run};
 use crate::tree::Tree;
 
+/// The step's name.
+pub const STEP: &str = "Crates as they are published";
+
 /// The crates, in the order of publication: each needs those before it only.
 pub const CRATES: [&str; 6] =
     ["parameter-table", "fmi2-export-derive", "fmi2-export", "fmi2-package", "cargo-fmi2", "fmi2-import"];
@@ -68,15 +71,19 @@ fn unpack(tree: &Tree, folder: &Path) -> io::Result<()> {
 fn manifest(root: &str) -> String {
     let settings = root.find("[workspace.package]").map_or("", |at| &root[at..]);
     let members = CRATES.iter().chain([&FEATURES]).map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+    let mut settings = settings.to_owned();
+    for name in CRATES {
+        let section = format!("[profile.release.package.{name}]\n");
+        // In place of the section that there may be: it may not stand there twice.
+        if let Some(begin) = settings.find(&section) {
+            let end = settings[begin + 1..].find("\n[").map_or(settings.len(), |length| begin + 1 + length + 1);
+            settings.replace_range(begin..end, "");
+        }
+        let _ = write!(settings, "\n{section}opt-level = {OPTIMISATION}\n");
+    }
     let mut text = format!("[workspace]\nresolver = \"3\"\nmembers = [{members}]\n\n{settings}\n[patch.crates-io]\n");
     for name in CRATES {
         let _ = writeln!(text, "{name} = {{ path = {name:?} }}");
-    }
-    for name in CRATES {
-        let section = format!("[profile.release.package.{name}]");
-        if !settings.contains(&section) {
-            let _ = writeln!(text, "\n{section}\nopt-level = {OPTIMISATION}");
-        }
     }
     text
 }
@@ -92,7 +99,7 @@ mod tests {
     use super::*;
 
     const ROOT: &str = "[workspace]\nmembers = [\"a\"]\n\n[workspace.package]\nversion = \"1.2.3\"\n\n[profile.release]\nx = 1\n\n\
-         [profile.release.package.fmi2-package]\nopt-level = 0\n";
+         [profile.release.package.fmi2-package]\ncodegen-units = 1\n\n# About another.\n[profile.release.package.other]\nopt-level = 0\n";
 
     #[test]
     fn the_manifest_has_other_members_and_the_same_settings() {
@@ -100,6 +107,8 @@ mod tests {
         assert!(text.contains("members = [\"parameter-table\", ") && !text.contains("\"a\""), "{text}");
         assert!(text.contains("[profile.release]\nx = 1") && text.contains("fmi2-import = { path = "), "{text}");
         assert_eq!(text.matches("[profile.release.package.fmi2-package]").count(), 1, "a section twice is no TOML");
+        assert!(text.contains("[profile.release.package.other]\nopt-level = 0\n"), "{text}");
+        assert_eq!(text.matches("opt-level = 0").count(), CRATES.len() + 1, "{text}");
         assert_eq!(version(ROOT), Some("1.2.3"));
     }
 

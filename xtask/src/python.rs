@@ -5,6 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
+use crate::output;
 use crate::steps::{Outcome, run};
 use crate::tree::{Tree, works};
 
@@ -27,6 +28,10 @@ pub fn pytest(tree: &Tree, args: &[String]) -> Command {
         command.arg("tests");
     }
     command.args(args);
+    // Ourselves, for tests of our commands.
+    if let Ok(program) = std::env::current_exe() {
+        command.env("XTASK", program);
+    }
     command
 }
 
@@ -75,7 +80,7 @@ fn try_prepare(tree: &Tree) -> Result<Outcome, String> {
 
     let up_to_date = fs::read_to_string(&stamp_file).is_ok_and(|old| old == stamp);
     if up_to_date && works(command(tree, &["-c", "import pytest, fmpy"])) {
-        println!("Python {version}: the environment is up to date");
+        output::line(&format!("Python {version}: the environment is up to date"));
         return Ok(Outcome::Passed);
     }
 
@@ -84,7 +89,9 @@ fn try_prepare(tree: &Tree) -> Result<Outcome, String> {
     }
     create(&python, tree)?;
     let mut install = Command::new(interpreter(tree));
-    install.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "-r", "tests/requirements.txt"]);
+    // What is imported compiles itself; all else, compiled, would take half a minute.
+    let options = ["--quiet", "--disable-pip-version-check", "--no-compile"];
+    install.args(["-m", "pip", "install"]).args(options).args(["-r", "tests/requirements.txt"]);
     install.current_dir(&tree.root);
     let outcome = run(install);
     // The stamp is written last: an interrupted installation is repeated.

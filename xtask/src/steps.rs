@@ -1,10 +1,13 @@
 //! Steps with a heading, a result and a duration each; the first failure skips the rest.
 
 use std::num::NonZero;
-use std::process::{Command, ExitCode, Stdio};
+use std::process::{Command, ExitCode};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use crate::beside::Beside;
+use crate::output;
 
 /// How a step ended.
 #[derive(Debug, PartialEq, Eq)]
@@ -19,6 +22,7 @@ pub enum Outcome {
 
 /// Runs steps in order and keeps their results.
 pub struct Runner {
+    begin: Instant,
     planned: usize,
     results: Vec<(&'static str, Outcome, Duration)>,
     not_reached: Vec<&'static str>,
@@ -27,7 +31,7 @@ pub struct Runner {
 impl Runner {
     /// A runner of `planned` steps (the number is only for the headings).
     pub fn new(planned: usize) -> Self {
-        Self { planned, results: Vec::new(), not_reached: Vec::new() }
+        Self { begin: Instant::now(), planned, results: Vec::new(), not_reached: Vec::new() }
     }
 
     /// Runs one step, unless an earlier one has failed.
@@ -36,15 +40,44 @@ impl Runner {
             self.not_reached.push(name);
             return;
         }
-        println!("\n=== {}/{} {name} ===", self.results.len() + 1, self.planned);
+        self.heading(name);
         let start = Instant::now();
         let outcome = action();
+        self.add(name, outcome, start.elapsed());
+    }
+
+    /// Waits for the next step that runs beside ours, and prints what it has printed. After a failure, one that has begun is still
+    /// waited for, and the others do not begin.
+    pub fn end(&mut self, beside: &Beside, name: &'static str) {
+        if self.failed() {
+            beside.stop();
+        } else {
+            self.heading(name);
+        }
+        match beside.next() {
+            Some(ended) => {
+                if self.failed() {
+                    self.heading(name);
+                }
+                output::say(&ended.output);
+                self.add(name, ended.outcome, ended.duration);
+            }
+            None if self.failed() => self.not_reached.push(name),
+            None => self.add(name, Outcome::Failed("it panicked".into()), Duration::ZERO),
+        }
+    }
+
+    fn heading(&self, name: &str) {
+        println!("\n=== {}/{} {name} ===", self.results.len() + 1, self.planned);
+    }
+
+    fn add(&mut self, name: &'static str, outcome: Outcome, duration: Duration) {
         match &outcome {
             Outcome::Passed => {}
             Outcome::Skipped(reason) => println!("not checked: {reason}"),
             Outcome::Failed(reason) => eprintln!("failed: {reason}"),
         }
-        self.results.push((name, outcome, start.elapsed()));
+        self.results.push((name, outcome, duration));
     }
 
     /// Prints the summary and gives the process's exit code.
@@ -53,8 +86,13 @@ impl Runner {
         ExitCode::from(u8::from(self.failed()))
     }
 
-    fn failed(&self) -> bool {
-        matches!(self.results.last(), Some((_, Outcome::Failed(_), _)))
+    /// Whether a step has failed.
+    pub fn failed(&self) -> bool {
+        self.failure().is_some()
+    }
+
+    fn failure(&self) -> Option<&'static str> {
+        self.results.iter().find_map(|(name, outcome, _)| matches!(outcome, Outcome::Failed(_)).then_some(*name))
     }
 
     fn summary(&self) -> String {
@@ -72,56 +110,54 @@ impl Runner {
         for name in &self.not_reached {
             let _ = writeln!(text, "{name:<28} not run");
         }
-        let _ = match self.results.last() {
-            Some((name, Outcome::Failed(_), _)) => writeln!(text, "\nFAILED at: {name}"),
-            _ => writeln!(text, "\nAll steps passed."),
+        // Steps that run beside each other take less time than their sum.
+        let took = self.begin.elapsed().as_secs_f64();
+        let _ = match self.failure() {
+            Some(name) => writeln!(text, "\nFAILED at: {name}"),
+            None => writeln!(text, "\nAll steps passed, in {took:.0} s."),
         };
         text
     }
 }
 
 /// Runs a command with its output going through, after printing its command line.
-pub fn run(mut command: Command) -> Outcome {
-    println!("$ {}", line(&command));
-    match command.status() {
+pub fn run(command: Command) -> Outcome {
+    let line = line(&command);
+    output::line(&format!("$ {line}"));
+    match output::status(command) {
         Ok(status) if status.success() => Outcome::Passed,
-        Ok(status) => Outcome::Failed(format!("`{}` ended with {status}", line(&command))),
-        Err(error) => Outcome::Failed(format!("`{}` did not start: {error}", line(&command))),
+        Ok(status) => Outcome::Failed(format!("`{line}` ended with {status}")),
+        Err(error) => Outcome::Failed(format!("`{line}` did not start: {error}")),
     }
 }
 
-/// Runs commands side by side, as many as there are processors, with the output of each printed when it ends. All of them
+/// Runs commands side by side, as many as there are processors, and prints the output of each when all have ended. All of them
 /// run; the first failure in their order is the outcome.
 pub fn run_together(commands: impl IntoIterator<Item = Command>) -> Outcome {
-    let waiting: Mutex<Vec<(usize, Command)>> = Mutex::new(commands.into_iter().enumerate().collect());
-    let failures = Mutex::new(Vec::new());
+    let waiting: Mutex<Vec<Command>> = Mutex::new(commands.into_iter().collect());
+    waiting.lock().unwrap_or_else(PoisonError::into_inner).reverse();
+    let ended = Mutex::new(Vec::new());
     let next = || {
         let mut waiting = waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        (!waiting.is_empty()).then(|| waiting.remove(0))
+        waiting.pop().map(|command| (waiting.len(), command))
     };
     thread::scope(|scope| {
         for _ in 0..thread::available_parallelism().map_or(1, NonZero::get) {
             scope.spawn(|| {
-                while let Some((index, mut command)) = next() {
-                    let output = command.stdin(Stdio::null()).output();
-                    let mut failures = failures.lock().unwrap_or_else(PoisonError::into_inner);
-                    println!("$ {}", line(&command));
-                    match output {
-                        Ok(output) => {
-                            print!("{}", String::from_utf8_lossy(&output.stdout));
-                            eprint!("{}", String::from_utf8_lossy(&output.stderr));
-                            if !output.status.success() {
-                                failures.push((index, format!("`{}` ended with {}", line(&command), output.status)));
-                            }
-                        }
-                        Err(error) => failures.push((index, format!("`{}` did not start: {error}", line(&command)))),
-                    }
+                while let Some((left, command)) = next() {
+                    let (outcome, text) = output::held(|| run(command));
+                    ended.lock().unwrap_or_else(PoisonError::into_inner).push((left, outcome, text));
                 }
             });
         }
     });
-    let failures = failures.into_inner().unwrap_or_else(PoisonError::into_inner);
-    failures.into_iter().min().map_or(Outcome::Passed, |(_, reason)| Outcome::Failed(reason))
+    let mut ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
+    ended.sort_by_key(|(left, ..)| std::cmp::Reverse(*left));
+    for (_, _, text) in &ended {
+        output::say(text);
+    }
+    let failure = ended.into_iter().map(|(_, outcome, _)| outcome).find(|outcome| *outcome != Outcome::Passed);
+    failure.unwrap_or(Outcome::Passed)
 }
 
 /// The command as one would type it: the program by its bare name.

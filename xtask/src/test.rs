@@ -1,0 +1,101 @@
+//! `cargo xtask test`: all tests, or only the Rust or the Python ones.
+//!
+//! What needs no result of a step runs beside it: neither the compiler nor the tests keep all processors busy. Results are reported
+//! in the order of the headings.
+
+use std::process::ExitCode;
+
+use crate::beside::{Action, Beside};
+use crate::cli::Test;
+use crate::steps::{Outcome, Runner, run};
+use crate::tree::Tree;
+use crate::{checks, counts, fuzz, helpers, long, packaging, platforms, publish, python};
+
+const PACKAGING: &str = "Build and package the FMUs";
+const ENVIRONMENT: &str = "Python environment";
+const JUDGE: &str = "Judge in Rust";
+const HELPERS: &str = "Helper programs";
+
+type Check = fn(&Tree) -> Outcome;
+
+/// What runs beside the Rust and the Python tests, in this order. The helpers, which the Python tests wait for, come first. The
+/// published crates replace examples that the long checks and the counts load, so they come after those.
+const BESIDE: [(&str, Check); 7] = [
+    (HELPERS, helpers::build),
+    ("Long checks", long::checks),
+    ("Instruction counts", counts::check),
+    (publish::STEP, publish::check),
+    (checks::FORMATTING, checks::formatting),
+    (checks::LINTS, checks::lints),
+    (checks::DOCUMENTATION, checks::documentation),
+];
+
+/// Runs the steps.
+pub fn all(tree: &Tree, what: &Test) -> ExitCode {
+    match (what.rust, what.python) {
+        (true, _) => rust(tree),
+        (_, true) => python(tree, what),
+        _ => everything(tree, what),
+    }
+}
+
+/// `cargo xtask test --rust`.
+fn rust(tree: &Tree) -> ExitCode {
+    let mut steps = Runner::new(2);
+    // Packaging comes first, because the Rust tests attack the FMUs' libraries too; old libraries would be attacked for
+    // faults that are fixed.
+    steps.step(PACKAGING, || packaging::package(tree, true));
+    steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
+    steps.finish()
+}
+
+/// `cargo xtask test --python`.
+fn python(tree: &Tree, what: &Test) -> ExitCode {
+    let mut steps = Runner::new(5);
+    let environment = environment(tree);
+    steps.step(PACKAGING, || packaging::package(tree, false));
+    steps.step(HELPERS, || helpers::build(tree));
+    steps.end(&environment, ENVIRONMENT);
+    steps.end(&environment, JUDGE);
+    steps.step("Python tests", || run(python::pytest(tree, &what.pytest_args)));
+    steps.finish()
+}
+
+/// `cargo xtask test`.
+fn everything(tree: &Tree, what: &Test) -> ExitCode {
+    let platforms = if what.all_platforms { platforms::COUNT } else { 1 };
+    let mut steps = Runner::new(6 + BESIDE.len() + platforms + 1);
+    let environment = environment(tree);
+    steps.step(PACKAGING, || packaging::package(tree, true));
+    let beside =
+        Beside::begin(if steps.failed() { Vec::new() } else { BESIDE.map(|(_, run)| action(tree, run)).into() });
+    steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
+    steps.end(&environment, ENVIRONMENT);
+    steps.end(&environment, JUDGE);
+    let actionlint = checks::Fetched::start(tree);
+    let [(helpers, _), others @ ..] = BESIDE;
+    steps.end(&beside, helpers);
+    steps.step("Python tests", || run(python::pytest(tree, &what.pytest_args)));
+    steps.step("Fuzz targets", || fuzz::run_targets(tree));
+    if what.all_platforms {
+        platforms::add(&mut steps, tree);
+    } else {
+        steps.step("Other platforms", || Outcome::Skipped(platforms::NOT_CHECKED.into()));
+    }
+    // The code checks come last: a lint of a newer clippy must not hide the results of the tests.
+    for (name, _) in others {
+        steps.end(&beside, name);
+    }
+    checks::workflows(&mut steps, actionlint);
+    steps.finish()
+}
+
+/// The Python environment and the judge, which the FMUs don't matter to.
+fn environment(tree: &Tree) -> Beside {
+    Beside::begin(vec![action(tree, python::prepare), action(tree, helpers::judge)])
+}
+
+fn action(tree: &Tree, run: Check) -> Action {
+    let tree = tree.clone();
+    Box::new(move || run(&tree))
+}
