@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from .support.browser import browser  # noqa: F401 (a fixture)
-from .support.report import report  # noqa: F401 (a fixture)
+from .support.report import comparison, report  # noqa: F401 (fixtures)
 from .support.scenario import run  # noqa: F401 (a fixture)
 from .support.harness import CoSimulation, Fmu, Result
 from .support.paths import ROOT, fmu_path

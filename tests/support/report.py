@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from .once import once
 from .tool import dualarm
 
 RUNS = ("nabfc", "pds", "pd")
@@ -32,16 +33,25 @@ class Report:
 
 
 @pytest.fixture(scope="session")
-def report(tmp_path_factory: pytest.TempPathFactory) -> Report:
-    folder = tmp_path_factory.mktemp("results")
-    done = dualarm("compare", "--no-package", "--quiet", "--out", str(folder))
-    assert done.returncode == 0, done.stderr
+def comparison(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with all that `dualarm compare` writes, and what it prints with `--json`, in `printed.json`."""
+
+    def compare(folder: Path) -> None:
+        done = dualarm("compare", "--no-package", "--json", "--out", str(folder))
+        assert done.returncode == 0, done.stderr
+        (folder / "printed.json").write_text(done.stdout, encoding="utf-8")
+
+    return once(tmp_path_factory, "comparison", compare)
+
+
+@pytest.fixture(scope="session")
+def report(comparison: Path) -> Report:
     runs = {}
     for run in RUNS:
-        with (folder / f"{run}.csv").open(newline="", encoding="utf-8") as file:
+        with (comparison / f"{run}.csv").open(newline="", encoding="utf-8") as file:
             header, *rows = csv.reader(file)
         runs[run] = dict(zip(header, np.array(rows, dtype=float).T))
-    return Report(folder / "report.html", runs)
+    return Report(comparison / "report.html", runs)
 
 
 def show(page: Any, time: float) -> None:
