@@ -99,3 +99,37 @@ fn action(tree: &Tree, run: Check) -> Action {
     let tree = tree.clone();
     Box::new(move || run(&tree))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::{Path, PathBuf};
+
+    fn sources(folder: &Path) -> Vec<PathBuf> {
+        let entries = fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap().path());
+        entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
+    }
+
+    /// What is not compiled for tests has none: with `test = false`, cargo would not say that it leaves them out.
+    #[test]
+    fn no_test_is_left_out() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let mut without = Vec::new();
+        for folder in fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path()) {
+            let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap_or_default();
+            let section = |head: &str| manifest.split(head).nth(1).and_then(|text| text.split("\n[").next());
+            let silent = |head: &str| section(head).is_some_and(|text| text.lines().any(|line| line == "test = false"));
+            let (library, program) = (silent("\n[lib]\n"), silent("\n[[bin]]\n"));
+            for file in sources(&folder.join("src")) {
+                let is_program = file == folder.join("src").join("main.rs");
+                if if is_program { program } else { library } {
+                    let text = fs::read_to_string(&file).unwrap();
+                    assert!(!text.contains("#[test]") && !text.contains("cfg(test)"), "{} has tests", file.display());
+                    without.push(file);
+                }
+            }
+        }
+        assert!(without.iter().any(|file| file.ends_with("plant-fmu/src/lib.rs")), "{without:?}");
+        assert!(without.iter().any(|file| file.ends_with("dualarm/src/main.rs")), "{without:?}");
+    }
+}
