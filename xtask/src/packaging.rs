@@ -2,11 +2,12 @@
 //! the other processors compile the Rust tests.
 
 use std::fs::{File, TryLockError};
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use crate::output;
 use crate::steps::{Outcome, run};
 use crate::tree::Tree;
 
@@ -25,6 +26,23 @@ pub fn package(tree: &Tree, rust: bool) -> Outcome {
         done.store(true, Ordering::Relaxed);
         packaged
     })
+}
+
+/// The libraries of the packaged FMUs, as examples of the crate `fmu-libraries`.
+const LIBRARIES: [&str; 3] = ["plant_fmu", "controller_fmu", "instruments_fmu"];
+
+/// Tells tests of the C interface to attack the FMUs' libraries too. They lie elsewhere if zig has linked them; then a line says
+/// that they are not attacked.
+pub fn attack_libraries(tree: &Tree, tests: &mut Command) {
+    let (prefix, suffix) = (std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let folder = tree.target.join("fmu").join("examples");
+    let files = LIBRARIES.map(|name| folder.join(format!("{prefix}{name}{suffix}")));
+    match std::env::join_paths(&files) {
+        Ok(list) if files.iter().all(|file| file.is_file()) => {
+            tests.env("FMU_LIBRARIES", list);
+        }
+        _ => output::line(&format!("not checked: the FMUs' libraries, which are not in {}", folder.display())),
+    }
 }
 
 /// Compiles the tests as soon as cargo builds the libraries, which have a separate build folder. Before that, cargo needs

@@ -45,7 +45,7 @@ fn rust(tree: &Tree) -> ExitCode {
     // Packaging comes first, because the Rust tests attack the FMUs' libraries too; old libraries would be attacked for
     // faults that are fixed.
     steps.step(PACKAGING, || packaging::package(tree, true));
-    steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
+    steps.step("Rust tests", || rust_tests(tree));
     steps.finish()
 }
 
@@ -69,7 +69,7 @@ fn everything(tree: &Tree, what: &Test) -> ExitCode {
     steps.step(PACKAGING, || packaging::package(tree, true));
     let beside =
         Beside::begin(if steps.failed() { Vec::new() } else { BESIDE.map(|(_, run)| action(tree, run)).into() });
-    steps.step("Rust tests", || run(tree.cargo_all("test", &[])));
+    steps.step("Rust tests", || rust_tests(tree));
     steps.end(&environment, ENVIRONMENT);
     steps.end(&environment, JUDGE);
     let actionlint = checks::Fetched::start(tree);
@@ -88,6 +88,12 @@ fn everything(tree: &Tree, what: &Test) -> ExitCode {
     }
     checks::workflows(&mut steps, actionlint);
     steps.finish()
+}
+
+fn rust_tests(tree: &Tree) -> Outcome {
+    let mut command = tree.cargo_all("test", &[]);
+    packaging::attack_libraries(tree, &mut command);
+    run(command)
 }
 
 /// The Python environment and the judge, which the FMUs don't matter to.
