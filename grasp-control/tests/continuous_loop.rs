@@ -207,3 +207,25 @@ fn in_ball() -> Gains {
     gains.posture.iter_mut().for_each(|posture| posture.u_max = 0.05);
     gains
 }
+
+/// A state far beyond its limit is put back, and stays: the next decision leaves all states alone. In the law of root strains without
+/// networks the observed disturbances are such states.
+#[test]
+fn states_beyond_their_limits_are_put_back_once() {
+    let mut put_back = 0;
+    for case in cases() {
+        let mut system = Loop::new(case, Parameters { order: 4, ..Parameters::default() }, share(0.01), NO_LOAD);
+        let mut x = system.states();
+        let first = system.plant.state_count();
+        for state in &mut x[first..] {
+            *state = 1e3;
+        }
+        let inputs = system.put(&x);
+        let (law, mut regimes) = (&mut system.case.law, system.regimes);
+        let (decision, again) = (law.decide(&inputs, &mut regimes), law.decide(&inputs, &mut regimes));
+        println!("{}: {decision:?}, then {again:?}", system.case.name);
+        assert!(!again.states, "{}: {again:?}", system.case.name);
+        put_back += usize::from(decision.states);
+    }
+    assert!(put_back > 0);
+}

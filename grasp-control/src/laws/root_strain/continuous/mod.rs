@@ -206,7 +206,9 @@ impl Continuous for RootStrain {
         } else {
             for (i, held) in regimes.disturbance.iter_mut().enumerate() {
                 let Sight { known, measured, .. } = now.sight[i];
-                self.observers.of(i).decide(&known, measured, forces[i], held, &mut decision);
+                let mut observer = self.observers.of(i);
+                observer.decide(&known, measured, forces[i], held, &mut decision);
+                self.observers.disturbance[i] = observer.disturbance;
             }
         }
         decision
