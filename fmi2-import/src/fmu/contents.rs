@@ -111,8 +111,11 @@ pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<Unpacked, F
     let libraries: Vec<String> = FOLDERS.iter().map(|platform| format!("binaries/{platform}/")).collect();
     let parts: Vec<&str> = libraries.iter().map(String::as_str).chain(["resources/"]).collect();
     let files = archive.files_in(&parts);
-    let is_alone = files.len() == 1 && !archive.has("resources/");
-    if let ([only], Some(shared), true) = (&files[..], SHARED.get(), is_alone) {
+    let alone = match &files[..] {
+        [only] if !archive.has("resources/") => Some(only),
+        _ => None,
+    };
+    if let (Some(only), Some(shared)) = (alone, SHARED.get()) {
         // The loader takes a library for one of the same path that it has not quite let go.
         let number = GUESTS.fetch_add(1, Ordering::Relaxed);
         let library = shared.join(format!("{number}-{}", name(only)));
@@ -124,7 +127,7 @@ pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<Unpacked, F
         }
     }
     let folder = tempfile::Builder::new().prefix("fmu-").tempdir().map_err(unpack)?;
-    if let ([only], true) = (&files[..], is_alone) {
+    if let Some(only) = alone {
         archive.unpack_file(only, &folder.path().join(name(only))).map_err(refused)?;
         return Ok(Unpacked::Alone(folder));
     }
