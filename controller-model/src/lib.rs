@@ -121,7 +121,7 @@ pub trait FmuLaw: Continuous + Clone + Serialize + DeserializeOwned + Send + Syn
 }
 
 /// A controller FMU.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 pub struct Controller<L: FmuLaw> {
     arms: Arms,
@@ -142,6 +142,19 @@ pub struct Controller<L: FmuLaw> {
     /// The variables that a host of model exchange may read.
     #[serde(skip, default = "States::of::<L>")]
     states: States,
+}
+
+impl<L: FmuLaw> Clone for Controller<L> {
+    fn clone(&self) -> Self {
+        Self { law: self.law.clone(), ..self.without_law() }
+    }
+
+    /// The same in the memory that the law has.
+    fn clone_from(&mut self, source: &Self) {
+        let mut law = self.law.take();
+        law.clone_from(&source.law);
+        *self = Self { law, ..source.without_law() };
+    }
 }
 
 /// What all controllers exchange with the host, whatever their law.
@@ -213,6 +226,23 @@ impl<L: FmuLaw> Default for Controller<L> {
 }
 
 impl<L: FmuLaw> Controller<L> {
+    /// A copy of all but the law.
+    #[inline(never)]
+    fn without_law(&self) -> Self {
+        let Self { arms, settings, signals, law: _, is_integrated, regimes, extra, extra_rates, states } = self;
+        Self {
+            arms: *arms,
+            settings: settings.clone(),
+            signals: signals.clone(),
+            law: None,
+            is_integrated: *is_integrated,
+            regimes: *regimes,
+            extra: extra.clone(),
+            extra_rates: extra_rates.clone(),
+            states: states.clone(),
+        }
+    }
+
     fn commands(&mut self) {
         let Signals { inputs, outputs, .. } = &mut self.signals;
         if let Some(law) = &mut self.law {

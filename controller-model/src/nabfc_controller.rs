@@ -76,12 +76,30 @@ impl Settings {
 }
 
 /// One of the two laws.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub enum NabfcLaw {
     /// The paper's.
     Paper(Box<Encoders<Nabfc>>),
     /// With root strain in the posture surface.
     RootStrain(Box<RootStrain>),
+}
+
+impl Clone for NabfcLaw {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Paper(law) => Self::Paper(law.clone()),
+            Self::RootStrain(law) => Self::RootStrain(law.clone()),
+        }
+    }
+
+    /// The same in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        match (self, source) {
+            (Self::Paper(law), Self::Paper(source)) => law.clone_from(source),
+            (Self::RootStrain(law), Self::RootStrain(source)) => law.clone_from(source),
+            (law, source) => *law = source.clone(),
+        }
+    }
 }
 
 impl NabfcLaw {

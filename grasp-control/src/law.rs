@@ -116,7 +116,7 @@ impl StepError {
     }
 
     #[inline(always)]
-    fn check_size(h: f64) -> Result<(), Self> {
+    pub(crate) fn check_size(h: f64) -> Result<(), Self> {
         if h > 0.0 && h <= f64::MAX { Ok(()) } else { Err(Self::StepSize(h)) }
     }
 

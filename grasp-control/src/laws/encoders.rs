@@ -90,13 +90,27 @@ impl Actuation {
 }
 
 /// A law with the rates it is given, or with estimated ones.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, PartialEq, Serialize, Deserialize)]
 pub struct Encoders<L> {
     law: L,
     source: RateSource,
     actuation: Actuation,
     /// Hub 1, hub 2, object.
     observers: [Observer; 3],
+}
+
+impl<L: Clone> Clone for Encoders<L> {
+    fn clone(&self) -> Self {
+        let Self { law, source, actuation, observers } = self;
+        Self { law: law.clone(), source: *source, actuation: *actuation, observers: *observers }
+    }
+
+    /// The same in the memory that is there.
+    fn clone_from(&mut self, from: &Self) {
+        let Self { law, source, actuation, observers } = from;
+        (self.source, self.actuation, self.observers) = (*source, *actuation, *observers);
+        self.law.clone_from(law);
+    }
 }
 
 impl<L: Law> Encoders<L> {

@@ -1,6 +1,6 @@
 //! One-dimensional Gaussians, evaluated for four axes at a time.
 
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS};
+use super::layout::{Layout, MAX_PER_AXIS};
 use crate::blocks::exponential::{LARGEST, exp};
 use crate::blocks::four::{Four, LANES, Lanes};
 use std::f64::consts::LOG2_E;
@@ -17,12 +17,12 @@ const TINY: f64 = 1e-100;
 /// Distances of nodes from the middle of an axis.
 const DISTANCES: usize = MAX_PER_AXIS / 2;
 
-/// Equally spaced Gaussians on [−1, 1], along all axes of a network.
+/// Equally spaced Gaussians on [−1, 1], along all `D` axes of a network.
 ///
 /// exp(−(x − c)²/b²) = exp(−x²/b²) exp(2xc/b²) exp(−c²/b²): the first factor is common to all nodes, that of all axes together is
 /// exp(−‖x‖²/b²); the second is a power of that of one step along the axis.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Axis {
+pub(super) struct Axis<const D: usize> {
     nodes: usize,
     /// Distance of neighbouring centres Δ.
     spacing: f64,
@@ -37,18 +37,18 @@ pub(super) struct Axis {
     /// Beyond this |x| that is so.
     pub reach: f64,
     pub is_narrow: bool,
-    /// exp(−c²/b²) of the centres by their distance from the middle, the nearest first; 0 in lanes that stand for no axis.
-    pub heights: [[Lanes; DISTANCES]; GROUPS],
+    /// exp(−c²/b²) of the centres by their distance from the middle, the nearest first.
+    heights: [f64; DISTANCES],
 }
 
-impl Axis {
-    pub fn new(layout: Layout, dimensions: usize, width: f64) -> Self {
+impl<const D: usize> Axis<D> {
+    pub fn new(layout: Layout, width: f64) -> Self {
         let nodes = layout.per_axis();
         let spacing = if nodes > 1 { 2.0 / (nodes - 1) as f64 } else { 0.0 };
         let sharpness = width.powi(-2);
         // How far a node is from the origin, and a point from any node where that is negligible; a little farther, so that
         // rounding cannot matter.
-        let farthest = if matches!(layout, Layout::Grid(_)) { (dimensions as f64).sqrt() } else { 1.0 };
+        let farthest = if matches!(layout, Layout::Grid(_)) { (D as f64).sqrt() } else { 1.0 };
         let reach = farthest + 1.01 * width * (-NEGLIGIBLE.ln()).sqrt();
         let mut axis = Self {
             nodes,
@@ -59,15 +59,18 @@ impl Axis {
             least: exp(-reach * reach * sharpness),
             reach,
             is_narrow: width < NARROW,
-            heights: [[[0.0; LANES]; DISTANCES]; GROUPS],
+            heights: [0.0; DISTANCES],
         };
         for distance in 0..nodes / 2 {
-            let height = exp(-axis.centre(nodes / 2 - 1 - distance).powi(2) * sharpness);
-            for lane in 0..dimensions {
-                axis.heights[lane / LANES][distance][lane % LANES] = height;
-            }
+            axis.heights[distance] = exp(-axis.centre(nodes / 2 - 1 - distance).powi(2) * sharpness);
         }
         axis
+    }
+
+    /// exp(−c²/b²) of the centres at a distance from the middle of four axes; 0 in lanes that stand for no axis.
+    #[inline(always)]
+    pub fn heights(&self, group: usize, distance: usize) -> Lanes {
+        std::array::from_fn(|lane| if LANES * group + lane < D { self.heights[distance] } else { 0.0 })
     }
 
     pub fn centre(&self, node: usize) -> f64 {
@@ -122,7 +125,7 @@ impl Axis {
         let per_node = if n.is_multiple_of(2) { 2 } else { 1 };
         for distance in 0..half {
             // The height first, so that nothing overflows.
-            let height = V::load(&self.heights[group][distance]);
+            let height = V::load(&self.heights(group, distance));
             let (mut left, mut right) = (height * down, height * up);
             for _ in 0..per_node * distance {
                 (left, right) = (left * down, right * up);

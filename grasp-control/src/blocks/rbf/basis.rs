@@ -20,7 +20,7 @@ impl<const D: usize> Network<D> {
 
     /// As [`activate`](Self::activate), for the input in the lanes of its axes and zeros.
     pub(crate) fn activate_lanes(&mut self, x: &[Lanes; GROUPS]) {
-        if self.point == *x {
+        if self.at.as_ref().is_some_and(|at| at.point == *x) {
             return;
         }
         // In narrow registers on all processors, for the code is there once: what is fast is for plain networks.
@@ -41,7 +41,7 @@ impl<const D: usize> Network<D> {
 
     /// Goes on from where it is evaluated to a point that differs along the last axes; the last lane of `last` does not count.
     pub(crate) fn go_on(&mut self, last: Lanes) {
-        let mut x = self.point;
+        let mut x = self.place().point;
         x[Self::LAST] = Narrow::load(&last).with_last(0.0).lanes();
         self.activate_lanes(&x);
     }
@@ -50,8 +50,9 @@ impl<const D: usize> Network<D> {
     #[inline(always)]
     pub(crate) fn first_exponents<V: Four>(&mut self, x: V) -> V {
         let (steps, squares) = self.axis.steps(x);
-        self.point[0] = x.lanes();
-        self.first_norm2 = sum(squares.lanes());
+        let at = self.place();
+        at.point[0] = x.lanes();
+        at.first_norm2 = sum(squares.lanes());
         steps
     }
 
@@ -61,13 +62,13 @@ impl<const D: usize> Network<D> {
     pub(crate) fn last_exponents<V: Four>(&self, x: V) -> V {
         let (steps, squares) = self.axis.steps(x);
         let [a, b, c, _] = squares.lanes();
-        let norm2 = self.first_norm2 + ((a + b) + c);
+        let norm2 = self.at.as_ref().map_or(0.0, |at| at.first_norm2) + ((a + b) + c);
         self.axis.with_common(steps, norm2)
     }
 
     /// Fills in a star's activations along the first four axes of two, without what is common to all.
     fn fill_first<V: Four>(&mut self, powers: [V; 2]) {
-        self.kept = None;
+        self.place().kept = None;
         if let Layout::Star(rings) = self.layout {
             self.fill_arm(rings, 0, powers, 1.0);
         }
@@ -88,7 +89,7 @@ impl<const D: usize> Network<D> {
             }
             Layout::Grid(n) => self.fill_grid(n, powers.map(V::lanes), common),
             Layout::Star(rings) => {
-                self.outer[0][0] = common;
+                self.place().outer[0][0] = common;
                 self.fill_arm(rings, Self::LAST, powers, common);
             }
         }
@@ -97,8 +98,9 @@ impl<const D: usize> Network<D> {
     /// The network is evaluated at `x` along the last axes.
     #[inline(always)]
     fn arrive<V: Four>(&mut self, x: V) {
-        self.point[Self::LAST] = x.with_last(0.0).lanes();
-        self.output = None;
+        let at = self.place();
+        at.point[Self::LAST] = x.with_last(0.0).lanes();
+        at.output = None;
     }
 
     /// A star: the nodes along four axes, from −1 to 1, without the origin.
@@ -106,7 +108,7 @@ impl<const D: usize> Network<D> {
     fn fill_arm<V: Four>(&mut self, rings: usize, group: usize, powers: [V; 2], common: f64) {
         let rings = rings.min(MAX_PER_AXIS / 2);
         let ratios = self.axis.ratios(2 * rings + 1, group, powers, common);
-        let nodes = &mut self.inner[1 + 2 * rings * group..][..2 * rings];
+        let nodes = &mut self.place().inner[1 + 2 * rings * group..][..2 * rings];
         for position in 0..rings {
             nodes[position] = ratios[position].lanes();
             nodes[rings + position] = ratios[rings + 1 + position].lanes();
@@ -116,9 +118,10 @@ impl<const D: usize> Network<D> {
     /// The usual grid, from the factors of each axis but those in its middle: products in the order of [`Layout::place`].
     #[inline(always)]
     fn fill_usual<V: Four>(&mut self, [outer, second, third]: [V; 3], common: f64) {
-        self.outer[0] = outer.lanes();
-        self.outer[1][0] = common;
-        let Some([products @ .., beside, last]) = self.inner.first_chunk_mut::<USUAL_ROW>() else { return };
+        let at = self.place();
+        at.outer[0] = outer.lanes();
+        at.outer[1][0] = common;
+        let Some([products @ .., beside, last]) = at.inner.first_chunk_mut::<USUAL_ROW>() else { return };
         let factors = second.lanes();
         for (products, factor) in products.iter_mut().zip(factors) {
             *products = (V::splat(factor) * third).lanes();
@@ -146,9 +149,10 @@ impl<const D: usize> Network<D> {
     /// Such a star along its first axes, from the powers of its [`first_exponents`](Self::first_exponents).
     #[inline(always)]
     pub(crate) fn fill_plain_first<V: Four>(&mut self, powers: [V; 2]) {
-        self.kept = None;
         let arm = self.plain_arm(0, powers);
-        if let Some([_, still @ .., _, _, _, _]) = self.inner.first_chunk_mut::<USUAL_STAR>() {
+        let at = self.place();
+        at.kept = None;
+        if let Some([_, still @ .., _, _, _, _]) = at.inner.first_chunk_mut::<USUAL_STAR>() {
             *still = arm;
         }
     }
@@ -157,9 +161,11 @@ impl<const D: usize> Network<D> {
     #[inline(always)]
     pub(crate) fn fill_plain_last<V: Four>(&mut self, x: V, powers: [V; 2]) {
         self.arrive(x);
-        self.outer[0][0] = self.axis.relevant(powers[0].last());
+        let common = self.axis.relevant(powers[0].last());
         let arm = self.plain_arm(1, powers);
-        if let Some([_, _, _, _, _, moving @ ..]) = self.inner.first_chunk_mut::<USUAL_STAR>() {
+        let at = self.place();
+        at.outer[0][0] = common;
+        if let Some([_, _, _, _, _, moving @ ..]) = at.inner.first_chunk_mut::<USUAL_STAR>() {
             *moving = arm;
         }
     }
@@ -167,8 +173,10 @@ impl<const D: usize> Network<D> {
     /// The same at two points that differ along the last axes; `x` is the second.
     #[inline(always)]
     pub(crate) fn fill_plain_both<V: Four>(&mut self, x: V, [first, second]: [[V; 2]; 2]) {
-        self.before_common = self.axis.relevant(first[0].last());
-        self.before = self.plain_arm(1, first);
+        let common = self.axis.relevant(first[0].last());
+        let arm = self.plain_arm(1, first);
+        let at = self.place();
+        (at.before_common, at.before) = (common, arm);
         self.fill_plain_last(x, second);
     }
 
@@ -180,16 +188,18 @@ impl<const D: usize> Network<D> {
         let powers = powers.map(|lanes| Narrow::load(&lanes));
         let ratios = self.axis.ratios(n, 0, powers, common).map(Narrow::lanes);
         let [second, third] = [1, 2].map(|axis| ratios.map(|of_axes| of_axes[axis]));
-        for (node, outer) in self.outer.as_flattened_mut()[..n].iter_mut().enumerate() {
+        let axis = self.axis;
+        let at = self.place();
+        for (node, outer) in at.outer.as_flattened_mut()[..n].iter_mut().enumerate() {
             let ratio = Narrow::load(&[ratios[node][0]; LANES]);
-            *outer = self.axis.outer(ratio, common).last();
+            *outer = axis.outer(ratio, common).last();
         }
         let (second, third) = match D {
             1 => (&[1.0][..], &[1.0][..]),
             2 => (&[1.0][..], &second[..n]),
             _ => (&second[..n], &third[..n]),
         };
-        for (row, second) in self.inner.as_flattened_mut().chunks_mut(third.len()).zip(second) {
+        for (row, second) in at.inner.as_flattened_mut().chunks_mut(third.len()).zip(second) {
             for (place, third) in row.iter_mut().zip(third) {
                 *place = second * third;
             }

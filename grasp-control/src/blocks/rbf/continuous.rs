@@ -33,7 +33,7 @@ impl<const D: usize> Network<D> {
     /// Calls `visit` with each node, its weight and its activation.
     #[inline]
     fn each(&self, mut visit: impl FnMut(usize, f64, f64)) {
-        let (weights, length) = (self.weights.as_flattened(), LANES * self.inner.len());
+        let (weights, length) = (self.weights.as_flattened(), LANES * self.layout.row_length(D));
         self.places(|node, row, lane| visit(node, weights[row * length + lane], self.activation(row, lane)));
     }
 
@@ -41,7 +41,7 @@ impl<const D: usize> Network<D> {
     /// dY = −2 Y Σ (x − c) dx/b².
     #[inline]
     fn each_change(&self, x: [f64; D], mut visit: impl FnMut(usize, f64, f64, f64)) {
-        let (weights, length) = (self.weights.as_flattened(), LANES * self.inner.len());
+        let (weights, length) = (self.weights.as_flattened(), LANES * self.layout.row_length(D));
         // Most directions that a solver asks for are single weights.
         let moves = x.iter().any(|dx| *dx != 0.0);
         let slope = 2.0 * self.axis.sharpness;
@@ -82,11 +82,11 @@ impl<const D: usize> Network<D> {
     /// Takes weights node by node.
     #[inline]
     pub(crate) fn take_weights(&mut self, new: &[f64]) {
-        let length = LANES * self.inner.len();
+        let length = LANES * self.layout.row_length(D);
         let mut weights = std::mem::take(&mut self.weights);
         self.places(|node, row, lane| weights.as_flattened_mut()[row * length + lane] = new[node]);
         self.weights = weights;
-        (self.kept, self.output) = (None, None);
+        self.forget_outputs();
     }
 
     /// Ŵ˙ at the last activation, with the weights `held` on their ball or not.

@@ -1,6 +1,7 @@
 //! How the weights learn over a step: Ŵ ← decay·Ŵ + weight·Y, with the output that they then have.
 
 use super::Network;
+use super::activations::Activations;
 use super::lanes::adapt_row;
 use super::layout::{Layout, USUAL_ARM, USUAL_ROW, USUAL_STAR, groups};
 use crate::blocks::four::{Four, Lanes, Narrow};
@@ -42,27 +43,29 @@ impl<const D: usize> Network<D> {
 
     #[inline(always)]
     pub(super) fn adapt_in<V: Four>(&mut self, decay: f64, weight: f64) {
+        let Self { weights, at, layout, .. } = self;
+        let at = at.get_or_insert_with(|| Activations::nowhere(*layout, D));
         // What `output` would find, to the bit: the same operations in the same order.
         let decay = V::splat(decay);
-        if matches!(self.layout, Layout::Star(_)) {
-            let common = self.outer[0][0];
-            let still = self.layout.still(D).min(self.weights.len());
-            let (w, y) = (self.weights.split_at_mut(still), self.inner.split_at(still));
+        if matches!(layout, Layout::Star(_)) {
+            let common = at.outer[0][0];
+            let still = layout.still(D).min(weights.len());
+            let (w, y) = (weights.split_at_mut(still), at.inner.split_at(still));
             let weight = V::splat(weight * common);
             let of_still = adapt_row(w.0, y.0, decay, weight);
             let of_moving = adapt_row(w.1, y.1, decay, weight);
-            self.kept = Some(of_still.lanes());
-            self.output = Some((V::splat(common) * (of_still + of_moving)).lanes());
+            at.kept = Some(of_still.lanes());
+            at.output = Some((V::splat(common) * (of_still + of_moving)).lanes());
             return;
         }
         // There are no grids with more axes.
         if groups(D) > 1 {
             return;
         }
-        let (inner, outer) = (self.inner.as_slice(), self.outer.as_flattened());
-        let rows = self.weights.len() - self.layout.tail(D);
-        let (rows, tail) = self.weights.split_at_mut(rows);
-        let mut sums = adapt_row(tail, &self.outer, decay, V::splat(weight));
+        let (inner, outer) = (at.inner.as_slice(), at.outer.as_flattened());
+        let rows = weights.len() - layout.tail(D);
+        let (rows, tail) = weights.split_at_mut(rows);
+        let mut sums = adapt_row(tail, &at.outer, decay, V::splat(weight));
         if let (true, Ok(inner)) = (V::IS_WIDE, <&[Lanes; USUAL_ROW]>::try_from(inner)) {
             // The row length by default: the activations stay in registers.
             let mut activations = [V::splat(0.0); USUAL_ROW];
@@ -84,7 +87,7 @@ impl<const D: usize> Network<D> {
                 sums = sums + V::splat(*factor) * adapt_row(row, inner, decay, V::splat(weight * factor));
             }
         }
-        self.output = Some(sums.lanes());
+        at.output = Some(sums.lanes());
     }
 
     /// Ŵ ← decay·Ŵ + first·Y' + second·Y of a plain star, with the Y of the last activation and the Y' of the one before, both of
@@ -102,19 +105,20 @@ impl<const D: usize> Network<D> {
     #[inline(always)]
     fn adapt_twice_in<V: Four>(&mut self, decay: f64, [first, second]: [f64; 2]) {
         const STILL: usize = USUAL_STAR - USUAL_ARM;
-        let (first, second) = (first * self.before_common, second * self.outer[0][0]);
-        let (Some(w), Some(y)) = (self.weights.first_chunk_mut::<USUAL_STAR>(), self.inner.first_chunk::<USUAL_STAR>())
+        let Some(at) = &mut self.at else { return };
+        let (first, second) = (first * at.before_common, second * at.outer[0][0]);
+        let (Some(w), Some(y)) = (self.weights.first_chunk_mut::<USUAL_STAR>(), at.inner.first_chunk::<USUAL_STAR>())
         else {
             return;
         };
         let decay = V::splat(decay);
         // Along the axes that stay, both differ in the common factor only.
-        self.kept = Some(adapt_row(&mut w[..STILL], &y[..STILL], decay, V::splat(first + second)).lanes());
+        at.kept = Some(adapt_row(&mut w[..STILL], &y[..STILL], decay, V::splat(first + second)).lanes());
         let (first, second) = (V::splat(first), V::splat(second));
         for i in 0..USUAL_ARM {
-            let learnt = first * V::load(&self.before[i]) + second * V::load(&y[STILL + i]);
+            let learnt = first * V::load(&at.before[i]) + second * V::load(&y[STILL + i]);
             w[STILL + i] = (decay * V::load(&w[STILL + i]) + learnt).lanes();
         }
-        self.output = None;
+        at.output = None;
     }
 }

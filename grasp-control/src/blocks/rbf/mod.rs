@@ -34,6 +34,7 @@
 // What is unsafe asks for a feature of the processor, and nothing of the data.
 #![allow(clippy::unsafe_derive_deserialize)]
 
+mod activations;
 mod axis;
 mod basis;
 #[cfg(test)]
@@ -52,7 +53,9 @@ mod weights;
 pub(crate) use continuous::NetworkChange;
 pub use layout::{Layout, MAX_PER_AXIS};
 pub use network::Network;
-pub(crate) use plain::{GRID, Heights, PlainAxis, STAR, learn_grid, learn_star, star_output};
+pub(crate) use plain::{
+    GRID, Heights, PlainAxis, STAR, grid_output, learn_grid, learn_star, star_output, still_output,
+};
 
 /// Narrowest and widest Gaussians in normalised units. Narrower ones would underflow inside the box.
 pub const WIDTHS: std::ops::RangeInclusive<f64> = 0.1..=10.0;

@@ -1,9 +1,9 @@
 //! A network: weights, output.
 
+use super::activations::Activations;
 use super::axis::Axis;
-use super::basis::in_lanes;
 use super::lanes::{products, products_here, total};
-use super::layout::{GROUPS, Layout, MAX_PER_AXIS, USUAL_ARM, USUAL_STAR, groups, lane};
+use super::layout::{Layout, USUAL_ARM, USUAL_STAR, groups};
 use super::stored::Stored;
 use super::weights::Weights;
 use crate::blocks::adaptation::LeakyLaw;
@@ -15,38 +15,38 @@ use serde::{Deserialize, Serialize};
 /// A network of `D` inputs with its weights.
 ///
 /// The activations of the last [`activate`](Self::activate) are kept, so that the output, its gradient and the update
-/// of the weights share one evaluation of the basis. They are no state: serialised networks come back without them.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+/// of the weights share one evaluation of the basis. They are no state: copies and serialised networks come without them. A network that
+/// was never evaluated has zeros for them.
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(try_from = "Stored", into = "Stored")]
 #[repr(C)] // What every step of a law touches comes first.
 pub struct Network<const D: usize> {
     /// Row by row, and the tail, see [`Layout::place`].
     pub(super) weights: Weights,
-    /// Ŵᵀ Y at the point, if it is known: four sums that make it up.
-    pub(super) output: Option<Lanes>,
-    /// What a star's nodes that are still contribute to Ŵᵀ Y, without the common factor, if it is known: four sums that make it up.
-    pub(super) kept: Option<Lanes>,
+    /// Where it is evaluated.
+    pub(super) at: Option<Box<Activations>>,
     pub(super) layout: Layout,
     pub(super) width: f64,
     is_plain: bool,
-    pub(super) axis: Axis,
-    /// The normalised input in the lanes of its axes.
-    pub(super) point: [Lanes; GROUPS],
-    /// ‖x‖² of the first four axes of two.
-    pub(super) first_norm2: f64,
-    /// What all activations of a row have in common: those along a grid's first axis, one per row, and exp(−‖x‖²/b²). A star has one
-    /// row. Zeros beyond.
-    pub(super) outer: [Lanes; OUTER],
-    /// What all rows share: a grid's products of all axes but the first; a star's activations; without what is common.
-    pub(super) inner: Vec<Lanes>,
-    /// A usual star's activations along the last axes at the point before, of which this point differs in these axes only.
-    pub(super) before: [Lanes; USUAL_ARM],
-    /// exp(−‖x‖²/b²) at that point.
-    pub(super) before_common: f64,
+    pub(super) axis: Axis<D>,
 }
 
-/// Room for what rows have in common, in fours.
-const OUTER: usize = MAX_PER_AXIS.div_ceil(LANES);
+impl<const D: usize> Clone for Network<D> {
+    fn clone(&self) -> Self {
+        let Self { weights, at: _, layout, width, is_plain, axis } = self;
+        Self { weights: weights.clone(), at: None, layout: *layout, width: *width, is_plain: *is_plain, axis: *axis }
+    }
+
+    /// The same in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { weights, at: _, layout, width, is_plain, axis } = source;
+        self.weights.clone_from(weights);
+        (self.layout, self.width, self.is_plain, self.axis) = (*layout, *width, *is_plain, *axis);
+        if let Some(at) = &mut self.at {
+            if at.inner.len() == self.layout.row_length(D) { at.forget() } else { self.at = None }
+        }
+    }
+}
 
 impl<const D: usize> Network<D> {
     /// A network with zero weights and Gaussians of `width` b > 0 in normalised units.
@@ -56,28 +56,33 @@ impl<const D: usize> Network<D> {
     #[must_use]
     pub fn new(layout: Layout, width: f64) -> Self {
         assert!(layout.is_possible(D), "{layout:?} with {D} axes");
-        let row_length = layout.row_length(D);
-        let mut inner = vec![[0.0; LANES]; row_length];
-        if matches!(layout, Layout::Star(_)) {
-            // The origin.
-            inner[0][0] = 1.0;
-        }
-        let axis = Axis::new(layout, D, width);
+        let axis = Axis::new(layout, width);
         Self {
             layout,
             width,
             is_plain: (layout.is_usual(D) || layout.is_usual_star(D)) && !axis.is_narrow,
             axis,
-            weights: Weights::zeros(layout.rows() * row_length + layout.tail(D)),
-            // Unlike any point, so that nothing counts as evaluated.
-            point: in_lanes([f64::NAN; D]),
-            first_norm2: 0.0,
-            outer: [[0.0; LANES]; OUTER],
-            inner,
-            before: [[0.0; LANES]; USUAL_ARM],
-            before_common: 0.0,
-            kept: None,
-            output: None,
+            weights: Weights::zeros(layout.rows() * layout.row_length(D) + layout.tail(D)),
+            at: None,
+        }
+    }
+
+    /// Where it is evaluated, or is to be.
+    #[inline(always)]
+    pub(super) fn place(&mut self) -> &mut Activations {
+        self.at.get_or_insert_with(|| Activations::nowhere(self.layout, D))
+    }
+
+    /// Gives the memory of its activations back.
+    pub(crate) fn leave(&mut self) {
+        self.at = None;
+    }
+
+    /// The weights are others.
+    #[inline(always)]
+    pub(super) fn forget_outputs(&mut self) {
+        if let Some(at) = &mut self.at {
+            at.forget_outputs();
         }
     }
 
@@ -90,20 +95,22 @@ impl<const D: usize> Network<D> {
     /// Sets all weights to zero.
     pub fn reset(&mut self) {
         self.weights.fill([0.0; LANES]);
-        (self.kept, self.output) = (None, None);
+        self.forget_outputs();
     }
 
     /// The weights Ŵ, node by node.
     pub fn weights(&self) -> impl Iterator<Item = f64> {
-        (0..self.layout.nodes(D)).map(|node| {
+        let length = LANES * self.layout.row_length(D);
+        (0..self.layout.nodes(D)).map(move |node| {
             let (row, lane) = self.layout.place(D, node);
-            self.weights.as_flattened()[LANES * row * self.inner.len() + lane]
+            self.weights.as_flattened()[length * row + lane]
         })
     }
 
     pub(super) fn set_weight(&mut self, node: usize, weight: f64) {
         let (row, lane) = self.layout.place(D, node);
-        self.weights.as_flattened_mut()[LANES * row * self.inner.len() + lane] = weight;
+        let length = LANES * self.layout.row_length(D);
+        self.weights.as_flattened_mut()[length * row + lane] = weight;
     }
 
     /// Centre cⱼ of a node in normalised units.
@@ -129,19 +136,6 @@ impl<const D: usize> Network<D> {
         centre
     }
 
-    /// The activation of the node whose weight is there.
-    #[inline]
-    pub(super) fn activation(&self, row: usize, lane: usize) -> f64 {
-        let outer = self.outer.as_flattened();
-        // The tail has those along the first axis.
-        if row == self.layout.rows() { outer[lane] } else { outer[row] * self.inner.as_flattened()[lane] }
-    }
-
-    /// The normalised input.
-    pub(super) fn input(&self) -> [f64; D] {
-        std::array::from_fn(|axis| self.point.as_flattened()[lane(D, axis)])
-    }
-
     /// Ŵᵀ Y at the last activation.
     #[must_use]
     pub fn output(&self) -> f64 {
@@ -162,57 +156,58 @@ impl<const D: usize> Network<D> {
     /// As [`output`](Self::output), for a caller that knows the registers.
     #[inline(always)]
     pub(crate) fn output_here<V: Four>(&self) -> f64 {
-        total(match self.output {
+        let Some(at) = &self.at else { return 0.0 };
+        total(match at.output {
             Some(sums) => sums,
             // SAFETY: a wide register is in use.
             #[cfg(target_arch = "x86_64")]
-            None if V::IS_WIDE => unsafe { self.sums_wide() },
-            None => self.sums_narrow(),
+            None if V::IS_WIDE => unsafe { self.sums_wide(at) },
+            None => self.sums_narrow(at),
         })
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     #[inline(never)]
-    fn sums_wide(&self) -> Lanes {
-        self.sums::<Wide>()
+    fn sums_wide(&self, at: &Activations) -> Lanes {
+        self.sums::<Wide>(at)
     }
 
     #[inline(never)]
-    fn sums_narrow(&self) -> Lanes {
-        self.sums::<Narrow>()
+    fn sums_narrow(&self, at: &Activations) -> Lanes {
+        self.sums::<Narrow>(at)
     }
 
     #[inline(always)]
-    fn sums<V: Four>(&self) -> Lanes {
+    fn sums<V: Four>(&self, at: &Activations) -> Lanes {
         if matches!(self.layout, Layout::Star(_)) {
-            let of_both = if let (Some(still), Some((w, y))) = (&self.kept, self.usual_star()) {
+            let of_both = if let (Some(still), Some((w, y))) = (&at.kept, self.usual_star(at)) {
                 // What is usual first, of known length.
                 const STILL: usize = USUAL_STAR - USUAL_ARM;
                 V::load(still) + products_here::<V>(&w[STILL..], &y[STILL..])
             } else {
                 let still = self.layout.still(D).min(self.weights.len());
-                let (w, y) = (self.weights.split_at(still), self.inner.split_at(still));
+                let (w, y) = (self.weights.split_at(still), at.inner.split_at(still));
                 products_here::<V>(w.0, y.0) + products_here::<V>(w.1, y.1)
             };
-            return (V::splat(self.outer[0][0]) * of_both).lanes();
+            return (V::splat(at.outer[0][0]) * of_both).lanes();
         }
         // There are no grids with more axes.
         if groups(D) > 1 {
             return [0.0; LANES];
         }
         let (rows, tail) = self.weights.split_at(self.weights.len() - self.layout.tail(D));
-        let mut sums = products_here::<V>(tail, &self.outer);
-        for (row, factor) in rows.chunks_exact(self.inner.len()).zip(self.outer.as_flattened()) {
-            sums = sums + V::splat(*factor) * products_here::<V>(row, &self.inner);
+        let mut sums = products_here::<V>(tail, &at.outer);
+        for (row, factor) in rows.chunks_exact(at.inner.len()).zip(at.outer.as_flattened()) {
+            sums = sums + V::splat(*factor) * products_here::<V>(row, &at.inner);
         }
         sums.lanes()
     }
 
     /// Weights and activations of a usual star.
     #[inline(always)]
-    fn usual_star(&self) -> Option<(&[Lanes; USUAL_STAR], &[Lanes; USUAL_STAR])> {
-        Some(((*self.weights).try_into().ok()?, self.inner.as_slice().try_into().ok()?))
+    fn usual_star<'a>(&'a self, at: &'a Activations) -> Option<(&'a [Lanes; USUAL_STAR], &'a [Lanes; USUAL_STAR])> {
+        Some(((*self.weights).try_into().ok()?, at.inner.as_slice().try_into().ok()?))
     }
 
     /// Whether it has the usual size and no narrow Gaussians, so that the ways for plain networks are open.
@@ -224,19 +219,20 @@ impl<const D: usize> Network<D> {
     /// ‖Y‖² at the last activation: the gain with which the network learns there.
     #[must_use]
     pub fn learning_gain(&self) -> f64 {
-        let factors = &self.outer.as_flattened()[..self.layout.rows()];
+        let Some(at) = &self.at else { return 0.0 };
+        let factors = &at.outer.as_flattened()[..self.layout.rows()];
         // In the tail, the first axis has its activations alone.
         let alone = if self.layout.is_usual(D) { 1.0 } else { 0.0 };
         if self.axis.is_narrow {
             // The factors of an activation may be so tiny and so huge that their squares are not numbers.
             let of_row = |factor: &f64| {
-                let activations = self.inner.as_flattened().iter().map(|ratio| factor * ratio);
+                let activations = at.inner.as_flattened().iter().map(|ratio| factor * ratio);
                 activations.map(|activation| activation * activation).sum::<f64>() + alone * (factor * factor)
             };
             return factors.iter().map(of_row).sum();
         }
         let outer: f64 = factors.iter().map(|factor| factor * factor).sum();
-        outer * (total(products(&self.inner, &self.inner)) + alone)
+        outer * (total(products(&at.inner, &at.inner)) + alone)
     }
 
     /// ‖Ŵ‖.
@@ -260,7 +256,7 @@ impl<const D: usize> Network<D> {
                 *weight *= factor;
             }
         }
-        (self.kept, self.output) = (None, None);
+        self.forget_outputs();
     }
 
     /// d‖Ŵ‖/dt at the last activation, for weights that follow `law` with the forcing s Y: Ŵᵀ(dŴ/dt)/‖Ŵ‖, and from zero
@@ -287,13 +283,5 @@ impl<const D: usize> Network<D> {
             }
         }
         gradient
-    }
-
-    /// All activations, node by node.
-    pub(super) fn activations(&self) -> impl Iterator<Item = f64> {
-        (0..self.layout.nodes(D)).map(|node| {
-            let (row, lane) = self.layout.place(D, node);
-            self.activation(row, lane)
-        })
     }
 }

@@ -8,8 +8,8 @@
 #![cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 
 use super::Network;
-use super::lanes::adapt_row;
-use super::layout::{TAIL, USUAL, USUAL_ARM, USUAL_ROW, USUAL_STAR, groups};
+use super::lanes::{adapt_row, products_here};
+use super::layout::{TAIL, USUAL, USUAL_ARM, USUAL_ROW, USUAL_STAR};
 use crate::blocks::four::{Four, LANES, Lanes};
 
 /// What the axes of a plain network have in common, but for the heights of their Gaussians.
@@ -59,18 +59,14 @@ impl<const D: usize> Network<D> {
 
     /// The heights of a group of its axes.
     pub(crate) fn heights(&self, group: usize) -> Heights {
-        let [near, far, ..] = self.axis.heights[group];
+        let [near, far] = [0, 1].map(|distance| self.axis.heights(group, distance));
         Heights { near, far }
     }
 
     /// The weights of a usual network, to be changed. Outputs are then not known any more.
     #[inline(always)]
     pub(crate) fn plain_weights<const N: usize>(&mut self) -> Option<&mut [Lanes; N]> {
-        self.output = None;
-        // Grids never have it, and it is on another line of the cache.
-        if groups(D) > 1 {
-            self.kept = None;
-        }
+        self.forget_outputs();
         self.weights.first_chunk_mut()
     }
 }
@@ -98,15 +94,15 @@ fn learn<V: Four>(w: &mut Lanes, decay: V, learnt: V) -> V {
     new
 }
 
-/// A grid: Ŵ ← decay·Ŵ + weight·Y where the `powers` are; four sums that make up Ŵᵀ Y there.
+/// Activations of a grid, without the middle of its second and third axis.
+struct GridActivations<V> {
+    common: f64,
+    outer: V,
+    inner: [V; USUAL_ROW],
+}
+
 #[inline(always)]
-pub(crate) fn learn_grid<V: Four>(
-    w: &mut [Lanes; GRID],
-    heights: &Heights,
-    least: f64,
-    powers: [V; 2],
-    (decay, weight): (f64, f64),
-) -> V {
+fn grid_activations<V: Four>(heights: &Heights, least: f64, powers: [V; 2]) -> GridActivations<V> {
     let common = relevant(powers, least);
     let [first, second, third, _] = V::columns(heights.ratios(powers));
     let outer = first * V::splat(common);
@@ -116,6 +112,39 @@ pub(crate) fn learn_grid<V: Four>(
         inner[i] = V::splat(factors[i]) * third;
     }
     inner[USUAL_ROW - 1] = second;
+    GridActivations { common, outer, inner }
+}
+
+/// Four sums that make up a grid's Ŵᵀ Y where the `powers` are.
+#[inline(always)]
+pub(crate) fn grid_output<V: Four>(w: &[Lanes; GRID], heights: &Heights, least: f64, powers: [V; 2]) -> V {
+    let GridActivations { common, outer, inner } = grid_activations(heights, least, powers);
+    let middle = V::load(&ALONE) * V::splat(common);
+    let mut sums = V::load(&w[ROWS]) * outer;
+    sums = sums + V::load(&w[ROWS + 1]) * middle;
+    let outer = outer.lanes();
+    for row in 0..USUAL {
+        let factor = V::splat(if row < LANES { outer[row] } else { common });
+        let w = &w[USUAL_ROW * row..];
+        let mut of_row = V::load(&w[0]) * inner[0];
+        for i in 1..USUAL_ROW {
+            of_row = of_row + V::load(&w[i]) * inner[i];
+        }
+        sums = sums + factor * of_row;
+    }
+    sums
+}
+
+/// A grid: Ŵ ← decay·Ŵ + weight·Y where the `powers` are; four sums that make up Ŵᵀ Y there.
+#[inline(always)]
+pub(crate) fn learn_grid<V: Four>(
+    w: &mut [Lanes; GRID],
+    heights: &Heights,
+    least: f64,
+    powers: [V; 2],
+    (decay, weight): (f64, f64),
+) -> V {
+    let GridActivations { common, outer, inner } = grid_activations(heights, least, powers);
     let (decay, weight) = (V::splat(decay), V::splat(weight));
     // The tail: the nodes in the middle of the second and third axis.
     // Not as a load of a number and zeros: for these the compiler may choose an instruction that valgrind 3.19 does not know.
@@ -149,9 +178,7 @@ pub(crate) fn learn_star<V: Four>(
 ) -> V {
     let (first, second) = (shares[0] * relevant(of_first, least), shares[1] * relevant(of_second, least));
     let decay = V::splat(decay);
-    let [a, b, c, d] = still.ratios(of_still);
-    let y = [ALONE, a.lanes(), b.lanes(), c.lanes(), d.lanes()];
-    let of_still = adapt_row(&mut w[..STILL], &y, decay, V::splat(first + second));
+    let of_still = adapt_row(&mut w[..STILL], &still_activations(still, of_still), decay, V::splat(first + second));
     let (first, second) = (V::splat(first), V::splat(second));
     let (at_first, at_second) = (moving.ratios(of_first), moving.ratios(of_second));
     for i in 0..USUAL_ARM {
@@ -160,7 +187,20 @@ pub(crate) fn learn_star<V: Four>(
     of_still
 }
 
-/// Four sums that make up a star's Ŵᵀ Y at another such point, from those of [`learn_star`].
+/// Activations of a star's nodes along its first axes, without the common factor.
+#[inline(always)]
+fn still_activations<V: Four>(heights: &Heights, powers: [V; 2]) -> [Lanes; STILL] {
+    let [a, b, c, d] = heights.ratios(powers);
+    [ALONE, a.lanes(), b.lanes(), c.lanes(), d.lanes()]
+}
+
+/// What a star's nodes along its first axes contribute to Ŵᵀ Y, without the common factor: four sums that make it up.
+#[inline(always)]
+pub(crate) fn still_output<V: Four>(w: &[Lanes; STAR], still: &Heights, powers: [V; 2]) -> V {
+    products_here(&w[..STILL], &still_activations(still, powers))
+}
+
+/// Four sums that make up a star's Ŵᵀ Y at another such point, from those of [`learn_star`] or [`still_output`].
 #[inline(always)]
 pub(crate) fn star_output<V: Four>(w: &[Lanes; STAR], moving: &Heights, least: f64, powers: [V; 2], still: V) -> V {
     let y = moving.ratios(powers);

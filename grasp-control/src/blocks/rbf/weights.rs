@@ -9,7 +9,7 @@ use std::ops::{Deref, DerefMut};
 struct Line([Lanes; 2]);
 
 /// Weights in fours.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub(super) struct Weights {
     lines: Vec<Line>,
     fours: usize,
@@ -19,6 +19,22 @@ impl Weights {
     /// As many fours of zeros.
     pub fn zeros(fours: usize) -> Self {
         Self { lines: vec![Line([[0.0; 4]; 2]); fours.div_ceil(2)], fours }
+    }
+}
+
+impl Clone for Weights {
+    fn clone(&self) -> Self {
+        Self { lines: self.lines.clone(), fours: self.fours }
+    }
+
+    /// The same in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        if self.lines.len() == source.lines.len() {
+            self.lines.copy_from_slice(&source.lines);
+            self.fours = source.fours;
+        } else {
+            *self = source.clone();
+        }
     }
 }
 

@@ -53,7 +53,7 @@ pub(crate) struct EstimateRates {
 }
 
 /// The estimates of one loop, whose network has `D` inputs.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 #[repr(C, align(64))] // The estimates and the beginning of the network, which a step touches, are on one line of the cache.
 pub(crate) struct Estimator<const D: usize> {
     laws: Laws,
@@ -66,8 +66,35 @@ pub(crate) struct Estimator<const D: usize> {
     pub network: Network<D>,
     /// Whether the network does anything: with zero weights and no adaptation it need not be evaluated.
     has_network: bool,
+    /// Of the last size, for all steps but the usual one.
     #[serde(skip)]
-    steps: Option<Steps>,
+    steps: Option<Box<Steps>>,
+}
+
+impl<const D: usize> Clone for Estimator<D> {
+    fn clone(&self) -> Self {
+        let Self { laws, initial_inertia, inertia, bound, network, has_network, steps: _ } = self;
+        Self {
+            laws: *laws,
+            initial_inertia: *initial_inertia,
+            inertia: *inertia,
+            bound: *bound,
+            network: network.clone(),
+            has_network: *has_network,
+            steps: None,
+        }
+    }
+
+    /// The same in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { laws, initial_inertia, inertia, bound, network, has_network, steps: _ } = source;
+        if self.laws != *laws {
+            self.steps = None;
+        }
+        (self.laws, self.initial_inertia, self.has_network) = (*laws, *initial_inertia, *has_network);
+        (self.inertia, self.bound) = (*inertia, *bound);
+        self.network.clone_from(network);
+    }
 }
 
 /// Estimates and weights, to be changed.
@@ -123,6 +150,12 @@ impl<const D: usize> Estimator<D> {
         network.plain_weights().map(|weights| Learner { inertia, bound, weights })
     }
 
+    /// Gives back the memory that the usual step does without.
+    pub fn leave(&mut self) {
+        self.network.leave();
+        self.steps = None;
+    }
+
     /// Back to the initial estimates.
     pub fn reset(&mut self) {
         self.inertia = self.initial_inertia;
@@ -176,7 +209,11 @@ impl<const D: usize> Estimator<D> {
     fn prepare(&mut self, h: f64) {
         if self.steps.as_ref().is_none_or(|steps| steps.h != h) {
             let Laws { weights, bound, inertia, .. } = self.laws;
-            self.steps = Some(Steps::new(h, [weights, bound, inertia]));
+            let new = Steps::new(h, [weights, bound, inertia]);
+            match &mut self.steps {
+                Some(steps) => **steps = new,
+                None => self.steps = Some(Box::new(new)),
+            }
         }
     }
 
@@ -184,8 +221,8 @@ impl<const D: usize> Estimator<D> {
     /// called for the first node, then for the second.
     pub fn step_sampled(&mut self, h: f64, node: usize, drive: &Drive) {
         self.prepare(h);
-        if let Some(Steps { sampled, .. }) = self.steps {
-            self.apply(sampled.map(|step| step.part(node)), drive);
+        if let Some(steps) = &self.steps {
+            self.apply(steps.sampled.map(|step| step.part(node)), drive);
         }
     }
 
@@ -209,7 +246,7 @@ impl<const D: usize> Estimator<D> {
     #[inline(always)]
     pub fn step_here<V: Four>(&mut self, h: f64, drive: &Drive) {
         self.prepare(h);
-        let Some(Steps { held: [weights, bound, inertia], .. }) = &self.steps else { return };
+        let Some(Steps { held: [weights, bound, inertia], .. }) = self.steps.as_deref() else { return };
         self.bound = bound.apply(self.bound, drive.bound);
         self.inertia = inertia.apply(self.inertia, drive.inertia);
         if self.has_network {
@@ -223,7 +260,7 @@ impl<const D: usize> Estimator<D> {
     #[inline(always)]
     pub fn step_both_here<V: Four>(&mut self, h: f64, drives: &[Drive; 2]) {
         self.prepare(h);
-        let Some(Steps { sampled: [weights, bound, inertia], .. }) = &self.steps else { return };
+        let Some(Steps { sampled: [weights, bound, inertia], .. }) = self.steps.as_deref() else { return };
         self.bound = bound.apply(self.bound, [drives[0].bound, drives[1].bound]);
         self.inertia = inertia.apply(self.inertia, [drives[0].inertia, drives[1].inertia]);
         if self.has_network {

@@ -1,4 +1,4 @@
-//! The law's hot path, in the registers that the processor has.
+//! The law's general way, in narrow registers on all processors: with wide ones nearly all is for the [usual step](super::usual).
 //!
 //! Three hyperbolic tangents, two grids and a star ask for some twenty exponentials. With held inputs a step sees the shear rates
 //! at two points, because the low-pass moves, and commands see them at a third. Only three of the star's seven inputs differ
@@ -14,9 +14,7 @@
 
 use super::{Known, Nabfc};
 use crate::blocks::exponential::{powers, tanh_of};
-#[cfg(target_arch = "x86_64")]
-use crate::blocks::four::Wide;
-use crate::blocks::four::{Four, LANES, Narrow};
+use crate::blocks::four::{Four, LANES};
 use crate::law::StepError;
 use crate::signals::{Commands, Inputs, have_same_bits};
 
@@ -45,30 +43,8 @@ impl Nabfc {
     }
 
     /// Evaluates all that the shear rates do not change. What they do change is to follow.
-    #[inline(always)]
+    #[inline(never)]
     fn evaluate_still<V: Four>(&mut self, inputs: &Inputs) {
-        #[cfg(target_arch = "x86_64")]
-        if V::IS_WIDE {
-            // SAFETY: a wide register is in use.
-            return unsafe { self.evaluate_still_wide(inputs) };
-        }
-        self.evaluate_still_narrow(inputs);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    #[inline(never)]
-    fn evaluate_still_wide(&mut self, inputs: &Inputs) {
-        self.evaluate_still_here::<Wide>(inputs);
-    }
-
-    #[inline(never)]
-    fn evaluate_still_narrow(&mut self, inputs: &Inputs) {
-        self.evaluate_still_here::<Narrow>(inputs);
-    }
-
-    #[inline(always)]
-    fn evaluate_still_here<V: Four>(&mut self, inputs: &Inputs) {
         (self.keep.seen, self.keep.known) = (*inputs, Known::Loops);
         self.object.prepare();
         let at = self.loop_inputs(inputs, [0.0; 2]);

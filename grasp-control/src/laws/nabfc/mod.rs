@@ -35,7 +35,7 @@ use usual::{Keep, Known};
 /// enter ż₁ and ėᵢ.
 // What is unsafe asks for a feature of the processor, and nothing of the data.
 #[allow(clippy::unsafe_derive_deserialize)]
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Nabfc {
     arms: Arms,
     #[serde(skip)]
@@ -46,6 +46,31 @@ pub struct Nabfc {
     shear_rate: LowPass,
     #[serde(skip)]
     keep: Keep,
+}
+
+impl Clone for Nabfc {
+    fn clone(&self) -> Self {
+        let Self { arms, slopes, gains, object, posture, shear_rate, keep } = self;
+        Self {
+            arms: *arms,
+            slopes: *slopes,
+            gains: *gains,
+            object: object.clone(),
+            posture: posture.clone(),
+            shear_rate: *shear_rate,
+            keep: keep.clone(),
+        }
+    }
+
+    /// The same in the memory that is there.
+    #[inline(never)]
+    fn clone_from(&mut self, source: &Self) {
+        let Self { arms, slopes, gains, object, posture, shear_rate, keep } = source;
+        (self.arms, self.slopes, self.gains, self.shear_rate) = (*arms, *slopes, *gains, *shear_rate);
+        self.object.clone_from(object);
+        self.posture.clone_from(posture);
+        self.keep.clone_from(keep);
+    }
 }
 
 /// The sliding variables (33) and (51).
@@ -238,7 +263,10 @@ impl Nabfc {
     #[target_feature(enable = "avx2")]
     #[inline(never)]
     fn commands_wide(&mut self, inputs: &Inputs) -> Commands {
-        self.commands_here::<Wide>(inputs)
+        match self.usual_commands::<Wide>(inputs) {
+            Some(commands) => commands,
+            None => self.commands_narrow(inputs),
+        }
     }
 
     #[inline(never)]
@@ -250,18 +278,13 @@ impl Nabfc {
     #[target_feature(enable = "avx2")]
     #[inline(never)]
     fn step_wide(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        if self.usual_step::<Wide>(h, inputs, rates) { Ok(()) } else { self.unusual_step_wide(h, inputs, rates) }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    #[inline(never)]
-    fn unusual_step_wide(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> Result<(), StepError> {
-        let result = self.step_here::<Wide>(h, inputs, rates);
-        if result.is_ok() && !self.keep.has_table(h) {
-            self.adopt(h);
+        while !self.usual_step::<Wide>(h, inputs, rates) {
+            // Where the size had no table, the step may be a usual one with it.
+            if self.keep.has_table(h) || !self.adopt(h) {
+                return self.step_narrow(h, inputs, rates);
+            }
         }
-        result
+        Ok(())
     }
 
     #[inline(never)]

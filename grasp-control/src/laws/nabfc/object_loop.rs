@@ -9,8 +9,6 @@ use super::estimator::{Drive, EstimateRates, Estimator, Laws};
 use super::gains::{Gains, ObjectGains, RbfLayout};
 use crate::blocks::adaptation::LeakyLaw;
 use crate::blocks::exponential::{powers, tanh};
-#[cfg(target_arch = "x86_64")]
-use crate::blocks::four::Wide;
 use crate::blocks::four::{Four, Lanes, Narrow};
 use crate::blocks::rbf::Network;
 use crate::blocks::sat::{sat, sat_slope};
@@ -102,7 +100,7 @@ impl ObjectSettings {
 /// Controller of the object.
 // What is unsafe asks for a feature of the processor, and nothing of the data.
 #[allow(clippy::unsafe_derive_deserialize)]
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct ObjectLoop {
     pub(super) settings: ObjectSettings,
     /// m̂, ε̂, Ŵ.
@@ -112,6 +110,21 @@ pub(crate) struct ObjectLoop {
     /// See [`ObjectSettings::moving`]; a restored law has none until it is evaluated.
     #[serde(skip)]
     moving: Option<Moving>,
+}
+
+impl Clone for ObjectLoop {
+    /// Evaluated nowhere.
+    fn clone(&self) -> Self {
+        let Self { settings, estimator, point: _, moving } = self;
+        Self { settings: *settings, estimator: estimator.clone(), point: None, moving: *moving }
+    }
+
+    /// The same in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { settings, estimator, point: _, moving } = source;
+        (self.settings, self.point, self.moving) = (*settings, None, *moving);
+        self.estimator.clone_from(estimator);
+    }
 }
 
 /// What ż₁, Q̇₁ and Q̇₂ move: the network's inputs α̇₁, ẇ₁''' and ẇ₂''', normalised, and in the last lane the regressor. Linear, each
@@ -168,6 +181,12 @@ impl ObjectLoop {
     /// Whether gains, scales and the network's layout are those of another loop.
     pub fn has_settings_of(&self, other: &Self) -> bool {
         self.settings == other.settings && self.estimator.has_settings_of(&other.estimator)
+    }
+
+    /// Gives back the memory that the usual step does without.
+    pub fn leave(&mut self) {
+        self.point = None;
+        self.estimator.leave();
     }
 
     /// Back to the initial estimates.
@@ -259,30 +278,8 @@ impl ObjectLoop {
 
     /// Goes to a point where only the shear rates are others than where the loop is evaluated. Not inlined: it is called in several places,
     /// and the usual step does without.
-    #[inline(always)]
+    #[inline(never)]
     pub fn move_to<V: Four>(&mut self, shear_dot: [f64; 2]) {
-        #[cfg(target_arch = "x86_64")]
-        if V::IS_WIDE {
-            // SAFETY: a wide register is in use.
-            return unsafe { self.move_to_wide(shear_dot) };
-        }
-        self.move_to_narrow(shear_dot);
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    #[inline(never)]
-    fn move_to_wide(&mut self, shear_dot: [f64; 2]) {
-        self.move_to_here::<Wide>(shear_dot);
-    }
-
-    #[inline(never)]
-    fn move_to_narrow(&mut self, shear_dot: [f64; 2]) {
-        self.move_to_here::<Narrow>(shear_dot);
-    }
-
-    #[inline(always)]
-    fn move_to_here<V: Four>(&mut self, shear_dot: [f64; 2]) {
         let Some(point) = &self.point else { return };
         let x = self.moved::<V>(point.inputs.z1_dot, shear_dot);
         let network = &mut self.estimator.network;

@@ -47,13 +47,28 @@ impl PostureSettings {
 }
 
 /// Controller of one hub.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct PostureLoop {
     pub(super) settings: PostureSettings,
     /// Ĵ, π̂, Û.
     pub estimator: Estimator<3>,
     #[serde(skip)]
     pub point: Option<Point>,
+}
+
+impl Clone for PostureLoop {
+    /// Evaluated nowhere.
+    fn clone(&self) -> Self {
+        let Self { settings, estimator, point: _ } = self;
+        Self { settings: *settings, estimator: estimator.clone(), point: None }
+    }
+
+    /// The same in the memory that is there.
+    fn clone_from(&mut self, source: &Self) {
+        let Self { settings, estimator, point: _ } = source;
+        (self.settings, self.point) = (*settings, None);
+        self.estimator.clone_from(estimator);
+    }
 }
 
 /// Signals of the loop at one instant. The moment M(0) is not among them: it enters the command only.
@@ -103,6 +118,12 @@ impl PostureLoop {
     /// Whether gains, scales and the network's layout are those of another loop.
     pub fn has_settings_of(&self, other: &Self) -> bool {
         self.settings == other.settings && self.estimator.has_settings_of(&other.estimator)
+    }
+
+    /// Gives back the memory that the usual step does without.
+    pub fn leave(&mut self) {
+        self.point = None;
+        self.estimator.leave();
     }
 
     /// Back to the initial estimates.

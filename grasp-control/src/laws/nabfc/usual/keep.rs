@@ -5,6 +5,7 @@
 
 use super::shared::{Shared, shared};
 use super::table::Table;
+use crate::law::StepError;
 use crate::laws::nabfc::Nabfc;
 use crate::signals::{Commands, Inputs};
 use std::sync::Arc;
@@ -42,6 +43,12 @@ impl Keep {
     #[inline(always)]
     pub(super) fn table(&self, h: f64) -> Option<&Table> {
         self.tables[0].as_ref().filter(|table| table.h == h).map(|table| &***table)
+    }
+
+    /// The table of the last step's size, whatever that is: commands do not depend on it.
+    #[inline(always)]
+    pub(super) fn any_table(&self) -> Option<&Table> {
+        self.tables[0].as_ref().map(|table| &***table)
     }
 
     /// Whether the last step's size has a table and is this one.
@@ -82,21 +89,39 @@ impl Nabfc {
         self.keep = Keep::default();
     }
 
-    /// Gets the table of a step size to the first place, for the step after this one. A new size gets one at once while there is room, later if it
+    /// Gets the table of a step size to the first place, if there is one. A new size gets one at once while there is room, later if it
     /// comes twice without another new one between: where every step has another size, that would be in vain.
     #[cold]
     #[inline(never)]
-    pub(in crate::laws::nabfc) fn adopt(&mut self, h: f64) {
+    pub(in crate::laws::nabfc) fn adopt(&mut self, h: f64) -> bool {
+        if StepError::check_size(h).is_err() {
+            return false;
+        }
         let place = self.keep.tables.iter().position(|table| table.as_ref().is_none_or(|table| table.h == h));
         if place.is_none() && self.keep.without != h {
             self.keep.without = h;
-            return;
+            return false;
         }
         let place = place.unwrap_or(SIZES - 1);
         if self.keep.tables[place].as_ref().is_none_or(|table| table.h != h) {
-            let Some(table) = Table::new(self, h) else { return };
+            let Some(table) = Table::new(self, h) else { return false };
+            if self.keep.tables[0].is_none() {
+                self.leave();
+            }
             self.keep.tables[place] = Some(shared(&table));
         }
         self.keep.tables[..=place].rotate_right(1);
+        true
+    }
+
+    /// Gives back the memory that usual steps do without: what was asked before the first step had no table.
+    fn leave(&mut self) {
+        self.object.leave();
+        for posture in &mut self.posture {
+            posture.leave();
+        }
+        if self.keep.knows_loops() {
+            self.keep.known = Known::Nothing;
+        }
     }
 }

@@ -1,5 +1,5 @@
-//! The usual step: inputs that are held and for which the loops are not evaluated already, networks that learn, are plain and have no ball, a
-//! low-pass in motion. It leaves the commands that follow it behind.
+//! The usual step: inputs that are held, networks that learn, are plain and have no ball, a low-pass. It leaves the commands that follow it
+//! behind. Commands that are asked for before it are found in the same way.
 //!
 //! Lanes are the three loops, so whatever all of them do is done once: hub 1, hub 2, and the object in the last one. Inputs of
 //! networks come as one row for each component and are turned into one column for each network; the star's last inputs, which the shear rates
@@ -13,6 +13,7 @@
 
 mod keep;
 mod shared;
+mod signals;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -21,11 +22,12 @@ pub(super) use keep::{Keep, Known};
 
 use super::Nabfc;
 use super::estimator::Learner;
-use crate::blocks::exponential::{LARGEST, powers, tanh_of};
+use crate::blocks::exponential::powers;
 use crate::blocks::four::{Four, LANES};
 use crate::blocks::lowpass::LowPass;
-use crate::blocks::rbf::{GRID, STAR, learn_grid, learn_star, star_output};
+use crate::blocks::rbf::{GRID, STAR, grid_output, learn_grid, learn_star, star_output, still_output};
 use crate::signals::{Commands, Inputs};
+use signals::Signals;
 use table::Table;
 
 /// Hubs: the first lanes.
@@ -33,12 +35,6 @@ const HUBS: usize = 2;
 
 /// The lane of the object.
 const OBJECT: usize = LANES - 1;
-
-/// Clamped.
-#[inline(always)]
-fn within<V: Four>(x: V, (least, most): (V, V)) -> V {
-    most.smaller(least.larger(x))
-}
 
 /// What a step changes.
 struct State<'a> {
@@ -51,37 +47,10 @@ struct State<'a> {
 #[inline(always)]
 fn step<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
     let State { hubs: [hub1, hub2], object, filters } = state;
-    let (measured, reference) = (&inputs.measured, &inputs.reference);
-    let (shear, lambda1) = (measured.tip_shear, reference.lambda1_ref);
-
-    // (16), (33) and (51).
-    let [by_theta1, by_lambda1, rest] = &table.targets;
-    let targets = V::load(by_theta1) * V::splat(reference.theta1_ref) + V::load(by_lambda1) * V::splat(lambda1);
-    let position = V::pairs(measured.theta, [0.0, measured.y_object]);
-    let error = position - (targets + V::load(rest));
-    let velocity = V::pairs(measured.theta_dot, [0.0, measured.y_object_dot]);
-    let slope = V::load(&table.slope);
-    let [c1, c2] = table.compliance;
-    let shear_error = (shear[0] - lambda1) * c1 + (shear[1] + lambda1) * c2;
-    let s = slope * error + velocity;
-    let s = s.with_last(s.last() + shear_error);
-    let regressor = velocity * slope;
-
-    // The networks' inputs but for those that the shear rates move: clamped, squared, exponents of two, by component.
-    let reach = (V::load(&table.reach[0]), V::load(&table.reach[1]));
-    let [of_error, of_surface, of_alpha] = &table.scales;
-    let x = [
-        error * V::load(of_error),
-        s * V::load(of_surface),
-        ((V::load(&table.alpha) * velocity) * V::load(of_alpha)).with_last(shear[0] * c1 * table.shear[0]),
-        V::splat(0.0).with_last(shear[1] * c2 * table.shear[1]),
-    ];
-    let [a, b, c, d] = [within(x[0], reach), within(x[1], reach), within(x[2], reach), within(x[3], reach)];
-    let norm2 = (a * a + b * b) + (c * c + d * d);
-    let step = V::load(&table.step);
-    let common = (norm2 * V::load(&table.common)).larger(V::splat(-LARGEST));
-    let [z1, z2, _, still] = V::columns([a * step, b * step, c * step, d * step + common]);
-    let still_norm2 = norm2.last();
+    let signals = Signals::<V>::of(table, inputs);
+    let Signals { s, regressor, exponents: [z1, z2, still], .. } = signals;
+    let rests = filters.state() == inputs.measured.tip_shear_dot;
+    let learning = &table.learning[usize::from(rests)];
 
     // (55), with the outputs of the networks afterwards. The star follows when these are done, and not before: the compiler takes constants before
     // it stores weights, and would have to put those aside that it needs later.
@@ -98,27 +67,14 @@ fn step<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
     // The low-pass, and what it moves, at the nodes of the step and at its end.
     let follow = V::load(&table.follow);
     let [state1, state2] = filters.state();
-    let [rate1, rate2] = measured.tip_shear_dot;
+    let [rate1, rate2] = inputs.measured.tip_shear_dot;
     let first = V::splat(state1) + V::splat(rate1 - state1) * follow;
     let second = V::splat(state2) + V::splat(rate2 - state2) * follow;
     filters.settle([first.lanes()[2], second.lanes()[2]]);
-    let [[alpha1, regressor1], [alpha2, regressor2]] = table.by_rate;
-    let object_velocity = V::splat(measured.y_object_dot);
-    let alpha =
-        object_velocity * V::splat(table.by_velocity[0]) + (first * V::splat(alpha1) + second * V::splat(alpha2));
-    let regressors = object_velocity * V::splat(table.by_velocity[1])
-        + (first * V::splat(regressor1) + second * V::splat(regressor2));
-    let [star_reach, star_step, star_common] = table.star;
-    let a = alpha.within(star_reach);
-    let b = (first * V::splat(table.by_own_rate[0])).within(star_reach);
-    let c = (second * V::splat(table.by_own_rate[1])).within(star_reach);
-    let norm2 = V::splat(still_norm2) + ((a * a + b * b) + c * c);
-    let common = (norm2 * V::splat(star_common)).larger(V::splat(-LARGEST));
-    let step = V::splat(star_step);
-    let [x1, x2, x3, _] = V::columns([a * step, b * step, c * step, common]);
+    let ([x1, x2, x3, _], regressors) = signals.moving(table, inputs, [first, second]);
 
     // (37).
-    let [decay, weight1, weight2] = table.star_weights;
+    let [decay, weight1, weight2, _] = learning.star_weights;
     let object_s = s.last();
     let least = table.least[HUBS];
     let [of_still, of_first, of_second] = powers([still, x1, x2]);
@@ -132,23 +88,38 @@ fn step<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
 
     // (38), (39), (56) and (57).
     let [regressor1, regressor2, regressor3, _] = regressors.lanes();
-    let tanh = tanh_of(s / V::load(&table.width));
+    let tanh = signals.tanh(table);
     let drive = s * tanh;
     let bounds = V::load(&[*hub1.bound, *hub2.bound, 0.0, *object.bound]);
-    let bounds = table.bounds.step(bounds, [drive, drive]);
+    let bounds = learning.bounds.step(bounds, [drive, drive]);
     let drives = [s * regressor.with_last(regressor1), s * regressor.with_last(regressor2)];
     let inertias = V::load(&[*hub1.inertia, *hub2.inertia, 0.0, *object.inertia]);
-    let inertias = table.inertias.step(inertias, drives);
+    let inertias = learning.inertias.step(inertias, drives);
     [*hub1.bound, *hub2.bound, _, *object.bound] = bounds.lanes();
     [*hub1.inertia, *hub2.inertia, _, *object.inertia] = inertias.lanes();
+    signals.commands(table, inputs, tanh, regressor3, [outputs, bounds, inertias])
+}
 
-    // (36) and (54).
-    let of_s = V::load(&table.switching) * s.within(table.limit) - V::load(&table.k) * s - error;
-    let of_inertias = inertias * regressor.with_last(regressor3);
-    let loads = V::pairs(measured.root_moment, [0.0, shear[1]]);
-    let with_loads = of_s - of_inertias.with_last(-shear[0]) + loads;
-    let [tau1, tau2, _, u] = (with_loads - outputs - bounds * tanh).lanes();
-    Commands { tau: [tau1, tau2], u: u - of_inertias.last() }
+/// Commands before a step.
+#[inline(always)]
+fn look<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
+    let State { hubs: [hub1, hub2], object, filters } = state;
+    let signals = Signals::<V>::of(table, inputs);
+    let [z1, z2, of_still] = powers(signals.exponents);
+    let of_grids: [V; HUBS] = std::array::from_fn(|hub| {
+        let w: &[_; GRID] = [&*hub1.weights, &*hub2.weights][hub];
+        grid_output(w, &table.grid_heights[hub], table.least[hub], [z1, z2][hub])
+    });
+    let ([x, ..], regressors) = signals.moving(table, inputs, filters.state().map(V::splat));
+    let [of_x] = powers([x]);
+    let still = still_output::<V>(object.weights, &table.star_heights[0], of_still);
+    let of_star = star_output(object.weights, &table.star_heights[1], table.least[HUBS], of_x, still);
+    let [a, b, c, d] = V::columns([of_grids[0], of_grids[1], V::splat(0.0), of_star]);
+    let outputs = (a + b) + (c + d);
+    let bounds = V::load(&[*hub1.bound, *hub2.bound, 0.0, *object.bound]);
+    let inertias = V::load(&[*hub1.inertia, *hub2.inertia, 0.0, *object.inertia]);
+    let regressor = regressors.lanes()[0];
+    signals.commands(table, inputs, signals.tanh(table), regressor, [outputs, bounds, inertias])
 }
 
 impl Nabfc {
@@ -157,17 +128,29 @@ impl Nabfc {
     pub(super) fn usual_step<V: Four>(&mut self, h: f64, inputs: &Inputs, rates: &Inputs) -> bool {
         let Self { keep, object, posture: [arm1, arm2], shear_rate, .. } = self;
         let Some(table) = keep.table(h) else { return false };
-        let is_usual = !(keep.knows_loops() && keep.seen.has_bits_of(inputs))
-            && shear_rate.state() != inputs.measured.tip_shear_dot
-            && rates.are_zeros()
-            && inputs.are_surely_usable::<V>();
-        if !is_usual {
+        if !(rates.are_zeros() && inputs.are_surely_usable::<V>()) {
             return false;
         }
         let learners = (arm1.estimator.learner(), arm2.estimator.learner(), object.estimator.learner());
         let (Some(hub1), Some(hub2), Some(object)) = learners else { return false };
-        let commands = step::<V>(table, State { hubs: [hub1, hub2], object, filters: shear_rate }, inputs);
+        let state = State { hubs: [hub1, hub2], object, filters: shear_rate };
+        let commands = step::<V>(table, state, inputs);
         keep.put(inputs, commands);
         true
+    }
+
+    /// The commands, if there is a table for usual steps.
+    #[inline(always)]
+    pub(super) fn usual_commands<V: Four>(&mut self, inputs: &Inputs) -> Option<Commands> {
+        let Self { keep, object, posture: [arm1, arm2], shear_rate, .. } = self;
+        let table = keep.any_table()?;
+        if !inputs.are_surely_usable::<V>() {
+            return None;
+        }
+        let hubs = [arm1.estimator.learner()?, arm2.estimator.learner()?];
+        let state = State { hubs, object: object.estimator.learner()?, filters: shear_rate };
+        let commands = look::<V>(table, state, inputs);
+        keep.put(inputs, commands);
+        Some(commands)
     }
 }

@@ -26,6 +26,18 @@ impl Leaky {
     }
 }
 
+/// How all that is learnt follows its forcings.
+#[derive(Debug, Clone, Copy)]
+#[repr(C)]
+pub(super) struct Learning {
+    /// Decay and two weights of the star's weights; the last number is none of them.
+    pub star_weights: Lanes,
+    /// The laws (38), (56).
+    pub bounds: Leaky,
+    /// The laws (39), (57).
+    pub inertias: Leaky,
+}
+
 /// Constants of the usual step. In vectors of four, lanes 0 and 1 are the hubs and the last one is the object; in those of a component of the
 /// star's last inputs lanes are points.
 ///
@@ -37,7 +49,8 @@ pub(super) struct Table {
     pub h: f64,
     /// Where exp(−‖x‖²/b²) of the grids and the star is not larger, every activation is negligible.
     pub least: [f64; 3],
-    /// Targets (16): θ₁ᵈ, θ₂ᵈ and `y_M`ᵈ per θ₁ᵈ and per λ₁ᵈ, and the rest.
+    /// Targets (16): θ₁ᵈ, θ₂ᵈ and `y_M`ᵈ per θ₁ᵈ and per λ₁ᵈ, on which θ₁ᵈ does not depend, and the rest. What is not there is −0, which changes
+    /// no sum.
     pub targets: [Lanes; 3],
     /// μ + c₃, μ̄ + c₁.
     pub slope: Lanes,
@@ -73,12 +86,8 @@ pub(super) struct Table {
     pub star_heights: [Heights; 2],
     /// Decay and weight of the grids' weights.
     pub grid_weights: [[f64; 2]; HUBS],
-    /// Decay and two weights of the star's.
-    pub star_weights: [f64; 3],
-    /// The laws (38), (56).
-    pub bounds: Leaky,
-    /// The laws (39), (57).
-    pub inertias: Leaky,
+    /// Where the low-pass moves, and where it rests: there the object's forcings are held, too, and their second weights are zero.
+    pub learning: [Learning; 2],
     /// −ξ, −η.
     pub switching: Lanes,
     /// k.
@@ -123,24 +132,39 @@ impl Table {
         let of_axes = |of: fn(&PlainAxis) -> f64| lanes([of(&grid1), of(&grid2)], of(&axis));
         let [by_velocity, by_rate1, by_rate2] = settings.moving();
         let of_hubs = estimators.map(Estimator::laws);
-        let of_object = object.estimator.laws();
-        let leaky = |hubs: [LeakyLaw; HUBS], object: LeakyLaw| {
-            let ([one, two], object) = (hubs.map(|law| law.held(h)), object.sampled(h));
-            let [first, second] = object.weights;
-            Leaky {
-                decay: lanes([one.decay, two.decay], object.decay),
-                weights: [lanes([one.weight, two.weight], first), lanes([0.0; 2], second)],
+        let learning = |rests: bool| {
+            let of_object = |law: LeakyLaw| {
+                if rests {
+                    let step = law.held(h);
+                    (step.decay, [step.weight, 0.0])
+                } else {
+                    let step = law.sampled(h);
+                    (step.decay, step.weights)
+                }
+            };
+            let leaky = |hubs: [LeakyLaw; HUBS], object: LeakyLaw| {
+                let ([one, two], (decay, [first, second])) = (hubs.map(|law| law.held(h)), of_object(object));
+                Leaky {
+                    decay: lanes([one.decay, two.decay], decay),
+                    weights: [lanes([one.weight, two.weight], first), lanes([0.0; 2], second)],
+                }
+            };
+            let laws = object.estimator.laws();
+            let (decay, [first, second]) = of_object(laws.weights);
+            Learning {
+                star_weights: [decay, first, second, 0.0],
+                bounds: leaky(of_hubs.map(|laws| laws.bound), laws.bound),
+                inertias: leaky(of_hubs.map(|laws| laws.inertia), laws.inertia),
             }
         };
-        let star_weights = of_object.weights.sampled(h);
         let [node1, node2, end] = law.shear_rate.follows([NODES[0] * h, NODES[1] * h, h]);
         Some(Self {
             h,
             least: [grid1.least, grid2.least, axis.least],
             targets: [
                 lanes([1.0; 2], law.arms.length),
-                lanes([0.0, slopes.theta2], slopes.y),
-                lanes([0.0; 2], 0.5 * law.arms.hub_distance),
+                lanes([1.0, slopes.theta2], slopes.y),
+                lanes([-0.0; 2], 0.5 * law.arms.hub_distance),
             ],
             slope: lanes(hubs.map(|hub| hub.gains.mu + hub.gains.c3), settings.gains.mu_bar + settings.gains.c1),
             width: [hub1.gains.epsilon2, hub2.gains.epsilon2, settings.gains.epsilon1, settings.gains.epsilon1],
@@ -159,9 +183,7 @@ impl Table {
             grid_heights: estimators.map(|estimator| estimator.network.heights(0)),
             star_heights: [star.heights(0), star.heights(1)],
             grid_weights: of_hubs.map(|laws| laws.weights.held(h)).map(|step| [step.decay, step.weight]),
-            star_weights: [star_weights.decay, star_weights.weights[0], star_weights.weights[1]],
-            bounds: leaky(of_hubs.map(|laws| laws.bound), of_object.bound),
-            inertias: leaky(of_hubs.map(|laws| laws.inertia), of_object.inertia),
+            learning: [false, true].map(learning),
             switching: lanes(hubs.map(|hub| -hub.gains.xi), -settings.gains.eta),
             k: lanes(hubs.map(|hub| hub.gains.k), settings.gains.k),
             limit: settings.sat_limit,

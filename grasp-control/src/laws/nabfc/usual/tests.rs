@@ -1,7 +1,7 @@
 //! The usual step gives what the general way gives, to the bit.
 
 use super::table::Table;
-use super::{State, step};
+use super::{State, look, step};
 use crate::blocks::four::{Four, Narrow, Portable};
 #[cfg(target_arch = "x86_64")]
 use crate::blocks::four::{Wide, has_wide_registers};
@@ -41,6 +41,12 @@ fn gains(gains: &Gains) -> Gains {
     gains
 }
 
+fn state(law: &mut Nabfc) -> State<'_> {
+    let Nabfc { object, posture: [arm1, arm2], shear_rate: filters, .. } = law;
+    let hubs = [arm1, arm2].map(|arm| arm.estimator.learner().unwrap());
+    State { hubs, object: object.estimator.learner().unwrap(), filters }
+}
+
 #[test]
 fn in_any_registers_it_gives_the_bits_of_the_general_way() {
     fn check<V: Four>(gains: &Gains) {
@@ -49,14 +55,20 @@ fn in_any_registers_it_gives_the_bits_of_the_general_way() {
         let mut general = law.clone();
         let table = Table::new(&law, H).expect("a usual step");
         for i in 1..200 {
-            let inputs = inputs(i);
-            let Nabfc { object, posture: [arm1, arm2], shear_rate: filters, .. } = &mut law;
-            let hubs = [arm1, arm2].map(|arm| arm.estimator.learner().unwrap());
-            let state = State { hubs, object: object.estimator.learner().unwrap(), filters };
-            let commands = step::<V>(&table, state, &inputs);
+            let mut inputs = inputs(i);
+            if i % 5 == 0 {
+                // The low-pass is in equilibrium.
+                inputs.measured.tip_shear_dot = law.shear_rate.state();
+            }
+            if i % 3 == 0 {
+                let commands = look::<V>(&table, state(&mut law), &inputs);
+                assert_eq!(bits(&commands), bits(&general.commands_here::<Narrow>(&inputs)), "before step {i}");
+            }
+            let commands = step::<V>(&table, state(&mut law), &inputs);
             general.step_here::<Narrow>(H, &inputs, &Inputs::HELD).unwrap();
-            assert_eq!(bits(&commands), bits(&general.commands(&inputs)), "step {i}");
-            assert_eq!(bits(&law.commands(&inputs)), bits(&commands), "asked again in step {i}");
+            let expected = bits(&general.commands_here::<Narrow>(&inputs));
+            assert_eq!(bits(&commands), expected, "step {i}");
+            assert_eq!(bits(&law.commands(&inputs)), expected, "asked again in step {i}");
         }
         assert_eq!(text(&law), text(&general));
     }
