@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow.parquet as pq
 import pytest
 
 from .support.contract import CONTROLLERS, PAPER
 from .support.harness import CoSimulation, Fmu, Result
 from .support.measures import FORCE, settling_time
 from .support.paths import ROOT
+from .support.scenario import read_csv
 from .support.tool import dualarm
 
 LIMITS_HALVED = {"k_M1": 1.1, "k_m1": -1.1, "k_M2": 0.16, "k_m2": -0.16}
@@ -113,7 +113,7 @@ def simulate(case: Case, controller: str, folder: Path) -> tuple[Result, float]:
     if case.known_stiffness != 1.0:
         settings |= {f"{controller}.EI{arm}": 0.115 * case.known_stiffness for arm in (1, 2)}
     stop = 12.0 if settings.get(f"{controller}.EI1") else STOPS[controller]  # where a force ends takes longer
-    output = folder / "run.parquet"
+    output = folder / "run.csv"
     flags = [flag for name, value in settings.items() for flag in ("--set", f"{name}={value!r}")]
     done = dualarm(
         *("simulate", "--controller", controller.removesuffix("Controller").lower(), "--stop", repr(stop)),
@@ -129,8 +129,7 @@ def simulate(case: Case, controller: str, folder: Path) -> tuple[Result, float]:
         *(*flags, "--quiet", "--json", "-o", str(output)),
     )
     assert done.returncode == 0, done.stderr
-    table = pq.read_table(output, columns=["time", *RECORD])
-    columns = {name: table[name].to_numpy() for name in table.column_names}
+    columns = read_csv(output, ["time", *RECORD])
     metrics = json.loads(done.stdout)["metrics"]
     times = [metrics[f"contact_force{arm}"]["settling_2"] for arm in (1, 2)]
     return Result(columns.pop("time"), columns), math.inf if None in times else max(times)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 from .slave import Port, Slave
 
@@ -25,13 +26,8 @@ def _slopes(slave: Slave, function_name: str, names: Sequence[str]) -> Port:
     size = len(names)
     orders = (ctypes.c_int * size)(*[1] * size)
     references = (ctypes.c_uint * size)(*_references(slave, names))
-    function = slave._function(function_name, _REFERENCE, ctypes.c_size_t, ctypes.POINTER(ctypes.c_int), _REAL)
-    return Port(
-        tuple(names),
-        lambda references, size, values: function(references, size, orders, values),
-        references,
-        (ctypes.c_double * size)(),
-    )
+    call = partial(slave.prepared, function_name, references, ctypes.c_size_t(size), orders)
+    return Port(tuple(names), call, (ctypes.c_double * size)())
 
 
 def directional_derivative(slave: Slave, outputs: Sequence[str], direction: Mapping[str, float]) -> list[float]:

@@ -17,6 +17,7 @@ component to the equally named input of another; initialisation exchanges them u
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -127,43 +128,50 @@ class CoSimulation:
         """
         self.initialize(stop)
         steps = round(stop / step)
-        decimal = Decimal(repr(step))  # communication points are decimal fractions: 0.0003, not 3 * 1e-4
+        # Communication points are decimal fractions: 0.0003, not 3 * 1e-4.
+        numerator, denominator = Decimal(repr(step)).as_integer_ratio()
         if abs(steps * step - stop) > 1e-9 * stop:
             raise ValueError(f"{stop} s is no multiple of {step} s")
         names, recorders = self._recorders(record)
         driven = self._drivers(drive)
+        now = ctypes.c_double()
+        calls, exchange = self._step(now, step), self._exchange()
         times, rows = [], []
         for i in range(steps + 1):
-            time = stop if i == steps else float(i * decimal)
+            time = stop if i == steps else i * numerator / denominator
             if drive is not None:
                 self._apply(driven, drive(time))
             recorded = i % every == 0 or i == steps
             if recorded or self.coupling == "jacobi":
-                self._exchange()
+                for call in exchange:
+                    call()
             if recorded:
                 times.append(time)
                 rows.append([value for port in recorders for value in port.read()])
             if i < steps:
-                self._step(time, step)
+                now.value = time
+                for call in calls:
+                    call()
         values = np.array(rows, dtype=float).reshape(len(rows), -1)
         return Result(np.array(times), {name: values[:, i] for i, name in enumerate(names)})
 
-    def _step(self, time: float, step: float) -> None:
-        if self.coupling == "jacobi":
-            for slave in self.slaves:
-                slave.step(time, step, 1)
-            return
+    def _step(self, now: ctypes.c_double, step: float) -> list[Callable[[], None]]:
+        """The calls of a step, in order: made once, they take a fifth of the time."""
+        calls = []
         for index, slave in enumerate(self.slaves):
-            self._hand_over(index)
-            slave.step(time, step, 1)
-            self._fetch(index)
+            do_step = slave.prepared("fmi2DoStep", now, ctypes.c_double(step), ctypes.c_int(1))
+            if self.coupling == "jacobi":
+                calls.append(do_step)
+                continue
+            calls += [wire.hand_over.write for wire in self.wires if wire.target == index]
+            calls.append(do_step)
+            calls += [wire.fetch.fetch for wire in self.wires if wire.source == index]
+        return calls
 
-    def _exchange(self) -> None:
-        """Brings all inputs up to the current communication point."""
-        if self.coupling == "jacobi":
-            self._fetch_all()
-        for index in range(len(self.slaves)):
-            self._hand_over(index)
+    def _exchange(self) -> list[Callable[[], None]]:
+        """The calls that bring all inputs up to the current communication point."""
+        fetched = [wire.fetch.fetch for wire in self.wires] if self.coupling == "jacobi" else []
+        return fetched + [wire.hand_over.write for wire in self.wires]
 
     def _fetch(self, source: int) -> None:
         for wire in self.wires:
