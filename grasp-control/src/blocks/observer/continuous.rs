@@ -69,16 +69,17 @@ impl Observer {
         Limit { most: known.limit, magnitude: self.disturbance.abs(), outward: free * self.disturbance.signum() }
     }
 
-    /// Whether the limit holds the disturbance, which is put back if it is beyond.
+    /// Whether the limit holds the disturbance, and by what it is to be multiplied: less than 1 puts back one that is beyond.
     #[inline]
+    #[must_use]
     pub(crate) fn decide(
-        &mut self,
+        &self,
         known: &Known,
         measured: Motion,
         force: f64,
         held: &mut bool,
         decision: &mut Decision,
-    ) {
-        self.disturbance *= self.limit(known, measured, force).decide(held, decision);
+    ) -> f64 {
+        self.limit(known, measured, force).decide(held, decision)
     }
 }

@@ -132,7 +132,8 @@ impl<L: Continuous> Continuous for Encoders<L> {
             for i in 0..3 {
                 let known = self.known(i);
                 let held = &mut regimes.disturbance[i];
-                self.observers[i].decide(&known, motions[i], forces[i], held, &mut decision);
+                let observer = &mut self.observers[i];
+                observer.disturbance *= observer.decide(&known, motions[i], forces[i], held, &mut decision);
             }
         }
         decision

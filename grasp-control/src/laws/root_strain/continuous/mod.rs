@@ -206,9 +206,8 @@ impl Continuous for RootStrain {
         } else {
             for (i, held) in regimes.disturbance.iter_mut().enumerate() {
                 let Sight { known, measured, .. } = now.sight[i];
-                let mut observer = self.observers.of(i);
-                observer.decide(&known, measured, forces[i], held, &mut decision);
-                self.observers.disturbance[i] = observer.disturbance;
+                let factor = self.observers.of(i).decide(&known, measured, forces[i], held, &mut decision);
+                self.observers.disturbance[i] *= factor;
             }
         }
         decision
