@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterator
 from typing import Any
 
@@ -71,9 +70,9 @@ def test_an_event_tells_of_its_jumps_until_it_ends(model: Model) -> None:
     x[[model.states.index(f"clearance{tip}_dot") for tip in (1, 2)]] = -0.1
     model.x = x
     model._enter_event_mode()  # pylint: disable=protected-access
-    model._new_discrete_states(ctypes.byref(model.info))  # pylint: disable=protected-access
+    model._new_discrete_states()  # pylint: disable=protected-access
     assert (model.info.again, model.info.states, model.info.nominals) == (1, 1, 0)
-    model._new_discrete_states(ctypes.byref(model.info))  # pylint: disable=protected-access
+    model._new_discrete_states()  # pylint: disable=protected-access
     assert (model.info.again, model.info.states, model.info.nominals) == (0, 1, 0)
     model.update(enter=False)
     # Nothing has happened since.

@@ -53,22 +53,24 @@ class Model(Slave):
         self._x, self._dx = np.zeros(self.size), np.zeros(self.size)
         self._z = np.zeros(self.indicator_count)
         array, count = DOUBLES, ctypes.c_size_t
+        states, indicators = count(self.size), count(self.indicator_count)
         self.set_time = self._function("fmi2SetTime", ctypes.c_double)
-        self._set_states = self._function("fmi2SetContinuousStates", array, count)
-        self._get_states = self._function("fmi2GetContinuousStates", array, count)
+        self._set_states = self.prepared("fmi2SetContinuousStates", _pointer(self._x), states)
+        self._get_states = self.prepared("fmi2GetContinuousStates", _pointer(self._x), states)
         self._get_nominals = self._function("fmi2GetNominalsOfContinuousStates", array, count)
-        self._get_derivatives = self._function("fmi2GetDerivatives", array, count)
-        self._get_indicators = self._function("fmi2GetEventIndicators", array, count)
+        self._get_derivatives = self.prepared("fmi2GetDerivatives", _pointer(self._dx), states)
+        self._get_indicators = self.prepared("fmi2GetEventIndicators", _pointer(self._z), indicators)
         self._enter_event_mode = self._function("fmi2EnterEventMode")
         self._enter_continuous_time_mode = self._function("fmi2EnterContinuousTimeMode")
-        self._new_discrete_states = self._function("fmi2NewDiscreteStates", ctypes.POINTER(EventInfo))
+        self.info = EventInfo()
+        self._new_discrete_states = self.prepared("fmi2NewDiscreteStates", ctypes.byref(self.info))
         self._derive = self._function(
             "fmi2GetDirectionalDerivative", REFERENCES, count, REFERENCES, count, array, array
         )
-        self._completed = self._function(
-            "fmi2CompletedIntegratorStep", ctypes.c_int, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_int)
+        self._event, self._end = ctypes.c_int(), ctypes.c_int()
+        self._completed = self.prepared(
+            "fmi2CompletedIntegratorStep", ctypes.c_int(1), ctypes.byref(self._event), ctypes.byref(self._end)
         )
-        self.info = EventInfo()
 
     def start(self, start_time: float = 0.0) -> None:
         """From instantiated to continuous-time mode."""
@@ -81,26 +83,25 @@ class Model(Slave):
             self._enter_event_mode()
         self.info.again = 1
         while self.info.again:
-            self._new_discrete_states(ctypes.byref(self.info))
+            self._new_discrete_states()
         self._enter_continuous_time_mode()
         return self.info
 
     def step_completed(self) -> tuple[bool, bool]:
         """Tells that a step is accepted; whether event mode is wanted, and the end."""
-        event, end = ctypes.c_int(), ctypes.c_int()
-        self._completed(1, ctypes.byref(event), ctypes.byref(end))
-        return bool(event.value), bool(end.value)
+        self._completed()
+        return bool(self._event.value), bool(self._end.value)
 
     @property
     def x(self) -> np.ndarray:
         """The continuous states."""
-        self._get_states(_pointer(self._x), self.size)
+        self._get_states()
         return self._x.copy()
 
     @x.setter
     def x(self, values: np.ndarray) -> None:
         self._x[:] = values
-        self._set_states(_pointer(self._x), self.size)
+        self._set_states()
 
     @property
     def nominals(self) -> np.ndarray:
@@ -112,12 +113,12 @@ class Model(Slave):
     def rates(self) -> np.ndarray:
         """Their time derivatives."""
         self.evaluations += 1
-        self._get_derivatives(_pointer(self._dx), self.size)
+        self._get_derivatives()
         return self._dx.copy()
 
     def indicators(self) -> np.ndarray:
         """The event indicators."""
-        self._get_indicators(_pointer(self._z), self.indicator_count)
+        self._get_indicators()
         return self._z.copy()
 
     def jacobian(self, unknowns: Sequence[str], knowns: Sequence[str]) -> np.ndarray:
@@ -145,6 +146,7 @@ class Grasp:
         self.measured, self.commands = measured, list(COMMANDS)
         self._measured, self._seen = plant.reader(measured), controller.writer(measured)
         self._commanded, self._received = controller.reader(self.commands), plant.writer(self.commands)
+        self._seen.values, self._received.values = self._measured.values, self._commanded.values
         self.split = plant.size
 
     def start(self) -> np.ndarray:
@@ -162,10 +164,8 @@ class Grasp:
     def exchange(self) -> None:
         """Measurements to the controller, commands back: the plant's measured outputs do not follow commands at once."""
         self._measured.fetch()
-        self._seen.values[:] = self._measured.values[:]
         self._seen.write()
         self._commanded.fetch()
-        self._received.values[:] = self._commanded.values[:]
         self._received.write()
 
     @property
