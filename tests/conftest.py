@@ -14,6 +14,7 @@ from .support.report import comparison, report  # noqa: F401 (fixtures)
 from .support.scenario import run  # noqa: F401 (a fixture)
 from .support.harness import CoSimulation, Fmu, Result
 from .support.paths import ROOT, fmu_path
+from .support.tool import verification  # noqa: F401 (a fixture)
 
 
 # Cargo sets it for what it starts, and the tool takes it for the place of the sources. Users start the tool themselves.

@@ -16,7 +16,6 @@ from .contract import COMMANDS, MEASURED
 from .slave import Fmu, FmuError, Message, Slave
 
 DOUBLES = ctypes.POINTER(ctypes.c_double)
-REFERENCES = ctypes.POINTER(ctypes.c_uint)
 DISCARD = 2
 
 
@@ -64,9 +63,7 @@ class Model(Slave):
         self._enter_continuous_time_mode = self._function("fmi2EnterContinuousTimeMode")
         self.info = EventInfo()
         self._new_discrete_states = self.prepared("fmi2NewDiscreteStates", ctypes.byref(self.info))
-        self._derive = self._function(
-            "fmi2GetDirectionalDerivative", REFERENCES, count, REFERENCES, count, array, array
-        )
+        self._jacobians: dict[tuple[tuple[str, ...], tuple[str, ...]], Any] = {}
         self._event, self._end = ctypes.c_int(), ctypes.c_int()
         self._completed = self.prepared(
             "fmi2CompletedIntegratorStep", ctypes.c_int(1), ctypes.byref(self._event), ctypes.byref(self._end)
@@ -123,14 +120,25 @@ class Model(Slave):
 
     def jacobian(self, unknowns: Sequence[str], knowns: Sequence[str]) -> np.ndarray:
         """Partial derivatives, a column for each known, by fmi2GetDirectionalDerivative."""
-        variables = self.fmu.variables
+        key = tuple(unknowns), tuple(knowns)
+        if key not in self._jacobians:
+            self._jacobians[key] = self._columns(*key)
+        matrix, calls = self._jacobians[key]
+        for call in calls:
+            call()
+        return matrix.T.copy()
+
+    def _columns(self, unknowns: tuple[str, ...], knowns: tuple[str, ...]) -> tuple[np.ndarray, list[Callable[[], None]]]:
+        """A matrix, and the calls that fill its rows with the derivatives by one of the knowns each."""
+        variables, count = self.fmu.variables, ctypes.c_size_t
         rows = (ctypes.c_uint * len(unknowns))(*(variables[name].valueReference for name in unknowns))
         matrix = np.zeros((len(knowns), len(unknowns)))
-        seed = (ctypes.c_double * 1)(1.0)
-        for name, column in zip(knowns, matrix):
-            known = (ctypes.c_uint * 1)(variables[name].valueReference)
-            self._derive(rows, len(unknowns), known, 1, seed, _pointer(column))
-        return matrix.T
+        calls = []
+        for name, row in zip(knowns, matrix):
+            known, seed = (ctypes.c_uint * 1)(variables[name].valueReference), (ctypes.c_double * 1)(1.0)
+            arguments = (rows, count(len(unknowns)), known, count(1), seed, _pointer(row))
+            calls.append(self.prepared("fmi2GetDirectionalDerivative", *arguments))
+        return matrix, calls
 
 
 def _pointer(array: np.ndarray) -> Any:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from .paths import ROOT, TARGET
+from .once import once
+from .paths import DIST, ROOT, TARGET
 
 
 def tool() -> Path:
@@ -17,6 +18,18 @@ def tool() -> Path:
     if not path.is_file():
         pytest.fail("the command line tool is not built: run `cargo build --release`", pytrace=False)
     return path
+
+
+@pytest.fixture(scope="session")
+def verification(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with all that `dualarm verify` writes, and what it prints with `--json`, in `printed.json`."""
+
+    def verify(folder: Path) -> None:
+        done = dualarm("verify", "--no-package", "--fmus", str(DIST), "--out", str(folder), "--json")
+        assert done.returncode == 0, done.stderr
+        (folder / "printed.json").write_text(done.stdout, encoding="utf-8")
+
+    return once(tmp_path_factory, "verification", verify)
 
 
 def dualarm(*arguments: str, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
