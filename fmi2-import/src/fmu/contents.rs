@@ -1,6 +1,7 @@
 //! The parts of its archive that an FMU needs: a description, and a library for this platform.
 
 use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -47,8 +48,8 @@ static GUESTS: AtomicU64 = AtomicU64::new(0);
 
 /// From now on, libraries that are alone are unpacked to this folder. The first call counts.
 pub(super) fn share(folder: PathBuf) {
-    // Whoever comes second has lost nothing.
-    let _ = SHARED.set(folder);
+    // An FMU may change the current folder. Whoever comes second has lost nothing.
+    let _ = SHARED.set(std::path::absolute(&folder).unwrap_or(folder));
 }
 
 /// Where the files of an FMU are unpacked. They are removed with it.
@@ -88,7 +89,7 @@ impl Unpacked {
         match self {
             Self::Folders(folder) => folder.path().join(RESOURCES),
             Self::Alone(folder) => folder.path().to_owned(),
-            Self::Guest(Guest(library)) => library.parent().unwrap_or(library).to_owned(),
+            Self::Guest(Guest(library)) => library.with_file_name(RESOURCES),
         }
     }
 }
@@ -99,6 +100,14 @@ fn name(entry: &str) -> &str {
 }
 
 const RESOURCES: &str = "resources";
+
+/// Whether there is an empty folder for guests to take for their resources: libraries and other files are not within their reach.
+fn no_resources(shared: &Path) -> bool {
+    match fs::create_dir(shared.join(RESOURCES)) {
+        Ok(()) => true,
+        Err(error) => error.kind() == io::ErrorKind::AlreadyExists,
+    }
+}
 
 /// Unpacks all files for this platform, and the resources, to a temporary folder. A library that is alone is put into this
 /// folder itself, or into that which libraries share: to remove a folder takes some systems longer than to remove a library.
@@ -120,7 +129,7 @@ pub(super) fn unpacked(path: &Path, archive: &mut Archive) -> Result<Unpacked, F
         let number = GUESTS.fetch_add(1, Ordering::Relaxed);
         let library = shared.join(format!("{number}-{}", name(only)));
         // If that cannot be, it gets a folder of its own, or that says why not.
-        if let Ok(mut file) = File::create_new(&library) {
+        if let (true, Ok(mut file)) = (no_resources(shared), File::create_new(&library)) {
             let guest = Guest(library);
             archive.unpack_into(only, &mut file).map_err(refused)?;
             return Ok(Unpacked::Guest(guest));

@@ -165,7 +165,8 @@ impl Fmu {
 
     /// From now on, FMUs that are nothing but a library, as most are on one platform, are unpacked to this folder of the caller's, and not
     /// each to a temporary one: folders take some systems long to make and to remove. No other user should be able to write to it. Each
-    /// library is removed with its last user. The first call counts.
+    /// library is removed with its last user. An empty folder `resources`, which all of them are told to be theirs, stays. The first call
+    /// counts.
     pub fn share_folder(folder: impl Into<PathBuf>) {
         share(folder.into());
     }
