@@ -3,11 +3,13 @@
 //! A text that has anything else, or any fault, is left to the general parser, which reads it or says what is wrong and where. So
 //! this one may give up whenever something is rare; but what it reads, it reads as the general parser does (tested).
 
-use crate::xml::Element;
+mod reader;
 
-/// Elements inside each other, and attributes of one element. Both are well below what the general parser allows.
+use crate::xml::Element;
+use reader::Reader;
+
+/// Elements inside each other, well below what the general parser allows.
 const MAX_DEPTH: usize = 64;
-const MAX_ATTRIBUTES: usize = 64;
 /// Elements of a document, well below what the general parser allows.
 const MAX_ELEMENTS: usize = 1_000_000;
 
@@ -18,7 +20,7 @@ pub(crate) struct Tree<'a> {
     /// In the order of their beginnings.
     entries: Vec<Entry>,
     attributes: Vec<Attribute>,
-    /// Values that are not in the text as they are, one behind the other.
+    /// Values that are not in the text as they are, one behind the other. Their places are counted as if they stood behind the text.
     resolved: String,
 }
 
@@ -32,10 +34,32 @@ struct Entry {
 }
 
 struct Attribute {
-    name: Span,
+    /// Where its name begins in the text.
+    name: u32,
+    mark: Mark,
     value: Span,
-    /// Whether the value is in [`Tree::resolved`] and not in the text.
-    is_resolved: bool,
+}
+
+impl Attribute {
+    /// Whether this is its name, which has this mark.
+    #[inline]
+    fn is(&self, text: &str, mark: Mark, name: &[u8]) -> bool {
+        let begin = self.name as usize;
+        self.mark == mark && text.as_bytes()[begin..begin + name.len()] == *name
+    }
+}
+
+/// The length of a name, and three bytes of it: names that differ mostly differ in this, which is compared at once.
+#[derive(Clone, Copy, PartialEq)]
+struct Mark([u8; 4]);
+
+impl Mark {
+    /// None if the name has no byte, or too many.
+    #[inline]
+    fn of(name: &[u8]) -> Option<Self> {
+        let (first, last) = (name.first()?, name.last()?);
+        Some(Self([u8::try_from(name.len()).ok()?, *first, name[name.len() / 2], *last]))
+    }
 }
 
 /// A part of a text, in bytes.
@@ -50,8 +74,8 @@ impl Span {
         &text[self.begin as usize..self.end as usize]
     }
 
-    fn is(self, text: &str, word: &str) -> bool {
-        text.as_bytes()[self.begin as usize..self.end as usize] == *word.as_bytes()
+    fn bytes(self, text: &str) -> &[u8] {
+        &text.as_bytes()[self.begin as usize..self.end as usize]
     }
 }
 
@@ -65,8 +89,8 @@ pub(crate) struct TreeElement<'a> {
 impl<'a> Tree<'a> {
     /// Reads a text; `None` if that is a matter of the general parser.
     pub fn of(text: &'a str) -> Option<Self> {
-        // Places in it, and in what is made of it, are numbers of 32 bits; each entity is shorter than its text.
-        u32::try_from(text.len()).ok()?;
+        // Places in it, and behind it in what is made of it, are numbers of 32 bits; each entity is shorter than its text.
+        u32::try_from(text.len().checked_mul(2)?).ok()?;
         let mut reader = Reader { text, at: 0 };
         // As many as a description of our own has in a text of this length, and a little more.
         let (entries, attributes) = (Vec::with_capacity(text.len() / 120), Vec::with_capacity(text.len() / 40));
@@ -123,8 +147,11 @@ impl<'a> Element<'a> for TreeElement<'a> {
         let Tree { text, entries, attributes, resolved } = self.tree;
         let begin = self.index.checked_sub(1).map_or(0, |before| entries[before].attributes);
         let mut attributes = attributes[begin as usize..entries[self.index].attributes as usize].iter();
-        let found = attributes.find(|attribute| attribute.name.is(text, name))?;
-        Some(found.value.of(if found.is_resolved { resolved } else { text }))
+        let mark = Mark::of(name.as_bytes())?;
+        let Span { begin, end } = attributes.find(|attribute| attribute.is(text, mark, name.as_bytes()))?.value;
+        let (begin, end) = (begin as usize, end as usize);
+        let behind = begin.checked_sub(text.len());
+        Some(behind.map_or_else(|| &text[begin..end], |behind| &resolved[behind..end - text.len()]))
     }
 
     fn children(self) -> impl Iterator<Item = Self> {
@@ -141,156 +168,6 @@ impl<'a> Element<'a> for TreeElement<'a> {
         let before = &self.tree.text[..self.tree.entries[self.index].name.begin as usize];
         number(before.matches('\n').count() + 1)
     }
-}
-
-struct Reader<'a> {
-    text: &'a str,
-    at: usize,
-}
-
-impl Reader<'_> {
-    /// Goes on behind this text, if it is next.
-    #[inline]
-    fn skip(&mut self, expected: &str) -> bool {
-        let is_next = self.text.as_bytes()[self.at..].starts_with(expected.as_bytes());
-        self.at += if is_next { expected.len() } else { 0 };
-        is_next
-    }
-
-    /// Goes on behind all bytes that have this bit in [`KINDS`].
-    #[inline]
-    fn skip_all(&mut self, kind: u8) {
-        let rest = &self.text.as_bytes()[self.at..];
-        self.at += rest.iter().position(|byte| KINDS[usize::from(*byte)] & kind == 0).unwrap_or(rest.len());
-    }
-
-    fn blanks(&mut self) {
-        self.skip_all(BLANK);
-    }
-
-    /// The part of the text from `begin` to here.
-    fn span(&self, begin: usize) -> Span {
-        Span { begin: number(begin), end: number(self.at) }
-    }
-
-    /// The usual first line, if there is one.
-    fn declaration(&mut self) -> Option<()> {
-        if self.skip("<?") {
-            let usual = [r#"xml version="1.0" encoding="UTF-8"?>"#, r#"xml version="1.0" encoding="utf-8"?>"#];
-            return usual.iter().any(|usual| self.skip(usual)).then_some(());
-        }
-        Some(())
-    }
-
-    /// The rest of a comment.
-    fn comment(&mut self) -> Option<()> {
-        let length = self.text[self.at..].find("--")?;
-        let comment = &self.text[self.at..self.at + length];
-        let is_usual = |byte: u8| matches!(byte, b'\t' | b'\n' | b'\r' | b' '..=b'~');
-        self.at += length + 2;
-        (comment.bytes().all(is_usual) && self.skip(">")).then_some(())
-    }
-
-    /// A name without a namespace.
-    fn name(&mut self) -> Option<Span> {
-        let begin = self.at;
-        self.skip_all(NAME);
-        let name = &self.text.as_bytes()[begin..self.at];
-        let can_begin = name.first().is_some_and(|first| first.is_ascii_alphabetic() || *first == b'_');
-        (can_begin && name != b"xmlns").then(|| self.span(begin))
-    }
-
-    /// The attributes of an element, and the end of its tag. Whether it is the end of the element, too.
-    fn attributes(&mut self, attributes: &mut Vec<Attribute>, resolved: &mut String) -> Option<bool> {
-        let begin = attributes.len();
-        loop {
-            let before = self.at;
-            self.blanks();
-            if self.skip(">") {
-                return Some(false);
-            }
-            if self.skip("/>") {
-                return Some(true);
-            }
-            if self.at == before || attributes.len() - begin == MAX_ATTRIBUTES {
-                return None;
-            }
-            let name = self.name()?;
-            let word = name.of(self.text);
-            if !self.skip("=\"") || attributes[begin..].iter().any(|known| known.name.is(self.text, word)) {
-                return None;
-            }
-            let (value, is_resolved) = self.value(resolved)?;
-            attributes.push(Attribute { name, value, is_resolved });
-        }
-    }
-
-    /// The rest of an attribute's value. Whether it is in the text with `resolved` entities.
-    fn value(&mut self, resolved: &mut String) -> Option<(Span, bool)> {
-        let begin = self.at;
-        let mut has_entities = false;
-        loop {
-            self.skip_all(VALUE);
-            match self.text.as_bytes().get(self.at)? {
-                b'"' => break,
-                b'&' => has_entities = true,
-                // Blanks other than spaces become spaces; nothing else of this is allowed.
-                _ => return None,
-            }
-            self.at += 1;
-        }
-        let span = self.span(begin);
-        let value = span.of(self.text);
-        self.at += 1;
-        if !value.is_ascii() && value.contains(['\u{fffe}', '\u{ffff}']) {
-            return None;
-        }
-        if has_entities {
-            let begin = resolved.len();
-            resolve(value, resolved)?;
-            return Some((Span { begin: number(begin), end: number(resolved.len()) }, true));
-        }
-        Some((span, false))
-    }
-}
-
-/// What a byte can be part of: blanks between attributes and elements, a name, the plain text of an attribute's value.
-const KINDS: [u8; 256] = {
-    let mut kinds = [0; 256];
-    let mut byte = 0_u8;
-    loop {
-        let kind = &mut kinds[byte as usize];
-        if matches!(byte, b' ' | b'\n' | b'\t' | b'\r') {
-            *kind |= BLANK;
-        }
-        if byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'.') {
-            *kind |= NAME;
-        }
-        if byte >= b' ' && !matches!(byte, b'"' | b'&' | b'<') {
-            *kind |= VALUE;
-        }
-        match byte.checked_add(1) {
-            Some(next) => byte = next,
-            None => break kinds,
-        }
-    }
-};
-const BLANK: u8 = 1;
-const NAME: u8 = 2;
-const VALUE: u8 = 4;
-
-/// Appends the value with characters in place of XML's own entities.
-fn resolve(value: &str, text: &mut String) -> Option<()> {
-    const ENTITIES: [(&str, char); 5] = [("amp;", '&'), ("lt;", '<'), ("gt;", '>'), ("quot;", '"'), ("apos;", '\'')];
-    let mut pieces = value.split('&');
-    text.push_str(pieces.next()?);
-    for piece in pieces {
-        let (rest, character) =
-            ENTITIES.iter().find_map(|(name, character)| Some((piece.strip_prefix(name)?, *character)))?;
-        text.push(character);
-        text.push_str(rest);
-    }
-    Some(())
 }
 
 #[cfg(test)]

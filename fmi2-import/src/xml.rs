@@ -133,7 +133,15 @@ pub fn needed<'a, T: Number>(node: impl Element<'a>, attribute: &str) -> Result<
 }
 
 fn parsed<'a, T: Number>(node: impl Element<'a>, attribute: &str, value: &str) -> Result<T> {
-    value.trim().parse().map_err(|_| wrong(node, attribute, value, T::EXPECTED))
+    trimmed(value).parse().map_err(|_| wrong(node, attribute, value, T::EXPECTED))
+}
+
+/// The text without blanks around it, which it hardly ever has.
+fn trimmed(text: &str) -> &str {
+    match text.as_bytes() {
+        [first, .., last] if first.is_ascii_graphic() && last.is_ascii_graphic() => text,
+        _ => text.trim(),
+    }
 }
 
 /// An optional attribute with one of several words, which `parse` recognises.
@@ -146,7 +154,7 @@ pub fn choice<'a, T>(
     expected: &'static str,
     parse: impl FnOnce(&str) -> Option<T>,
 ) -> Result<Option<T>> {
-    let choose = |value: &str| parse(value.trim()).ok_or_else(|| wrong(node, attribute, value, expected));
+    let choose = |value: &str| parse(trimmed(value)).ok_or_else(|| wrong(node, attribute, value, expected));
     node.attribute(attribute).map(choose).transpose()
 }
 

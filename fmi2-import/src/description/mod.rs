@@ -1,12 +1,13 @@
 //! `modelDescription.xml`: the description of an FMU (FMI 2.0.x, section 2.2).
 
+mod by_name;
 mod error;
 mod parse;
 mod variable;
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
+use by_name::ByName;
 pub use error::DescriptionError;
 pub use variable::{BaseType, Causality, Initial, Item, RealAttributes, Variability, Variable, VariableType};
 
@@ -53,7 +54,7 @@ pub struct ModelDescription {
     pub variables: Vec<Variable>,
     /// The outputs, derivatives and initial unknowns, and their dependencies.
     pub structure: ModelStructure,
-    by_name: HashMap<String, usize>,
+    by_name: ByName,
 }
 
 /// The attributes of `<BaseUnit>`, in the order of [`Unit::exponents`].
@@ -182,7 +183,7 @@ impl ModelDescription {
     /// The index (from 0) of the variable of that name.
     #[must_use]
     pub fn index_of(&self, name: &str) -> Option<usize> {
-        self.by_name.get(name).copied()
+        self.by_name.index_of(name, &self.variables)
     }
 
     /// All variables of one causality, in the order of the file.

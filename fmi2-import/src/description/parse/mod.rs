@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::{
-    BASE_UNITS, CoSimulation, DefaultExperiment, DescriptionError, DisplayUnit, ModelDescription, ModelStructure,
-    Naming, Unit, Unknown,
+    BASE_UNITS, ByName, CoSimulation, DefaultExperiment, DescriptionError, DisplayUnit, ModelDescription,
+    ModelStructure, Naming, Unit, Unknown,
 };
 use crate::document;
 use crate::tree::Tree;
@@ -61,13 +61,8 @@ impl ModelDescription {
         for node in nodes() {
             variables.push(variable(node, known_types)?);
         }
-        let mut by_name = HashMap::with_capacity(variables.len());
-        for (index, variable) in variables.iter().enumerate() {
-            if by_name.insert(variable.name.clone(), index).is_some() {
-                return Err(DescriptionError::Duplicate(variable.name.clone()));
-            }
-        }
-
+        let by_name =
+            ByName::of(&variables).map_err(|again| DescriptionError::Duplicate(variables[again].name.clone()))?;
         let count = variables.len();
         Ok(Self {
             fmi_version,

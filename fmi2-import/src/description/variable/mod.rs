@@ -24,7 +24,10 @@ macro_rules! named {
             /// The one of this name in XML.
             #[must_use]
             pub fn from_name(name: &str) -> Option<Self> {
-                Self::ALL.iter().copied().find(|each| each.name() == name)
+                match name {
+                    $($name => Some(Self::$variant),)*
+                    _ => None,
+                }
             }
         }
     };
