@@ -41,7 +41,14 @@ pub fn one_line(text: &str) -> Cow<'_, str> {
 }
 
 fn escaped(text: &str, is_replaced: impl Fn(char) -> bool) -> Cow<'_, str> {
-    if !text.contains(&is_replaced) {
+    // To look at a letter takes a while, and the lines in tables are hundreds of the same.
+    let mut known = ' ';
+    let is_kept = |character| {
+        let is_kept = character == known || !is_replaced(character);
+        known = character;
+        is_kept
+    };
+    if text.chars().all(is_kept) {
         return text.into();
     }
     let mut result = String::with_capacity(text.len());

@@ -215,6 +215,12 @@ impl Fmu {
         &self.unpacked.description
     }
 
+    /// The same, for callers that keep it longer than the FMU.
+    #[must_use]
+    pub fn shared_description(&self) -> Arc<ModelDescription> {
+        Arc::clone(&self.unpacked.description)
+    }
+
     /// The file it was opened from.
     #[must_use]
     pub fn path(&self) -> &Path {

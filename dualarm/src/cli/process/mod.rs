@@ -5,6 +5,8 @@
 //! does to its process, the first process can report it, remove unfinished files and return an exit code.
 
 #[cfg(unix)]
+mod aside;
+#[cfg(unix)]
 mod supervisor;
 #[cfg(unix)]
 mod worker;
@@ -125,18 +127,17 @@ static LOOK_AT_STANDARD_OUTPUT: extern "C" fn() = {
 };
 
 /// Does work in which FMUs may hang for ever. After `limit` the process ends with exit code 1 and a message.
-pub fn within<T>(limit: Duration, complaint: &str, work: impl FnOnce() -> T) -> T {
+pub fn within<T>(limit: Duration, complaint: String, work: impl FnOnce() -> T) -> T {
     let (is_done, wait) = mpsc::channel::<()>();
-    thread::scope(|scope| {
-        scope.spawn(move || {
-            if wait.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
-                end(complaint);
-            }
-        });
-        let result = work();
-        drop(is_done);
-        result
-    })
+    // When the work is done it ends by itself: nobody waits until it has a processor once more.
+    thread::spawn(move || {
+        if wait.recv_timeout(limit) == Err(RecvTimeoutError::Timeout) {
+            end(&complaint);
+        }
+    });
+    let result = work();
+    drop(is_done);
+    result
 }
 
 /// Ends the process at once, without the destructors of loaded code.

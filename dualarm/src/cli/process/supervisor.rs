@@ -19,7 +19,7 @@ use libc::{SIGCHLD, SIGHUP, SIGINT, SIGKILL, SIGQUIT, SIGTERM, c_int, pid_t};
 use signal_hook::flag;
 use signal_hook::low_level::{emulate_default_handler, pipe};
 
-use super::{TIME_TO_END, journal, worker};
+use super::{TIME_TO_END, aside, journal, worker};
 use crate::cli::print_error;
 
 /// An interrupted process that is still there after this time does not heed interrupts.
@@ -48,7 +48,10 @@ pub fn run(work: impl FnOnce() -> u8) -> u8 {
             }
             std::process::exit(code.into())
         }
-        worker => watch(worker, &outcome),
+        worker => {
+            aside::step();
+            watch(worker, &outcome)
+        }
     }
 }
 

@@ -153,8 +153,10 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     system.overrides.clone_from(&arguments.settings);
     let components = || system.components.iter().map(|(name, fmu)| (name.as_str(), fmu));
     check_steps(components().map(|(name, fmu)| (name, fmu.description())), &run.grid)?;
-    // Their files are removed in the end, which is no matter of the FMUs.
+    // Their files are removed in the end, which is no matter of the FMUs. Thousands of names and texts are not: the memory of a process that
+    // ends is given back as a whole.
     let files: Vec<_> = components().map(|(_, fmu)| fmu.files()).collect();
+    components().for_each(|(_, fmu)| std::mem::forget(fmu.shared_description()));
     let mut master = system.master(run.coupling)?;
     let result = simulate(arguments, quiet, &system, &run, &mut master);
 
@@ -164,7 +166,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
         Ok(()) => format!("{} did not end within {TIME_TO_END:?}; the results are complete", names.join(" or ")),
         Err(failure) => failure.message.clone(),
     };
-    let ended = process::within(TIME_TO_END, &complaint, move || {
+    let ended = process::within(TIME_TO_END, complaint, move || {
         let log = if result.is_ok() { master.finish() } else { Ok(Vec::new()) };
         drop(system);
         result.map(|()| log)
