@@ -1,10 +1,7 @@
 //! Laws as differential equations: exact products of their Jacobians, and what the sampled laws say of the same rates.
 
-mod common;
-mod continuous;
-
-use common::grasp_inputs;
-use continuous::{Case, cases, networks, reach, smooth};
+use crate::common::grasp_inputs;
+use crate::continuous::{Case, cases, networks, reach, smooth};
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::continuous::{Continuous, Direction, Regimes, nabfc_state_variables};
 use grasp_control::laws::encoders::{Actuation, Encoders};

@@ -1,9 +1,7 @@
 //! The sampled laws tend to the laws as differential equations; and those to solutions by other means.
 
-mod continuous;
-
-use continuous::integrator::{System, integrate};
-use continuous::{Loop, cases, paper, pd, pds, root_strain, share};
+use crate::continuous::integrator::{System, integrate};
+use crate::continuous::{self, Loop, cases, paper, pd, pds, root_strain, share};
 use grasp_control::References;
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::continuous::LAYER;

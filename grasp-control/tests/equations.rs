@@ -2,9 +2,7 @@
 
 #![allow(clippy::float_cmp)]
 
-mod common;
-
-use common::{Paper, grasp_inputs, lively, unequal_arms};
+use crate::common::{Paper, grasp_inputs, lively, unequal_arms};
 use grasp_control::Arms;
 use grasp_control::Law;
 use grasp_control::laws::nabfc::Gains;

@@ -2,9 +2,7 @@
 
 #![allow(clippy::float_cmp)]
 
-mod common;
-
-use common::{grasp_inputs, lively, unequal_arms};
+use crate::common::{grasp_inputs, lively, unequal_arms};
 use grasp_control::Arms;
 use grasp_control::Parameter;
 use grasp_control::laws::nabfc::{Gains, Nabfc, ObjectGains, PostureGains, RbfLayout};

@@ -2,9 +2,7 @@
 
 #![allow(clippy::float_cmp)]
 
-mod common;
-
-use common::{grasp_inputs, lively, unequal_arms};
+use crate::common::{grasp_inputs, lively, unequal_arms};
 use grasp_control::blocks::observer::RateSource;
 use grasp_control::laws::encoders::{Actuation, Encoders};
 use grasp_control::laws::nabfc::{Nabfc, RbfLayout};

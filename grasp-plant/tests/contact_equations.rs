@@ -3,12 +3,9 @@
 
 #![allow(clippy::doc_markdown)]
 
-mod equations;
-mod integrator;
-
-use equations::{derivatives, flat, outputs, states};
+use crate::equations::{derivatives, flat, outputs, states};
+use crate::integrator::{System, integrate};
 use grasp_plant::{ContactModel, ContactState, Face, Inputs, Parameters, Plant, Start, StateError};
-use integrator::{System, integrate};
 
 const MODELS: [ContactModel; 2] = [ContactModel::Unilateral, ContactModel::Compliant];
 const INPUTS: Inputs = Inputs {

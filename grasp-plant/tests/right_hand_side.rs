@@ -2,12 +2,9 @@
 
 #![allow(clippy::doc_markdown)]
 
-mod equations;
-mod integrator;
-
-use equations::{derivatives, flat, outputs, states};
+use crate::equations::{derivatives, flat, outputs, states};
+use crate::integrator::{System, integrate};
 use grasp_plant::{ActuatorModel, Arm, Inputs, Parameters, Plant, Start, StateError};
-use integrator::{System, integrate};
 use proptest::prelude::*;
 
 /// Every branch of the set-up: damped and skew, equal and unequal arms, every actuator.

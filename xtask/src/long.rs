@@ -6,8 +6,9 @@ use crate::packaging;
 use crate::steps::{Outcome, run_together};
 use crate::tree::Tree;
 
-/// Test file, and a part of the name of the tests that are meant (all that are ignored otherwise).
-const TESTS: [(&str, &str); 3] = [("random_calls", "all_calls_under_valgrind"), ("loading", ""), ("conservation", "")];
+/// Test program, and a part of the name of the tests that are meant (all that are ignored otherwise).
+const TESTS: [(&str, &str); 3] =
+    [("random_calls", "all_calls_under_valgrind"), ("loading", ""), ("plant", "ten_million_steps")];
 
 /// Random calls to each of six libraries under valgrind, where they take up to fifty times as long. Among the Rust tests are ten
 /// times as many.

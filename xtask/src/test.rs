@@ -116,6 +116,32 @@ mod tests {
         entries.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
     }
 
+    /// Where the files of `tests/` are one program, cargo would not say that it leaves one of them out.
+    #[test]
+    fn no_test_file_is_left_out() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let mut looked_at = 0;
+        for folder in fs::read_dir(root).unwrap().map(|entry| entry.unwrap().path()) {
+            let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap_or_default();
+            if !manifest.lines().any(|line| line == "autotests = false") {
+                continue;
+            }
+            let tests = folder.join("tests");
+            let modules = fs::read_to_string(tests.join("main.rs")).unwrap();
+            for entry in fs::read_dir(&tests).unwrap().map(|entry| entry.unwrap().path()) {
+                let name = entry.file_stem().unwrap().to_str().unwrap();
+                let has_tests = |file: &PathBuf| fs::read_to_string(file).is_ok_and(|text| text.contains("#[test]"));
+                if name != "main" && (entry.is_file() || sources(&entry).iter().any(has_tests)) {
+                    let is_there = modules.lines().any(|line| line == format!("mod {name};"))
+                        || manifest.contains(&format!("path = \"tests/{name}"));
+                    assert!(is_there, "{} is no part of a program", entry.display());
+                    looked_at += 1;
+                }
+            }
+        }
+        assert!(looked_at > 10, "{looked_at}");
+    }
+
     /// What is not compiled for tests has none: with `test = false`, cargo would not say that it leaves them out.
     #[test]
     fn no_test_is_left_out() {
