@@ -103,6 +103,8 @@ pub trait Number:
     fn sqrt(self) -> Self;
     /// Whether it is certainly above zero.
     fn is_positive(self) -> bool;
+    /// Whether a multiple of it need not be added to anything. Of intervals each is: a product with zero is rounded outwards, too.
+    fn vanishes(self) -> bool;
 }
 
 impl Number for f64 {
@@ -114,6 +116,9 @@ impl Number for f64 {
     }
     fn is_positive(self) -> bool {
         self > 0.0
+    }
+    fn vanishes(self) -> bool {
+        self == 0.0
     }
 }
 
@@ -127,6 +132,9 @@ impl Number for Interval {
     }
     fn is_positive(self) -> bool {
         self.lo > 0.0
+    }
+    fn vanishes(self) -> bool {
+        false
     }
 }
 

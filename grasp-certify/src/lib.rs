@@ -11,6 +11,7 @@
 //! * [`realisation`]: eigenvalues of any stepped linear system from its pulse responses.
 //!
 //! Everything except [`sampled`] is in continuous time and about the undiscretised beams.
+#![forbid(unsafe_code)]
 // Formulas are written with the paper's letters, not as code.
 #![allow(clippy::doc_markdown)]
 

@@ -67,11 +67,16 @@ fn combine<N: Number>(parts: &[(N, Row<N>)]) -> Row<N> {
     sum
 }
 
-/// Adds factor · a · b as a symmetric matrix. The rows of one end are zero elsewhere.
+/// Adds factor · a · b as a symmetric matrix. The rows of one end are zero elsewhere, which a search need not visit.
 fn add<N: Number>(matrix: &mut Matrix<N>, factor: N, a: &Row<N>, b: &Row<N>) {
     let half = factor * N::exact(0.5);
+    let (mut used, mut count) = ([0; SIZE], 0);
     for i in 0..SIZE {
-        for j in 0..=i {
+        used[count] = i;
+        count += usize::from(!(a[i].vanishes() && b[i].vanishes()));
+    }
+    for (row, &i) in used[..count].iter().enumerate() {
+        for &j in &used[..=row] {
             matrix[i][j] = matrix[i][j] + half * (a[i] * b[j] + a[j] * b[i]);
         }
     }
