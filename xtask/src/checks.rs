@@ -1,15 +1,19 @@
 //! Checks that read the code and do not run it.
 
+use std::path::Path;
 use std::process::Command;
 use std::thread::{self, JoinHandle};
 
 use crate::python;
 use crate::steps::{Outcome, Runner, run};
-use crate::tree::Tree;
+use crate::tree::{Tree, cargo};
 
 pub const FORMATTING: &str = "Formatting";
 pub const LINTS: &str = "Lints";
 pub const DOCUMENTATION: &str = "Documentation";
+
+/// What the lints' compiler is told.
+const DENIED: [&str; 2] = ["-D", "warnings"];
 
 /// How many steps [`add`] adds.
 pub const COUNT: usize = 4;
@@ -47,14 +51,21 @@ pub fn formatting(tree: &Tree) -> Outcome {
 
 /// `cargo clippy`.
 pub fn lints(tree: &Tree) -> Outcome {
-    let arguments = ["--release", "--workspace", "--all-features", "--all-targets", "--", "-D", "warnings"];
-    tree.cargo_component("clippy", "clippy", &arguments)
+    let what = ["--release", "--workspace", "--all-features", "--all-targets", "--"];
+    tree.cargo_component("clippy", "clippy", &[&what[..], &DENIED].concat())
 }
 
 /// `cargo doc`.
 pub fn documentation(tree: &Tree) -> Outcome {
     let mut doc = tree.cargo_all("doc", &["--no-deps"]);
     doc.env("RUSTDOCFLAGS", "-D warnings");
+    // A crate's documentation needs its dependencies checked. The lints have checked them, but as `cargo clippy` has it: with these
+    // variables. Without them, cargo checks all crates of the workspace again.
+    let driver = Path::new(&cargo()).with_file_name(format!("clippy-driver{}", std::env::consts::EXE_SUFFIX));
+    if driver.is_file() {
+        doc.env("RUSTC_WORKSPACE_WRAPPER", driver)
+            .env("CLIPPY_ARGS", DENIED.map(|word| format!("{word}__CLIPPY_HACKERY__")).concat());
+    }
     run(doc)
 }
 

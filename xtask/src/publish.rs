@@ -36,8 +36,9 @@ pub fn check(tree: &Tree) -> Outcome {
         return Outcome::Failed(format!("cannot unpack to {}: {error}", folder.display()));
     }
     let mut test = tree.cargo_all("test", &["--quiet"]);
-    // What the packages contain is tested here, with fewer random calls; the FMUs' libraries were among the Rust tests.
-    let variables = [("FMI2_CALLS", "34000"), ("FMU_LIBRARIES", "")];
+    // What the packages contain is tested here, with fewer random calls, damaged states and repetitions; all of them, and the FMUs'
+    // libraries, were among the Rust tests.
+    let variables = [("FMI2_CALLS", "34000"), ("FMI2_BLOBS", "2000"), ("FMI2_CYCLES", "1000"), ("FMU_LIBRARIES", "")];
     test.current_dir(&folder).env("CARGO_TARGET_DIR", &tree.target).envs(variables);
     run(test)
 }
