@@ -53,8 +53,9 @@ fn unpack(tree: &Tree, folder: &Path) -> io::Result<()> {
     let version = version(&root).ok_or_else(|| io::Error::other("Cargo.toml has no [workspace.package] version"))?;
     for name in CRATES {
         let packed = tree.target.join("package").join(format!("{name}-{version}.crate"));
+        // With the time of now: packages have one that never changes, and cargo would take the last ones' compiled code for theirs.
         let mut tar = Command::new("tar");
-        tar.arg("-xzf").arg(&packed).current_dir(folder);
+        tar.arg("-xzmf").arg(&packed).current_dir(folder);
         if !tar.status()?.success() {
             return Err(io::Error::other(format!("tar failed for {}", packed.display())));
         }
