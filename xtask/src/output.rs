@@ -1,7 +1,7 @@
 //! What steps print: at once, or held back until the steps before them have printed theirs.
 
 use std::cell::RefCell;
-use std::io::{self, Read as _, Write as _};
+use std::io::{self, Read as _, Seek as _, Write as _};
 use std::process::{Command, ExitStatus, Stdio};
 
 thread_local! {
@@ -40,16 +40,15 @@ pub fn status(mut command: Command) -> io::Result<ExitStatus> {
     Ok(status)
 }
 
-/// Runs a command without input; returns what it printed to both streams, in its order.
+/// Runs a command without input; returns what it printed to both streams, in its order, until it ended: processes that it leaves
+/// behind are not waited for.
 pub fn collected(mut command: Command) -> io::Result<(Vec<u8>, ExitStatus)> {
-    let (mut reader, writer) = io::pipe()?;
-    command.stdin(Stdio::null()).stdout(writer.try_clone()?).stderr(writer);
-    let mut child = command.spawn()?;
-    // It has the ends to write to; while they are open, the reader waits for more.
-    drop(command);
+    let mut file = tempfile::tempfile()?;
+    let status = command.stdin(Stdio::null()).stdout(file.try_clone()?).stderr(file.try_clone()?).status()?;
+    file.rewind()?;
     let mut output = Vec::new();
-    reader.read_to_end(&mut output)?;
-    Ok((output, child.wait()?))
+    file.read_to_end(&mut output)?;
+    Ok((output, status))
 }
 
 #[cfg(test)]
@@ -73,5 +72,19 @@ mod tests {
         assert_eq!(succeeded, [true, false]);
         assert!(text.starts_with("before\ncargo 1.") && text.ends_with("after\n"), "{text}");
         assert!(text.contains("error: no such command"), "{text}");
+    }
+
+    /// A process that is left behind holds both streams open for ten minutes.
+    #[cfg(unix)]
+    #[test]
+    fn what_a_command_leaves_behind_is_not_waited_for() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "sleep 600 & echo $!; echo done"]);
+        let (output, status) = collected(command).unwrap();
+        let text = String::from_utf8(output).unwrap();
+        let (left, rest) = text.split_once('\n').unwrap();
+        // A process that has ended cannot be ended.
+        assert!(Command::new("kill").arg(left).status().unwrap().success(), "{text}");
+        assert!(status.success() && rest == "done\n", "{text}");
     }
 }
