@@ -149,7 +149,7 @@ fn anti_windup_is_the_limit_of_the_sampled_one() {
     let sliding = PdGains { kp_arm: [20.0; 2], ki_arm: [2e4; 2], ..PdGains::pid() };
     for (name, start, end, load) in [
         ("pid", (|| pd("pid", PdGains::pid(), RateSource::Measured)) as fn() -> _, 0.05, NO_LOAD),
-        ("sliding", || unreachable!(), 0.05, load),
+        ("sliding", || unreachable!(), 0.03, load),
         ("networks", || root_strain("networks", &continuous::networks(), RateSource::Measured), 0.012, load),
     ] {
         let start = || {
