@@ -3,7 +3,8 @@
 use std::fs;
 use std::io;
 use std::panic::resume_unwind;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use super::Fmu;
@@ -25,16 +26,14 @@ impl Fmu {
         for some in paths.chunks(AT_ONCE) {
             // The largest one, which takes longest, begins at once: on this thread.
             let largest = (0..some.len()).max_by_key(|place| size(some[*place].as_ref()));
-            let begin = |place| (Some(place) != largest).then(|| begin(some[place].as_ref()));
+            let begin = |place| (Some(place) != largest).then(|| Begun::new(some[place].as_ref()));
             let begun: Vec<_> = (0..some.len()).map(begin).collect();
             let mut here = largest.map(|place| Self::unpack(&some[place]));
             let done = some.iter().zip(begun).map(|(path, begun)| match begun {
-                Some(Ok(thread)) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
-                // Without a thread it is done here.
-                Some(Err(_)) => Self::unpack(path),
+                Some(begun) => begun.unpacked(),
                 None => here.take().unwrap_or_else(|| Self::unpack(path)),
             });
-            // No thread is left alone, whatever happens to others.
+            // No thread that works is left alone, whatever happens to others.
             let done: Vec<_> = done.collect();
             for fmu in done {
                 unpacked.push(fmu?);
@@ -49,14 +48,42 @@ fn size(path: &Path) -> u64 {
     fs::metadata(path).map_or(0, |file| file.len())
 }
 
-/// Begins to unpack an FMU on another processor.
-fn begin(path: &Path) -> io::Result<JoinHandle<Result<Fmu, FmuError>>> {
-    let path = path.to_owned();
-    #[cfg(target_os = "linux")]
-    let thread = elsewhere::spawn(move || Fmu::unpack(path));
-    #[cfg(not(target_os = "linux"))]
-    let thread = thread::Builder::new().spawn(move || Fmu::unpack(path));
-    thread
+/// An FMU that a thread unpacks, if it gets a processor before somebody else has done the work.
+struct Begun {
+    /// Who takes it does the work.
+    path: Arc<Mutex<Option<PathBuf>>>,
+    thread: io::Result<JoinHandle<Option<Result<Fmu, FmuError>>>>,
+}
+
+impl Begun {
+    /// Begins on another processor.
+    fn new(path: &Path) -> Self {
+        let path = Arc::new(Mutex::new(Some(path.to_owned())));
+        let shared = Arc::clone(&path);
+        let work = move || taken(&shared).map(Fmu::unpack);
+        #[cfg(target_os = "linux")]
+        let thread = elsewhere::spawn(work);
+        #[cfg(not(target_os = "linux"))]
+        let thread = thread::Builder::new().spawn(work);
+        Self { path, thread }
+    }
+
+    /// The FMU. A thread that has waited in vain until now, when all processors work for others, finds nothing to do later; and perhaps
+    /// there is none.
+    fn unpacked(self) -> Result<Fmu, FmuError> {
+        if let Some(path) = taken(&self.path) {
+            return Fmu::unpack(path);
+        }
+        let done = self.thread.map(|thread| thread.join().unwrap_or_else(|panic| resume_unwind(panic)));
+        match done {
+            Ok(Some(done)) => done,
+            _ => unreachable!("a thread has taken it, which then has a result"),
+        }
+    }
+}
+
+fn taken(path: &Mutex<Option<PathBuf>>) -> Option<PathBuf> {
+    path.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
 /// Some kernels (seen on Linux 6.18 in a virtual machine) begin a thread on the processor of its maker and look for an idle one only
