@@ -68,13 +68,13 @@ impl Runner {
     }
 
     fn heading(&self, name: &str) {
-        println!("\n=== {}/{} {name} ===", self.results.len() + 1, self.planned);
+        output::line(&format!("\n=== {}/{} {name} ===", self.results.len() + 1, self.planned));
     }
 
     fn add(&mut self, name: &'static str, outcome: Outcome, duration: Duration) {
         match &outcome {
             Outcome::Passed => {}
-            Outcome::Skipped(reason) => println!("not checked: {reason}"),
+            Outcome::Skipped(reason) => output::line(&format!("not checked: {reason}")),
             Outcome::Failed(reason) => eprintln!("failed: {reason}"),
         }
         self.results.push((name, outcome, duration));
@@ -82,7 +82,7 @@ impl Runner {
 
     /// Prints the summary and gives the process's exit code.
     pub fn finish(self) -> ExitCode {
-        print!("{}", self.summary());
+        output::say(self.summary().as_bytes());
         ExitCode::from(u8::from(self.failed()))
     }
 

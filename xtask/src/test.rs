@@ -4,6 +4,7 @@
 //! in the order of the headings.
 
 use std::process::ExitCode;
+use std::sync::mpsc::channel;
 
 use crate::beside::{Action, Beside};
 use crate::cli::Test;
@@ -19,15 +20,15 @@ const HELPERS: &str = "Helper programs";
 type Check = fn(&Tree) -> Outcome;
 
 /// What runs beside the Rust and the Python tests, in this order. The helpers, which the Python tests wait for, come first. The
-/// published crates replace examples that the long checks and the counts load, so they come after those.
+/// published crates replace examples that the long checks, the counts and the Rust tests load, so they come after all of these.
 const BESIDE: [(&str, Check); 7] = [
     (HELPERS, helpers::build),
     ("Long checks", long::checks),
     ("Instruction counts", counts::check),
-    (publish::STEP, publish::check),
     (checks::FORMATTING, checks::formatting),
     (checks::LINTS, checks::lints),
     (checks::DOCUMENTATION, checks::documentation),
+    (publish::STEP, publish::check),
 ];
 
 /// Runs the steps.
@@ -67,9 +68,18 @@ fn everything(tree: &Tree, what: &Test) -> ExitCode {
     let mut steps = Runner::new(6 + BESIDE.len() + platforms + 1);
     let environment = environment(tree);
     steps.step(PACKAGING, || packaging::package(tree, true));
-    let beside =
-        Beside::begin(if steps.failed() { Vec::new() } else { BESIDE.map(|(_, run)| action(tree, run)).into() });
+    let (rust_tests_run, rust_tests_ended) = channel::<()>();
+    let mut actions = BESIDE.map(|(_, run)| action(tree, run)).into_iter().collect::<Vec<_>>();
+    if let Some(published) = actions.pop() {
+        actions.push(Box::new(move || {
+            // An error says that nobody will tell any more: they have ended, or do not begin.
+            let _ = rust_tests_ended.recv();
+            published()
+        }));
+    }
+    let beside = Beside::begin(if steps.failed() { Vec::new() } else { actions });
     steps.step("Rust tests", || rust_tests(tree));
+    drop(rust_tests_run);
     steps.end(&environment, ENVIRONMENT);
     steps.end(&environment, JUDGE);
     let actionlint = checks::Fetched::start(tree);
