@@ -126,6 +126,7 @@ impl TimeGrid {
     }
 
     /// The communication point before step `index` (and, for `index` = number of steps, the stop time).
+    #[inline]
     #[must_use]
     pub fn time(&self, index: u64) -> f64 {
         if index >= self.steps {
@@ -155,6 +156,7 @@ impl TimeGrid {
 
     /// Size of step `index`. Apart from a shorter last step it always has the same bits, so that slaves can reuse what they
     /// computed for it.
+    #[inline]
     #[must_use]
     pub fn size(&self, index: u64) -> f64 {
         if index + 1 == self.steps && self.has_shorter_last_step() { self.stop - self.time(index) } else { self.step }

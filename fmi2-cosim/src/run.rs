@@ -86,55 +86,40 @@ impl Observer for () {
 struct Watched<'a> {
     observer: &'a mut dyn Observer,
     has_rows: bool,
-    /// The followed columns, if there are any.
-    points: Option<Points>,
 }
 
 impl<'a> Watched<'a> {
-    /// An observer that has begun. Also says which columns it follows.
-    fn new(observer: &'a mut dyn Observer, columns: &[Column]) -> (Self, Vec<bool>) {
-        let followed: Vec<bool> = columns.iter().map(|column| observer.follows(column)).collect();
-        let places: Vec<usize> = (0..columns.len()).filter(|place| followed[*place]).collect();
-        let points = (!places.is_empty()).then(|| Points::new(places));
+    /// An observer that has begun.
+    fn new(observer: &'a mut dyn Observer) -> Self {
         let has_rows = observer.rows().is_some();
-        (Self { observer, has_rows, points }, followed)
+        Self { observer, has_rows }
     }
 
-    #[inline]
-    fn push(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        if let Some(points) = &mut self.points
-            && points.push(time, values)
-        {
-            return self.flush();
-        }
-        Ok(())
-    }
-
-    /// Passes on what has not been passed on yet.
-    fn flush(&mut self) -> io::Result<()> {
-        let Some(points) = self.points.as_mut().filter(|points| !points.is_empty()) else { return Ok(()) };
-        let result = self.observer.points(points);
-        points.clear();
-        result
+    /// Where it wants whole rows.
+    fn rows(&mut self) -> Option<&mut dyn Sink> {
+        if self.has_rows { self.observer.rows() } else { None }
     }
 }
 
 impl Sink for Watched<'_> {
     fn wants(&mut self, time: f64) -> bool {
-        self.has_rows && self.observer.rows().is_some_and(|rows| rows.wants(time))
+        self.rows().is_some_and(|rows| rows.wants(time))
+    }
+
+    fn idle(&mut self) -> f64 {
+        self.rows().map_or(f64::INFINITY, Sink::idle)
     }
 
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.push(time, values)?;
-        if self.has_rows { self.observer.rows().map_or(Ok(()), |rows| rows.row(time, values)) } else { Ok(()) }
+        self.rows().map_or(Ok(()), |rows| rows.row(time, values))
     }
 
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.push(time, values)
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        self.observer.points(points)
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        if self.has_rows { self.observer.rows().map_or(Ok(()), |rows| rows.end(time, values)) } else { Ok(()) }
+        self.rows().map_or(Ok(()), |rows| rows.end(time, values))
     }
 }
 
@@ -208,13 +193,12 @@ impl Run {
         remarks.extend(self.uneven_rows());
         remarks.extend(unconnected(master));
         remarks.extend(observer.begin(master, columns));
-        let (mut watched, followed) = Watched::new(&mut *observer, columns);
-        master.follow(&followed);
+        master.follow(&columns.iter().map(|column| observer.follows(column)).collect::<Vec<_>>());
+        let mut watched = Watched::new(&mut *observer);
         let mut last = Last::default();
         let rows = Every::new(self.interval, self.grid.stop(), rows);
         let begin = Instant::now();
         let result = master.run(&self.grid, 0.0, &mut (rows, (&mut watched, &mut last)), progress);
-        watched.flush().map_err(MasterError::Record)?;
         let wall_time = begin.elapsed();
         let ended = match result {
             Ok(()) => None,

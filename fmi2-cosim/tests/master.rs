@@ -5,7 +5,7 @@ mod support;
 
 use fmi2_cosim::grid::TimeGrid;
 use fmi2_cosim::master::{Coupling, Master, MasterError};
-use fmi2_cosim::record::{Sink, Table};
+use fmi2_cosim::record::{Points, Sink, Table};
 use fmi2_cosim::settings::{Setting, SettingError};
 use fmi2_cosim::signal::{Shape, Signal};
 use fmi2_import::{Causality, Fmu};
@@ -16,8 +16,18 @@ const K: f64 = 3.0;
 
 /// Lag and gain in a loop, in the given order.
 fn loop_of(order: [&str; 2], coupling: Coupling) -> Option<(tempfile::TempDir, Master)> {
+    loop_as(order, coupling, |_, text| text)
+}
+
+/// The same, their descriptions changed.
+fn loop_as(
+    order: [&str; 2],
+    coupling: Coupling,
+    change: impl Fn(&str, String) -> String,
+) -> Option<(tempfile::TempDir, Master)> {
     let folder = tempfile::tempdir().unwrap();
-    let fmus = order.map(|model| package(folder.path(), model).map(|path| Fmu::open(path).unwrap()));
+    let package = |model| package_as(folder.path(), model, |text| change(model, text));
+    let fmus = order.map(|model| package(model).map(|path| Fmu::open(path).unwrap()));
     let [Some(first), Some(second)] = fmus else { return None };
     let mut master = Master::new(&[first, second], coupling).unwrap();
     master.apply(&Setting::new("T", T.to_string())).unwrap();
@@ -84,57 +94,119 @@ fn jacobi_delays_commands_by_one_step_whether_or_not_rows_are_recorded() {
     }
 }
 
-/// Keeps rows, and what came between them.
-#[derive(Default)]
+/// Without the wires of Booleans.
+fn only_reals(model: &str, text: String) -> String {
+    if model == "Gain" { text.replace("_on\"", "_is_on\"") } else { text }
+}
+
+/// Keeps rows, and what is followed.
 struct Both {
+    /// How many columns a row has.
+    columns: usize,
     rows: Vec<(f64, Vec<f64>)>,
-    between: Vec<(f64, Vec<f64>)>,
+    /// The columns that are followed, at each point.
+    points: Vec<(f64, Vec<Option<f64>>)>,
 }
 
 impl Sink for Both {
+    fn wants(&mut self, time: f64) -> bool {
+        assert!(time >= self.idle(), "it is not asked at {time} s");
+        true
+    }
+
+    fn idle(&mut self) -> f64 {
+        self.rows.last().map_or(f64::NEG_INFINITY, |(time, _)| time + 0.25)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
         self.rows.push((time, values.to_vec()));
         Ok(())
     }
 
-    fn between(&mut self, time: f64, values: &[f64]) -> std::io::Result<()> {
-        self.between.push((time, values.to_vec()));
+    fn points(&mut self, points: &Points) -> std::io::Result<()> {
+        for (point, time) in points.times().iter().enumerate() {
+            let value = |column| points.column(column).map(|values| values[point]);
+            self.points.push((*time, (0..self.columns).map(value).collect()));
+        }
         Ok(())
     }
 }
 
 #[test]
 fn what_is_followed_is_read_at_every_step_and_changes_nothing() {
-    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
-    let orders = [["Lag", "Gain"], ["Gain", "Lag"]];
-    for (coupling, order) in Coupling::ALL.into_iter().flat_map(|coupling| orders.map(|order| (coupling, order))) {
-        let Some((_folder, mut master)) = loop_of(order, coupling) else { return };
-        let all = run(&mut master, &grid, 0.0);
-        // Outputs with and without wires, reals and others.
-        let names: Vec<String> = all.columns().iter().map(|column| column.name.clone()).collect();
-        let alone = names.iter().map(|name| vec![name.as_str()]);
-        for followed in alone.chain([vec!["y", "u"], names.iter().map(String::as_str).collect()]) {
-            let Some((_folder, mut master)) = loop_of(order, coupling) else { return };
-            master.initialize(&grid).unwrap();
-            let columns = master.record(|_| true);
-            let is_followed: Vec<bool> =
-                columns.iter().map(|column| followed.contains(&column.name.as_str())).collect();
-            master.follow(&is_followed);
-            let mut both = Both::default();
-            master.run(&grid, 0.5, &mut both, &mut |_| ()).unwrap();
-            assert_eq!((both.rows.len(), both.between.len()), (3, 8));
-            for (time, values) in all.rows() {
-                let found = both.rows.iter().chain(&both.between).find(|(at, _)| at.to_bits() == time.to_bits());
-                for (index, _) in is_followed.iter().enumerate().filter(|(_, is)| **is) {
-                    let (found, name) = (found.unwrap().1[index], &names[index]);
-                    assert_eq!(found.to_bits(), values[index].to_bits(), "{coupling:?}: {name} at {time} s");
-                }
-            }
-            for (index, is_followed) in is_followed.iter().enumerate() {
-                let is_old = both.between[3].1[index].to_bits() == both.rows[0].1[index].to_bits();
-                assert!(*is_followed || is_old, "what nobody follows is not read: {}", names[index]);
+    for order in [["Lag", "Gain"], ["Gain", "Lag"]] {
+        for coupling in Coupling::ALL {
+            for is_driven in [false, true] {
+                let prepared = |change: fn(&str, String) -> String| {
+                    let (folder, mut master) = loop_as(order, coupling, change)?;
+                    if is_driven {
+                        let steps = vec![(0.0, 1.0), (0.3, -1.0), (0.7, 0.5), (15.0, 1.5)];
+                        master.drive("Gain.reference", &Signal::new(Shape::Steps, steps).unwrap()).unwrap();
+                    }
+                    Some((folder, master))
+                };
+                assert_followed(|| prepared(|_, text| text));
+                assert_followed(|| prepared(only_reals));
             }
         }
+    }
+}
+
+/// Whatever is followed has the values that rows have which are read at every step, and so have rows beside it.
+fn assert_followed(prepared: impl Fn() -> Option<(tempfile::TempDir, Master)>) {
+    // More points than are passed on at once.
+    let grid = TimeGrid::new(0.0, 20.0, 0.1).unwrap();
+    let Some((_folder, mut master)) = prepared() else { return };
+    let all = run(&mut master, &grid, 0.0);
+    // Outputs with and without wires, reals and others.
+    let names: Vec<String> = all.columns().iter().map(|column| column.name.clone()).collect();
+    let alone = names.iter().map(|name| vec![name.as_str()]);
+    for followed in alone.chain([vec!["y", "u"], names.iter().map(String::as_str).collect()]) {
+        let Some((_folder, mut master)) = prepared() else { return };
+        master.initialize(&grid).unwrap();
+        let columns = master.record(|_| true);
+        let is_followed: Vec<bool> = columns.iter().map(|column| followed.contains(&column.name.as_str())).collect();
+        master.follow(&is_followed);
+        let mut both = Both { columns: columns.len(), rows: Vec::new(), points: Vec::new() };
+        master.run(&grid, 0.5, &mut both, &mut |_| ()).unwrap();
+        assert_eq!((both.rows.len(), both.points.len()), (41, 201));
+        for ((time, values), (at, found)) in all.rows().zip(&both.points) {
+            assert_eq!(at.to_bits(), time.to_bits());
+            for (index, name) in names.iter().enumerate() {
+                let expected = is_followed[index].then(|| values[index].to_bits());
+                let found = found[index].map(f64::to_bits);
+                assert_eq!(found, expected, "{name} at {time} s, of {followed:?}");
+            }
+        }
+        for (time, values) in &both.rows {
+            let (_, expected) = all.rows().find(|(at, _)| at.to_bits() == time.to_bits()).unwrap();
+            assert!(values.iter().zip(&expected).all(|(found, expected)| found.to_bits() == expected.to_bits()));
+        }
+    }
+}
+
+#[test]
+fn what_is_followed_ends_where_a_component_ends_the_simulation() {
+    let grid = TimeGrid::new(0.0, 1.0, 0.1).unwrap();
+    for (order, change) in [["Lag", "Gain"], ["Gain", "Lag"]]
+        .into_iter()
+        .flat_map(|order| [(order, (|_, text| text) as fn(&str, String) -> String), (order, only_reals)])
+    {
+        let Some((_folder, mut master)) = loop_as(order, Coupling::GaussSeidel, change) else { return };
+        master.apply(&Setting::new("Lag.trouble_at", "0.45")).unwrap();
+        master.apply(&Setting::new("trouble", "discard")).unwrap();
+        master.initialize(&grid).unwrap();
+        let columns = master.record(|_| true);
+        let followed = columns.iter().position(|column| column.name == "y").unwrap();
+        master.follow(&columns.iter().map(|column| column.name == "y").collect::<Vec<_>>());
+        let mut both = Both { columns: columns.len(), rows: Vec::new(), points: Vec::new() };
+        let error = master.run(&grid, 10.0, &mut both, &mut |_| ()).unwrap_err();
+        assert!(matches!(error, MasterError::Ended { time: 0.45, .. }), "{error}");
+        let times: Vec<f64> = both.points.iter().map(|(time, _)| *time).collect();
+        assert_eq!(times, [0.0, 0.1, 0.2, 0.3, 0.4, 0.45]);
+        let (rows, points) = (&both.rows, &both.points);
+        assert_eq!((rows[0].1[followed], rows[1].0), (points[0].1[followed].unwrap(), 0.45));
+        assert_eq!(rows[1].1[followed].to_bits(), points[5].1[followed].unwrap().to_bits());
     }
 }
 

@@ -16,7 +16,8 @@ impl Environment {
     }
 
     /// Runs foreign code, and leaves this environment.
-    #[inline]
+    #[allow(clippy::inline_always)] // As a call of its own it would cost more than it does.
+    #[inline(always)]
     pub(crate) fn guard<T>(self, foreign: impl FnOnce() -> T) -> T {
         let result = foreign();
         if control() != self.0 {

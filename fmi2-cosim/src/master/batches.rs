@@ -4,84 +4,75 @@
 //! a list is in that order as far as it can be, and a long row of references that follow each other is a call of its own if the list has
 //! more than that.
 
-use fmi2_import::{CallError, Calls, ValueReference};
+use fmi2_import::{CallError, Calls, Status, ValueReference};
 
 use super::bus::Signal;
 
 /// So many variables in a row are worth a call of their own. A call costs about as much as two variables that are looked for one by one.
 const LONG: usize = 3;
 
-/// The references of some variables.
-#[derive(Debug, Default, Clone)]
-pub(super) struct Batches {
-    references: Vec<ValueReference>,
-    /// How many of the references each call has.
-    calls: Vec<usize>,
+/// Variables that one call gets or sets. Their values are neighbours among the signals.
+#[derive(Debug)]
+pub(super) struct Call {
+    references: Box<[ValueReference]>,
+    first: usize,
 }
 
-impl FromIterator<ValueReference> for Batches {
-    fn from_iter<I: IntoIterator<Item = ValueReference>>(references: I) -> Self {
-        let references: Vec<_> = references.into_iter().collect();
-        let mut calls: Vec<usize> = Vec::new();
-        let mut is_after_short = false;
-        for row in rows(&references) {
-            let is_short = row.len() < LONG;
-            match calls.last_mut() {
-                Some(last) if is_short && is_after_short => *last += row.len(),
-                _ => calls.push(row.len()),
-            }
-            is_after_short = is_short;
-        }
-        Self { references, calls }
-    }
-}
-
-impl Batches {
-    pub fn is_empty(&self) -> bool {
-        self.references.is_empty()
-    }
-
-    pub fn len(&self) -> usize {
-        self.references.len()
-    }
-
-    /// The place of a reference in the list.
-    pub fn position(&self, reference: ValueReference) -> Option<usize> {
-        self.references.iter().position(|known| *known == reference)
-    }
-
-    /// The first ones and these, in this order.
-    pub fn with(&self, count: usize, others: impl IntoIterator<Item = ValueReference>) -> Self {
-        self.references[..count].iter().copied().chain(others).collect()
+impl Call {
+    /// Of variables whose values begin at this place.
+    fn new(references: &[ValueReference], first: usize) -> Self {
+        Self { references: references.into(), first }
     }
 
     /// Fetches the variables.
     #[allow(clippy::inline_always)] // As a call of its own it would be a third of what a call of an FMU costs the master.
     #[inline(always)]
-    pub fn get<T: Signal>(&self, slave: &mut Calls, values: &mut [T]) -> Result<(), CallError> {
-        let (mut references, mut values) = (&self.references[..], values);
-        for count in &self.calls {
-            let (wanted, here);
-            (wanted, references) = references.split_at(*count);
-            (here, values) = values.split_at_mut(*count);
-            T::get(slave, wanted, here)?;
-        }
-        Ok(())
+    pub fn get<T: Signal>(&self, slave: &mut Calls, signals: &mut [T]) -> Result<Status, CallError> {
+        T::get(slave, &self.references, &mut signals[self.first..][..self.references.len()])
     }
 
     /// Sets the variables.
     #[allow(clippy::inline_always)] // As above.
     #[inline(always)]
-    pub fn set<T: Signal>(&self, slave: &mut Calls, values: &[T]) -> Result<(), CallError> {
-        let (mut references, mut values) = (&self.references[..], values);
-        for count in &self.calls {
-            let (wanted, these);
-            (wanted, references) = references.split_at(*count);
-            (these, values) = values.split_at(*count);
-            T::set(slave, wanted, these)?;
-        }
-        Ok(())
+    pub fn set<T: Signal>(&self, slave: &mut Calls, signals: &[T]) -> Result<Status, CallError> {
+        T::set(slave, &self.references, &signals[self.first..][..self.references.len()])
     }
+
+    /// Where the value of a variable is, if it is one of these.
+    pub fn place(&self, reference: ValueReference) -> Option<usize> {
+        Some(self.first + self.references.iter().position(|known| *known == reference)?)
+    }
+
+    /// Where the values are.
+    pub fn places(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.references.len()
+    }
+
+    /// Moves it to other values, as many.
+    pub fn move_to(&mut self, first: usize) {
+        self.first = first;
+    }
+}
+
+/// The calls for these variables, whose values lie in this order from `first` on.
+pub(super) fn calls(references: &[ValueReference], first: usize) -> Vec<Call> {
+    let mut counts: Vec<usize> = Vec::new();
+    let mut is_after_short = false;
+    for row in rows(references) {
+        let is_short = row.len() < LONG;
+        match counts.last_mut() {
+            Some(last) if is_short && is_after_short => *last += row.len(),
+            _ => counts.push(row.len()),
+        }
+        is_after_short = is_short;
+    }
+    let mut done = 0;
+    let call = |count| {
+        let begin = done;
+        done += count;
+        Call::new(&references[begin..done], first + begin)
+    };
+    counts.into_iter().map(call).collect()
 }
 
 /// Puts what has references into the order for few and short calls: long rows first, then all others. If a reference is there twice, the
@@ -119,9 +110,11 @@ mod tests {
     fn arranged(list: &[ValueReference]) -> (Vec<ValueReference>, Vec<usize>) {
         let mut list = list.to_vec();
         arrange(&mut list, |reference| *reference);
-        let Batches { references, calls } = list.into_iter().collect();
-        assert_eq!(references.len(), calls.iter().sum::<usize>());
-        (references, calls)
+        let calls = calls(&list, 7);
+        // Each call has its part of the list, at its place.
+        assert!(calls.iter().flat_map(Call::places).eq(7..7 + list.len()));
+        assert!(calls.iter().flat_map(|call| &call.references).eq(&list));
+        (list, calls.iter().map(|call| call.references.len()).collect())
     }
 
     #[test]

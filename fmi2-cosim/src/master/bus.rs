@@ -1,4 +1,4 @@
-//! The buffers that signals pass through on their way from outputs to inputs.
+//! The buffer that signals of one type pass through on their way from outputs to inputs.
 
 // What reals need is short, and each function of it that is a call of its own costs half as much again: it saves and restores
 // registers, and passes on a large result.
@@ -8,13 +8,13 @@ use std::collections::HashMap;
 
 use fmi2_import::{CallError, Calls, ModelDescription, Status, ValueReference};
 
-use super::batches::{self, Batches};
+use super::batches::{self, Call};
 use crate::record::Kind;
 use crate::units::Conversion;
 use crate::wiring::{Terminal, Wire};
 
 /// A type of value that can be wired.
-pub(crate) trait Signal: Copy + Default {
+pub(super) trait Signal: Copy + Default {
     /// The types it carries.
     const KIND: Kind;
     fn get(slave: &mut Calls, references: &[ValueReference], values: &mut [Self]) -> Result<Status, CallError>;
@@ -78,301 +78,64 @@ impl Signal for bool {
     }
 }
 
-/// All wires.
-pub(crate) struct Buses {
-    real: Bus<f64>,
-    integer: Bus<i32>,
-    boolean: Bus<bool>,
-    /// Integers that are wanted as reals.
-    crossings: Vec<Crossing>,
-    /// Counts the reads.
-    clock: u64,
-    components: Vec<State>,
-}
-
-/// What is known of a component's inputs and outputs.
-#[derive(Default)]
-struct State {
-    /// The components that drive its inputs.
-    sources: Vec<usize>,
-    /// When its outputs were last fetched.
-    read_at: u64,
-    /// When its inputs were last set; 0 if other code may have set them since.
-    written_at: u64,
-    /// Whether its wires carry only reals.
-    is_real: bool,
-    /// Whether nothing has happened to it since its outputs were last fetched.
-    is_fresh: bool,
-    /// Where the outputs that are followed are found among those that are fetched.
-    tap: Option<Tap>,
-}
-
-/// Fetched outputs and their columns.
-struct Tap {
-    /// Signals of wires.
-    wired: Vec<(usize, usize)>,
-    /// The columns of those that are fetched without a wire.
-    others: Vec<usize>,
-}
-
-struct Crossing {
-    component: usize,
-    integer: usize,
-    real: usize,
-}
-
-impl Buses {
-    pub(crate) fn new(descriptions: &[&ModelDescription], wires: &[Wire]) -> Self {
-        let mut real = Bus::<f64>::new(descriptions, wires);
-        let (mut integer, mut boolean) = (Bus::<i32>::new(descriptions, wires), Bus::<bool>::new(descriptions, wires));
-        let is_crossing = |wire: &&Wire| {
-            kind(descriptions, wire.from) == Some(Kind::Integer) && kind(descriptions, wire.to) == Some(Kind::Real)
-        };
-        let mut crossings: Vec<Crossing> = Vec::new();
-        for wire in wires.iter().filter(is_crossing) {
-            if !real.places.contains_key(&wire.from) {
-                let signal = real.add_signal();
-                real.places.insert(wire.from, signal);
-                let integer = integer.places[&wire.from];
-                crossings.push(Crossing { component: wire.from.component, integer, real: signal });
-            }
-        }
-        for (component, description) in descriptions.iter().enumerate() {
-            real.connect(description, component, &wires_to(descriptions, wires, component, Kind::Real));
-            integer.connect(description, component, &wires_to(descriptions, wires, component, Kind::Integer));
-            boolean.connect(description, component, &wires_to(descriptions, wires, component, Kind::Boolean));
-        }
-        let mut components: Vec<State> = descriptions.iter().map(|_| State::default()).collect();
-        for wire in wires {
-            let sources = &mut components[wire.to.component].sources;
-            if !sources.contains(&wire.from.component) {
-                sources.push(wire.from.component);
-            }
-        }
-        for (index, state) in components.iter_mut().enumerate() {
-            state.is_real = integer.is_idle(index) && boolean.is_idle(index);
-        }
-        Self { real, integer, boolean, crossings, clock: 0, components }
-    }
-
-    /// Forgets which outputs are followed.
-    pub(crate) fn untap(&mut self) {
-        for state in &mut self.components {
-            state.tap = None;
-        }
-        for port in &mut self.real.ports {
-            if port.offered.len() > port.signals {
-                port.offered = port.offered.with(port.signals, []);
-            }
-            port.fetched.clear();
-        }
-    }
-
-    /// Fetches these real outputs of a component together with those for its wires, so that [`Buses::take`] finds them. For
-    /// components that nothing happens to between [`Buses::read`] and the communication point.
-    pub(crate) fn tap(&mut self, component: usize, outputs: impl Iterator<Item = (ValueReference, usize)>) {
-        let port = &mut self.real.ports[component];
-        let mut tap = Tap { wired: Vec::new(), others: Vec::new() };
-        let mut others: Vec<(ValueReference, usize)> = Vec::new();
-        for (reference, column) in outputs {
-            match port.offered.position(reference).filter(|index| *index < port.signals) {
-                Some(index) => tap.wired.push((port.first_signal + index, column)),
-                None => others.push((reference, column)),
-            }
-        }
-        if !others.is_empty() {
-            batches::arrange(&mut others, |(reference, _)| *reference);
-            tap.others = others.iter().map(|(_, column)| *column).collect();
-            port.offered = port.offered.with(port.signals, others.iter().map(|(reference, _)| *reference));
-            port.fetched = vec![0.0; port.offered.len()];
-        }
-        let state = &mut self.components[component];
-        (state.is_fresh, state.tap) = (false, Some(tap));
-    }
-
-    /// Writes the followed outputs of a component into a row, if they are known here.
-    #[inline(always)]
-    pub(crate) fn take(&self, component: usize, row: &mut [f64]) -> bool {
-        let State { tap: Some(tap), is_fresh: true, .. } = &self.components[component] else { return false };
-        for (signal, column) in &tap.wired {
-            row[*column] = self.real.signals[*signal];
-        }
-        if !tap.others.is_empty() {
-            let port = &self.real.ports[component];
-            let mut fetched = port.fetched[port.signals..].iter();
-            for column in &tap.others {
-                let Some(value) = fetched.next() else { break };
-                row[*column] = *value;
-            }
-        }
-        true
-    }
-
-    /// Marks that a component has made a step.
-    #[inline]
-    pub(crate) fn moved(&mut self, component: usize) {
-        self.components[component].is_fresh = false;
-    }
-
-    /// Fetches the outputs of a component.
-    #[inline(always)]
-    pub(crate) fn read(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
-        self.clock += 1;
-        let state = &mut self.components[component];
-        (state.read_at, state.is_fresh) = (self.clock, false);
-        self.real.read(component, slave)?;
-        if !state.is_real {
-            return self.read_others(component, slave);
-        }
-        state.is_fresh = true;
-        Ok(())
-    }
-
-    /// Fetches what is no real, after all that is.
-    #[inline(never)]
-    fn read_others(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
-        self.integer.read(component, slave)?;
-        for crossing in self.crossings.iter().filter(|crossing| crossing.component == component) {
-            self.real.signals[crossing.real] = f64::from(self.integer.signals[crossing.integer]);
-        }
-        self.boolean.read(component, slave)?;
-        self.components[component].is_fresh = true;
-        Ok(())
-    }
-
-    /// Sets the inputs of a component.
-    #[inline(always)]
-    pub(crate) fn write(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
-        let state = &mut self.components[component];
-        (state.written_at, state.is_fresh) = (self.clock, false);
-        self.real.write(component, slave)?;
-        if state.is_real { Ok(()) } else { self.write_others(component, slave) }
-    }
-
-    /// Sets what is no real.
-    #[inline(never)]
-    fn write_others(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
-        self.integer.write(component, slave)?;
-        self.boolean.write(component, slave)
-    }
-
-    /// Sets the inputs of a component, unless no outputs have been read since they were last set.
-    #[inline(always)]
-    pub(crate) fn refresh(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
-        let State { sources, written_at, .. } = &self.components[component];
-        if sources.iter().any(|source| self.components[*source].read_at > *written_at) {
-            self.write(component, slave)?;
-        }
-        Ok(())
-    }
-
-    /// Marks that other code may set the inputs of a component.
-    pub(crate) fn forget(&mut self, component: usize) {
-        let state = &mut self.components[component];
-        (state.written_at, state.is_fresh) = (0, false);
-    }
-
-    /// The components that drive inputs of a component.
-    pub(crate) fn sources(&self, component: usize) -> &[usize] {
-        &self.components[component].sources
-    }
-
-    /// The present signals, for a later comparison.
-    pub(crate) fn snapshot(&self) -> Snapshot {
-        Snapshot(self.real.signals.clone(), self.integer.signals.clone(), self.boolean.signals.clone())
-    }
-
-    /// Whether no signal has changed since then.
-    pub(crate) fn agree_with(&self, before: &Snapshot) -> bool {
-        agree(&before.0, &self.real.signals)
-            && agree(&before.1, &self.integer.signals)
-            && agree(&before.2, &self.boolean.signals)
-    }
-}
-
-/// Signals at one moment.
-pub(crate) struct Snapshot(Vec<f64>, Vec<i32>, Vec<bool>);
-
-fn agree<T: Signal>(before: &[T], after: &[T]) -> bool {
-    before.iter().zip(after).all(|(before, after)| before.agrees(*after))
-}
-
-fn kind(descriptions: &[&ModelDescription], terminal: Terminal) -> Option<Kind> {
-    Kind::of(descriptions[terminal.component].variables[terminal.variable].base_type())
-}
-
-/// The wires to the inputs of one type and component.
-fn wires_to<'a>(
-    descriptions: &[&ModelDescription],
-    wires: &'a [Wire],
-    component: usize,
-    wanted: Kind,
-) -> Vec<&'a Wire> {
-    let is_wanted = |wire: &&Wire| wire.to.component == component && kind(descriptions, wire.to) == Some(wanted);
-    wires.iter().filter(is_wanted).collect()
-}
-
-/// All wires to inputs of one type. The outputs of each component are contiguous in `signals`, so one call
-/// fetches them.
-struct Bus<T> {
+/// All wires to inputs of one type, and outputs of that type that are fetched besides. The values of each component's outputs are
+/// neighbours in `signals`.
+pub(super) struct Bus<T> {
     signals: Vec<T>,
-    /// Where each output lies.
+    /// Where each output with a wire lies.
     places: HashMap<Terminal, usize>,
-    ports: Vec<Port<T>>,
+    ports: Vec<Port>,
 }
 
 /// One component's connections.
 #[derive(Default)]
-struct Port<T> {
-    /// Outputs with wires, one signal each, and others that are followed.
-    offered: Batches,
-    first_signal: usize,
-    signals: usize,
-    /// The values of all these outputs, if there are others.
-    fetched: Vec<T>,
-    wanted: Batches,
-    /// The signal for each of them.
-    sources: Vec<usize>,
-    /// The inputs take the signals as they are, one after the other from this one on.
-    in_line: Option<usize>,
+pub(super) struct Port {
+    /// Fetches the outputs after a step.
+    offered: Vec<Call>,
+    /// Fetches others, which depend on inputs that are set after the step.
+    watched: Vec<Call>,
+    /// Sets the inputs.
+    wanted: Vec<Call>,
+    /// What has to be copied before: from where, and where to. Inputs that are neighbours like their signals take these as they are.
+    gathered: Vec<(usize, usize)>,
+    /// What has to be converted then.
     conversions: Vec<(usize, Conversion)>,
-    values: Vec<T>,
-}
-
-impl<T> Port<T> {
-    fn is_in_line(&self) -> Option<usize> {
-        let first = *self.sources.first()?;
-        let are_neighbours = self.sources.iter().zip(first..).all(|(source, place)| *source == place);
-        (are_neighbours && self.conversions.is_empty()).then_some(first)
-    }
 }
 
 impl<T: Signal> Bus<T> {
-    fn new(descriptions: &[&ModelDescription], wires: &[Wire]) -> Self {
+    /// The bus for these wires. From each component `others` are fetched with the outputs that have wires.
+    pub(super) fn new(descriptions: &[&ModelDescription], wires: &[Wire], others: &[Vec<ValueReference>]) -> Self {
         let ports = descriptions.iter().map(|_| Port::default()).collect();
         let mut bus = Self { signals: Vec::new(), places: HashMap::new(), ports };
-        let mut sources: Vec<Vec<(ValueReference, Terminal)>> = vec![Vec::new(); descriptions.len()];
+        let mut sources: Vec<Vec<(ValueReference, Option<Terminal>)>> = vec![Vec::new(); descriptions.len()];
         for wire in wires.iter().filter(|wire| kind(descriptions, wire.from) == Some(T::KIND)) {
             let Terminal { component, variable } = wire.from;
-            if !sources[component].iter().any(|(_, known)| *known == wire.from) {
-                sources[component].push((descriptions[component].variables[variable].value_reference, wire.from));
+            if !sources[component].iter().any(|(_, known)| *known == Some(wire.from)) {
+                sources[component].push((descriptions[component].variables[variable].value_reference, Some(wire.from)));
             }
         }
-        for (mut sources, port) in sources.into_iter().zip(&mut bus.ports) {
+        for (component, mut sources) in sources.into_iter().enumerate() {
+            for reference in others.get(component).into_iter().flatten() {
+                if !sources.iter().any(|(known, _)| known == reference) {
+                    sources.push((*reference, None));
+                }
+            }
             batches::arrange(&mut sources, |(reference, _)| *reference);
-            (port.first_signal, port.signals) = (bus.signals.len(), sources.len());
-            port.offered = sources.iter().map(|(reference, _)| *reference).collect();
-            for (_, source) in sources {
-                bus.places.insert(source, bus.signals.len());
-                bus.signals.push(T::default());
+            let references: Vec<_> = sources.iter().map(|(reference, _)| *reference).collect();
+            bus.ports[component].offered = batches::calls(&references, bus.signals.len());
+            for (_, terminal) in sources {
+                let place = bus.add_signal();
+                if let Some(terminal) = terminal {
+                    bus.places.insert(terminal, place);
+                }
             }
         }
         bus
     }
 
-    /// Whether no wire of this type begins or ends at a component.
-    fn is_idle(&self, component: usize) -> bool {
-        self.ports[component].offered.is_empty() && self.ports[component].wanted.is_empty()
+    /// Whether there is no wire of this type.
+    pub(super) fn is_idle(&self) -> bool {
+        self.ports.iter().all(|port| port.offered.is_empty() && port.wanted.is_empty())
     }
 
     fn add_signal(&mut self) -> usize {
@@ -380,53 +143,145 @@ impl<T: Signal> Bus<T> {
         self.signals.len() - 1
     }
 
+    /// Where a wired output lies, if it has this type.
+    pub(super) fn place(&self, output: Terminal) -> Option<usize> {
+        self.places.get(&output).copied()
+    }
+
+    /// Gives a wired output a place.
+    pub(super) fn add_place(&mut self, output: Terminal) -> usize {
+        let place = self.add_signal();
+        self.places.insert(output, place);
+        place
+    }
+
     /// Connects the inputs of a component by these wires to them.
-    fn connect(&mut self, description: &ModelDescription, component: usize, wires: &[&Wire]) {
+    pub(super) fn connect(&mut self, description: &ModelDescription, component: usize, wires: &[&Wire]) {
         let connected = wires.iter().filter_map(|wire| Some((*wire, *self.places.get(&wire.from)?)));
         let mut wires: Vec<(&Wire, usize)> = connected.collect();
         let reference = |wire: &Wire| description.variables[wire.to.variable].value_reference;
         batches::arrange(&mut wires, |(wire, _)| reference(wire));
-        let port = &mut self.ports[component];
-        port.wanted = wires.iter().map(|(wire, _)| reference(wire)).collect();
-        port.sources = wires.iter().map(|(_, signal)| *signal).collect();
-        let conversions = wires.iter().enumerate();
-        port.conversions = conversions.filter_map(|(place, (wire, _))| Some((place, wire.conversion?))).collect();
-        port.values = vec![T::default(); wires.len()];
-        port.in_line = port.is_in_line();
+        let references: Vec<_> = wires.iter().map(|(wire, _)| reference(wire)).collect();
+        let mut port = std::mem::take(&mut self.ports[component]);
+        port.wanted = batches::calls(&references, 0);
+        for call in &mut port.wanted {
+            let these = &wires[call.places()];
+            let first = these[0].1;
+            let are_neighbours = these.iter().zip(first..).all(|((_, signal), place)| *signal == place);
+            if are_neighbours && these.iter().all(|(wire, _)| wire.conversion.is_none()) {
+                call.move_to(first);
+                continue;
+            }
+            call.move_to(self.signals.len());
+            for (wire, signal) in these {
+                let place = self.add_signal();
+                port.gathered.push((*signal, place));
+                port.conversions.extend(wire.conversion.map(|conversion| (place, conversion)));
+            }
+        }
+        self.ports[component] = port;
     }
 
-    #[inline(always)]
-    fn read(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
-        let port = &mut self.ports[component];
-        if port.offered.is_empty() {
-            return Ok(());
+    /// Fetches these outputs of a component with [`Port::watch`].
+    pub(super) fn add_watched(&mut self, component: usize, mut references: Vec<ValueReference>) {
+        batches::arrange(&mut references, |reference| *reference);
+        self.ports[component].watched = batches::calls(&references, self.signals.len());
+        self.signals.resize(self.signals.len() + references.len(), T::default());
+    }
+
+    /// Where the value of an output is that is fetched from a component.
+    pub(super) fn fetched(&self, component: usize, reference: ValueReference) -> Option<usize> {
+        let Port { offered, watched, .. } = &self.ports[component];
+        // What is watched has been fetched later.
+        watched.iter().chain(offered).find_map(|call| call.place(reference))
+    }
+
+    /// Takes the values of wired outputs over from another bus with the same wires.
+    pub(super) fn take_over(&mut self, old: &Self) {
+        for (output, place) in &self.places {
+            self.signals[*place] = old.signals[old.places[output]];
         }
-        let signals = &mut self.signals[port.first_signal..][..port.signals];
-        if port.fetched.is_empty() {
-            port.offered.get(slave, signals)?;
-        } else {
-            port.offered.get(slave, &mut port.fetched)?;
-            signals.copy_from_slice(&port.fetched[..port.signals]);
+    }
+
+    /// All values.
+    #[inline]
+    pub(super) fn signals(&self) -> &[T] {
+        &self.signals
+    }
+
+    /// All values, and the connections of each component.
+    #[inline]
+    pub(super) fn parts(&mut self) -> (&mut [T], &[Port]) {
+        (&mut self.signals, &self.ports)
+    }
+
+    /// Puts a value at a place.
+    pub(super) fn put(&mut self, place: usize, value: T) {
+        self.signals[place] = value;
+    }
+
+    /// Whether no signal of a wire has changed since its values were `before`.
+    pub(super) fn agrees_with(&self, before: &[T]) -> bool {
+        self.places.values().all(|place| before[*place].agrees(self.signals[*place]))
+    }
+
+    /// Fetches the outputs of a component.
+    pub(super) fn read(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
+        self.ports[component].read(&mut self.signals, slave)
+    }
+
+    /// Sets the inputs of a component.
+    pub(super) fn write(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
+        self.ports[component].write(&mut self.signals, slave)
+    }
+}
+
+impl Port {
+    /// Fetches the outputs.
+    #[inline(always)]
+    pub(super) fn read<T: Signal>(&self, signals: &mut [T], slave: &mut Calls) -> Result<(), CallError> {
+        for call in &self.offered {
+            call.get(slave, signals)?;
         }
         Ok(())
     }
 
+    /// Fetches what [`Bus::add_watched`] has added.
     #[inline(always)]
-    fn write(&mut self, component: usize, slave: &mut Calls) -> Result<(), CallError> {
-        let Self { signals, ports, .. } = self;
-        let port = &mut ports[component];
-        if let Some(first) = port.in_line {
-            return port.wanted.set(slave, &signals[first..][..port.values.len()]);
+    pub(super) fn watch<T: Signal>(&self, signals: &mut [T], slave: &mut Calls) -> Result<(), CallError> {
+        for call in &self.watched {
+            call.get(slave, signals)?;
         }
-        // Two iterators in one would be put together by a call, at every step.
-        let mut sources = port.sources.iter();
-        for value in &mut port.values {
-            let Some(source) = sources.next() else { break };
-            *value = signals[*source];
-        }
-        for (index, conversion) in &port.conversions {
-            port.values[*index] = port.values[*index].converted(conversion);
-        }
-        port.wanted.set(slave, &port.values)
+        Ok(())
     }
+
+    /// Sets the inputs.
+    #[inline(always)]
+    pub(super) fn write<T: Signal>(&self, signals: &mut [T], slave: &mut Calls) -> Result<(), CallError> {
+        for (from, to) in &self.gathered {
+            signals[*to] = signals[*from];
+        }
+        for (place, conversion) in &self.conversions {
+            signals[*place] = signals[*place].converted(conversion);
+        }
+        for call in &self.wanted {
+            call.set(slave, signals)?;
+        }
+        Ok(())
+    }
+}
+
+pub(super) fn kind(descriptions: &[&ModelDescription], terminal: Terminal) -> Option<Kind> {
+    Kind::of(descriptions[terminal.component].variables[terminal.variable].base_type())
+}
+
+/// The wires to the inputs of one type and component.
+pub(super) fn wires_to<'a>(
+    descriptions: &[&ModelDescription],
+    wires: &'a [Wire],
+    component: usize,
+    wanted: Kind,
+) -> Vec<&'a Wire> {
+    let is_wanted = |wire: &&Wire| wire.to.component == component && kind(descriptions, wire.to) == Some(wanted);
+    wires.iter().filter(is_wanted).collect()
 }

@@ -27,12 +27,16 @@
 
 mod batches;
 mod bus;
+mod buses;
 mod components;
 mod coupling;
 mod drive;
 mod error;
+mod followed;
 mod recording;
+mod run;
 mod steps;
+mod turns;
 
 use std::collections::HashSet;
 
@@ -40,7 +44,7 @@ use crate::record::{Column, Kind};
 use crate::settings::{self, Place, Setting, SettingError};
 use crate::signal::Signal;
 use crate::wiring::{Terminal, Wire, Wiring};
-use bus::Buses;
+use buses::Buses;
 pub use components::check_steps;
 pub(crate) use components::{Draft, drafts, named, wires_by_name};
 use components::{Slave, check_instances};
@@ -48,6 +52,7 @@ pub use coupling::Coupling;
 use drive::Drive;
 pub use error::MasterError;
 use fmi2_import::{CallError, Causality, Fmu, Instance, LogMessage, ModelDescription, Value, Variable};
+use followed::Followed;
 use recording::{Recording, column_name};
 
 /// A value that was set.
@@ -77,11 +82,14 @@ pub struct Master {
     /// Relative tolerance for every component, instead of its own.
     tolerance: Option<f64>,
     recording: Recording,
+    followed: Option<Followed>,
     /// Steps of the run that are done.
     steps: u64,
     /// Inputs already belong to the current communication point. A second exchange would give a Jacobi coupling the
     /// commands that it must receive one step later.
     exchanged: bool,
+    /// Nothing has happened to the components since the last step, in which one came after the other.
+    is_current: bool,
 }
 
 impl Master {
@@ -129,8 +137,10 @@ impl Master {
             warnings: Vec::new(),
             tolerance: None,
             recording: Recording::default(),
+            followed: None,
             steps: 0,
             exchanged: false,
+            is_current: false,
         })
     }
 
@@ -156,6 +166,7 @@ impl Master {
     /// When there are not that many components.
     pub fn instance(&mut self, component: usize) -> &mut Instance {
         self.buses.forget(component);
+        self.is_current = false;
         &mut self.components[component].instance
     }
 
@@ -252,27 +263,44 @@ impl Master {
     pub fn record(&mut self, wanted: impl Fn(&str) -> bool) -> Vec<Column> {
         let (recording, columns) = Recording::of(&self.described(), wanted);
         self.recording = recording;
-        self.buses.untap();
+        if self.followed.take().is_some() {
+            self.fetch_followed();
+        }
         columns
     }
 
-    /// Reads these recorded columns at every communication point, however few rows there are. Between two rows
-    /// they are passed to [`Sink::between`](crate::record::Sink::between). [`Master::record`] resets this selection.
+    /// Reads these recorded columns at every communication point, however few rows there are, and passes them to
+    /// [`Sink::points`](crate::record::Sink::points). [`Master::record`] resets this selection.
     ///
     /// # Panics
     /// When their number is not that of the columns.
     pub fn follow(&mut self, columns: &[bool]) {
-        self.recording.follow(columns);
-        self.buses.untap();
+        let is_new = self.followed.is_none();
+        self.followed = self.recording.followed(columns);
+        if !(is_new && self.followed.is_none()) {
+            self.fetch_followed();
+        }
+    }
+
+    /// Fetches what is followed together with what has wires, as far as it is the same when it is needed.
+    fn fetch_followed(&mut self) {
+        self.is_current = false;
+        let is_usual = self.coupling == Coupling::GaussSeidel && self.buses.only_reals().is_some();
+        let followed = self.followed.as_mut().filter(|_| is_usual);
+        let mut reals = followed.as_ref().and_then(|followed| followed.reals()).unwrap_or_default();
+        reals.resize(self.components.len(), Vec::new());
         // A component whose inputs are not set again before the communication point has its values there after its step.
-        let is_settled = |buses: &Buses, index: usize| buses.sources(index).iter().all(|source| *source < index);
+        let is_settled = |index: usize| self.buses.sources(index).iter().all(|source| *source < index);
+        let (mut settled, mut others) = (reals.clone(), reals);
         for index in 0..self.components.len() {
-            if self.coupling == Coupling::GaussSeidel
-                && is_settled(&self.buses, index)
-                && let Some(outputs) = self.recording.followed_reals(index)
-            {
-                self.buses.tap(index, outputs);
-            }
+            let other = if is_settled(index) { &mut others } else { &mut settled };
+            other[index].clear();
+        }
+        let watched = (0..others.len()).filter(|index| !others[*index].is_empty()).collect();
+        let descriptions: Vec<_> = self.components.iter().map(|component| component.instance.description()).collect();
+        self.buses.fetch(&descriptions, &self.wires, &settled, others);
+        if let Some(followed) = followed {
+            followed.take_from(&self.buses, watched);
         }
     }
 

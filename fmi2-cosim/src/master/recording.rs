@@ -1,10 +1,8 @@
 //! The outputs that a row holds, and how they are read from the components.
 
-// As in `bus.rs`.
-#![allow(clippy::inline_always)]
-
 use std::collections::HashSet;
 
+use super::followed::Followed;
 use crate::names::free_name;
 use crate::record::{Column, Kind};
 use fmi2_import::{CallError, Calls, Causality, Instance, ModelDescription, Status, ValueReference, Variable};
@@ -15,14 +13,12 @@ pub(crate) struct Recording {
     /// Names of the columns, and of the times.
     names: HashSet<String>,
     ports: Vec<Port>,
-    /// Those of the outputs that are read at every communication point.
-    followed: Vec<Port>,
     values: Vec<f64>,
 }
 
 /// The recorded outputs of one component.
 #[derive(Default)]
-struct Port {
+pub(super) struct Port {
     real: Outputs<f64>,
     integer: Outputs<i32>,
     boolean: Outputs<bool>,
@@ -52,7 +48,6 @@ impl<T: Copy + Default> Outputs<T> {
         some
     }
 
-    #[inline(always)]
     fn read(
         &mut self,
         row: &mut [f64],
@@ -84,8 +79,15 @@ impl Port {
         Self { real: self.real.only(columns), integer: self.integer.only(columns), boolean: self.boolean.only(columns) }
     }
 
-    #[inline(always)]
-    fn read(&mut self, slave: &mut Calls, row: &mut [f64]) -> Result<(), CallError> {
+    /// The references and columns of the outputs, if all of them are reals.
+    pub(super) fn only_reals(&self) -> Option<impl Iterator<Item = (ValueReference, usize)> + use<'_>> {
+        let Self { real, integer, boolean } = self;
+        let are_only = integer.references.is_empty() && boolean.references.is_empty();
+        are_only.then(|| real.references.iter().copied().zip(real.columns.iter().copied()))
+    }
+
+    /// Reads the outputs into a row.
+    pub(super) fn read(&mut self, slave: &mut Calls, row: &mut [f64]) -> Result<(), CallError> {
         self.real.read(row, |references, values| slave.get_real(references, values), |value| value)?;
         self.integer.read(row, |references, values| slave.get_integer(references, values), f64::from)?;
         let number = |value| f64::from(u8::from(value));
@@ -115,31 +117,14 @@ impl Recording {
             }
             ports.push(port);
         }
-        (Self { names: taken, ports, followed: Vec::new(), values: vec![0.0; columns.len()] }, columns)
+        (Self { names: taken, ports, values: vec![0.0; columns.len()] }, columns)
     }
 
-    /// Which columns are read at every communication point, too.
-    pub(crate) fn follow(&mut self, columns: &[bool]) {
+    /// Those of these columns that are followed, if there are any.
+    pub(super) fn followed(&self, columns: &[bool]) -> Option<Followed> {
         assert_eq!(columns.len(), self.values.len(), "one truth value for each column");
-        self.followed.clear();
-        if columns.contains(&true) {
-            self.followed.extend(self.ports.iter().map(|port| port.only(columns)));
-        }
-    }
-
-    /// Whether there are any.
-    pub(crate) fn has_followed(&self) -> bool {
-        !self.followed.is_empty()
-    }
-
-    /// The references and columns of a component's followed outputs, if all of them are reals.
-    pub(crate) fn followed_reals(
-        &self,
-        component: usize,
-    ) -> Option<impl Iterator<Item = (ValueReference, usize)> + use<'_>> {
-        let Port { real, integer, boolean } = self.followed.get(component)?;
-        let are_only = !real.references.is_empty() && integer.references.is_empty() && boolean.references.is_empty();
-        are_only.then(|| real.references.iter().copied().zip(real.columns.iter().copied()))
+        let ports = || self.ports.iter().map(|port| port.only(columns)).collect();
+        columns.contains(&true).then(|| Followed::new(ports(), columns))
     }
 
     /// The name of an output that is no column, among those that are.
@@ -152,26 +137,17 @@ impl Recording {
         &self.values
     }
 
+    /// The same, for columns that are read by themselves.
+    pub(super) fn values_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
     /// The row for the present state of the components, which come in the order of their descriptions.
     pub(crate) fn read<'a>(&mut self, instances: impl Iterator<Item = &'a mut Instance>) -> Result<&[f64], CallError> {
         for (port, instance) in self.ports.iter_mut().zip(instances) {
             instance.together(|slave| port.read(slave, &mut self.values))?;
         }
         Ok(&self.values)
-    }
-
-    /// Reads those columns of a component that are followed into the row, unless `known` writes them.
-    #[inline(always)]
-    pub(crate) fn read_followed(
-        &mut self,
-        component: usize,
-        slave: &mut Calls,
-        known: impl FnOnce(&mut [f64]) -> bool,
-    ) -> Result<(), CallError> {
-        match self.followed.get_mut(component) {
-            Some(port) if !known(&mut self.values) => port.read(slave, &mut self.values),
-            _ => Ok(()),
-        }
     }
 }
 

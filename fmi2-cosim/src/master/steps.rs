@@ -1,11 +1,8 @@
-//! From the first exchange of signals to the last step.
+//! The first exchange of signals, and steps.
 
-// As in `bus.rs`.
-#![allow(clippy::inline_always)]
-
+use super::turns::{self, Obstacle};
 use super::{Coupling, Master, MasterError, check_steps};
 use crate::grid::TimeGrid;
-use crate::record::{Schedule, Sink};
 use crate::system::is_tolerance;
 use fmi2_import::{CallError, Environment, Experiment, Status};
 
@@ -54,7 +51,7 @@ impl Master {
             component.instance.exit_initialization_mode()?;
         }
         self.read_all()?;
-        self.exchanged = false;
+        (self.exchanged, self.is_current) = (false, false);
         Ok(())
     }
 
@@ -70,117 +67,11 @@ impl Master {
         Ok(self.buses.agree_with(&before))
     }
 
-    fn read_all(&mut self) -> Result<(), CallError> {
+    pub(super) fn read_all(&mut self) -> Result<(), CallError> {
         for (index, component) in self.components.iter_mut().enumerate() {
             component.instance.together(|slave| self.buses.read(index, slave))?;
         }
         Ok(())
-    }
-
-    /// Steps over the whole grid. Rows go to `sink` at the start and then every `interval` s, if it [wants](Sink::wants)
-    /// them, and at the end; between rows the [followed](Master::follow) columns do. `progress` is called from time to time
-    /// with the number of completed steps.
-    ///
-    /// # Errors
-    /// When an FMU does not complete a step, or a row cannot be stored. After [`MasterError::Ended`] the rows are complete:
-    /// the last one is for the time at which the FMU ended the simulation.
-    pub fn run(
-        &mut self,
-        grid: &TimeGrid,
-        interval: f64,
-        sink: &mut dyn Sink,
-        progress: &mut dyn FnMut(u64),
-    ) -> Result<(), MasterError> {
-        const STEPS_PER_REPORT: u64 = 1024;
-        self.steps = 0;
-        let mut schedule = Schedule::new(grid.start(), interval);
-        let mut next = grid.time(0);
-        // No other code of this thread changes it.
-        let host = Environment::now();
-        for index in 0..grid.steps() {
-            let time = next;
-            next = grid.time(index + 1);
-            let size = grid.size(index);
-            if !self.drives.is_empty() {
-                self.apply_drives(time, Some(next))?;
-            }
-            if schedule.is_due(time) && sink.wants(time) {
-                self.put_row(time, sink)?;
-            } else if self.recording.has_followed() {
-                self.put_followed(host, time, sink)?;
-            }
-            if let Err(error) = self.step_in(host, time, size) {
-                if let MasterError::Ended { time: end, .. } = &error {
-                    self.put_early_end(*end, time, sink)?;
-                }
-                return Err(error);
-            }
-            self.steps = index + 1;
-            if index % STEPS_PER_REPORT == 0 {
-                progress(index);
-            }
-        }
-        self.apply_drives(grid.stop(), None)?;
-        self.put_row(grid.stop(), sink)?;
-        sink.end(grid.stop(), self.recording.values()).map_err(MasterError::Record)?;
-        progress(grid.steps());
-        Ok(())
-    }
-
-    /// Sets the driven inputs to their values at `time`; `next` is the following communication point. Outputs that depend
-    /// directly on them are fetched again, so that no component computes with outputs of the old inputs.
-    fn apply_drives(&mut self, time: f64, next: Option<f64>) -> Result<(), MasterError> {
-        let mut apply = || {
-            for drive in &mut self.drives {
-                let instance = &mut self.components[drive.component].instance;
-                if drive.apply(instance, time, next)? {
-                    instance.together(|slave| self.buses.read(drive.component, slave))?;
-                }
-            }
-            Ok(())
-        };
-        apply().map_err(|source| MasterError::Step { time, source })
-    }
-
-    fn put_row(&mut self, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
-        let failed = |source| MasterError::Step { time, source };
-        self.exchange().map_err(failed)?;
-        let instances = self.components.iter_mut().map(|component| &mut component.instance);
-        let values = self.recording.read(instances).map_err(failed)?;
-        sink.row(time, values).map_err(MasterError::Record)
-    }
-
-    #[inline(always)]
-    fn put_followed(&mut self, host: Environment, time: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
-        let mut follow = || {
-            if !self.exchanged && self.coupling == Coupling::Jacobi {
-                self.read_all()?;
-            }
-            let Self { components, buses, recording, exchanged, .. } = self;
-            for (index, component) in components.iter_mut().enumerate() {
-                component.instance.together_in(host, |slave| {
-                    if !*exchanged {
-                        buses.refresh(index, slave)?;
-                    }
-                    recording.read_followed(index, slave, |row| buses.take(index, row))
-                })?;
-            }
-            *exchanged = true;
-            Ok(())
-        };
-        follow().map_err(|source| MasterError::Step { time, source })?;
-        sink.between(time, self.recording.values()).map_err(MasterError::Record)
-    }
-
-    /// The last row of a simulation that a component ended in the step that began at `begin`. No input may be set any more.
-    fn put_early_end(&mut self, end: f64, begin: f64, sink: &mut dyn Sink) -> Result<(), MasterError> {
-        // A slave that cannot be read after its end leaves the rows there are.
-        let instances = self.components.iter_mut().map(|component| &mut component.instance);
-        let Ok(values) = self.recording.read(instances) else { return Ok(()) };
-        if end > begin {
-            sink.row(end, values).map_err(MasterError::Record)?;
-        }
-        sink.end(end, values).map_err(MasterError::Record)
     }
 
     /// One communication step of all components, from `time` to `time + size`. Inputs that follow signals keep their
@@ -190,48 +81,66 @@ impl Master {
     /// When an FMU does not complete it.
     #[inline]
     pub fn step(&mut self, time: f64, size: f64) -> Result<(), MasterError> {
-        self.step_in(Environment::now(), time, size)
+        self.step_in(Environment::now(), time, size).map_err(|error| *error)
     }
 
     #[inline]
-    fn step_in(&mut self, host: Environment, time: f64, size: f64) -> Result<(), MasterError> {
+    pub(super) fn step_in(&mut self, host: Environment, time: f64, size: f64) -> Result<(), Box<MasterError>> {
         let result = match self.coupling {
             Coupling::Jacobi => self.step_all(time, size),
             Coupling::GaussSeidel => self.step_in_turn(host, time, size),
         };
         self.exchanged = false;
-        result.map_err(|(index, source)| self.failure(index, time, size, source))
+        result.map_err(|(index, source)| Box::new(self.failure(index, time, size, *source)))
     }
 
-    fn step_all(&mut self, time: f64, size: f64) -> Result<(), (usize, CallError)> {
-        self.exchange().map_err(|source| (0, source))?;
+    fn step_all(&mut self, time: f64, size: f64) -> Result<(), Obstacle> {
+        self.exchange().map_err(|source| (0, Box::new(source)))?;
         for (index, component) in self.components.iter_mut().enumerate() {
-            component.instance.do_step(time, size).map_err(|source| (index, source))?;
-            self.buses.moved(index);
+            component.instance.do_step(time, size).map_err(|source| (index, Box::new(source)))?;
         }
         Ok(())
     }
 
-    #[inline(always)]
-    fn step_in_turn(&mut self, host: Environment, time: f64, size: f64) -> Result<(), (usize, CallError)> {
+    #[inline]
+    fn step_in_turn(&mut self, host: Environment, time: f64, size: f64) -> Result<(), Obstacle> {
+        self.is_current = false;
+        // Nobody has stepped yet: the first one has its inputs where a row was taken.
+        if self.exchanged {
+            self.refresh_first().map_err(|source| (0, Box::new(source)))?;
+        }
+        if let Some(reals) = self.buses.only_reals() {
+            turns::step(&mut self.components, reals, host, (time, size), self.exchanged)?;
+            self.buses.have_stepped();
+        } else {
+            self.step_mixed(host, time, size)?;
+        }
+        self.is_current = true;
+        Ok(())
+    }
+
+    fn refresh_first(&mut self) -> Result<(), CallError> {
+        let Some(first) = self.components.first_mut() else { return Ok(()) };
+        first.instance.together(|slave| self.buses.refresh(0, slave))
+    }
+
+    /// The same as [`turns::step`] where wires carry integers or Booleans, too.
+    fn step_mixed(&mut self, host: Environment, time: f64, size: f64) -> Result<(), Obstacle> {
         for (index, component) in self.components.iter_mut().enumerate() {
             let turn = component.instance.together_in(host, |slave| {
-                // Nobody has stepped yet: the first one has its inputs where a row was taken.
-                if index == 0 && self.exchanged {
-                    self.buses.refresh(index, slave)?;
-                } else {
+                if index > 0 || !self.exchanged {
                     self.buses.write(index, slave)?;
                 }
                 slave.do_step(time, size)?;
                 self.buses.read(index, slave)
             });
-            turn.map_err(|source| (index, source))?;
+            turn.map_err(|source| (index, Box::new(source)))?;
         }
         Ok(())
     }
 
     /// Brings every input up to the current communication point.
-    fn exchange(&mut self) -> Result<(), CallError> {
+    pub(super) fn exchange(&mut self) -> Result<(), CallError> {
         if self.exchanged {
             return Ok(());
         }
@@ -246,7 +155,9 @@ impl Master {
     }
 
     #[cold]
-    fn failure(&mut self, index: usize, time: f64, size: f64, source: CallError) -> MasterError {
+    pub(super) fn failure(&mut self, index: usize, time: f64, size: f64, source: CallError) -> MasterError {
+        // Who goes on nevertheless sets all inputs again.
+        (0..self.components.len()).for_each(|component| self.buses.forget(component));
         let component = &mut self.components[index];
         if source.status() == Some(Status::Discard) && component.instance.wants_to_end() {
             // Up to rounding of times.

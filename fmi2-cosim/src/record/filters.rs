@@ -62,6 +62,11 @@ impl<S: Sink> Sink for Every<S> {
         due && self.sink.wants(time)
     }
 
+    fn idle(&mut self) -> f64 {
+        let before_due = self.schedule.map_or(f64::NEG_INFINITY, |schedule| schedule.start + schedule.idle());
+        before_due.min(self.stop).max(self.sink.idle())
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         let asked = self.asked.filter(|(at, _)| *at == time);
         let due = asked.map_or_else(|| self.is_due(time), |(_, due)| due);

@@ -2,10 +2,10 @@
 
 use std::io;
 
-use super::{Column, Pick, Sink, Table};
+use super::{Column, Pick, Points, Sink, Table};
 
 /// Keeps some columns at every communication point of a run that [follows](crate::master::Master::follow) them, and wants nothing
-/// else to be read.
+/// else to be read. A column that is not followed has no numbers.
 #[derive(Debug)]
 pub struct Follow {
     picked: Pick,
@@ -29,12 +29,18 @@ impl Sink for Follow {
         false
     }
 
-    fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.picked.row(time, values)
+    fn idle(&mut self) -> f64 {
+        f64::INFINITY
     }
 
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.row(time, values)
+    fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        let Pick { indices, table } = &mut self.picked;
+        table.extend(points, indices);
+        Ok(())
     }
 }
 
@@ -46,13 +52,19 @@ mod tests {
     fn every_step_is_in_the_table() {
         let columns = ["a", "b"].map(|name| Column { name: name.into(), ..Column::default() });
         let mut follow = Follow::new(&columns, |name| name == "b");
-        for step in 0..100 {
+        let mut points = Points::new(vec![0, 1]);
+        for step in 0..300 {
             let value = f64::from(step);
-            if step % 10 == 0 { follow.row(value, &[7.0, value]) } else { follow.between(value, &[7.0, value]) }
-                .unwrap();
+            if points.push(value, &[7.0, value]) {
+                follow.points(&points).unwrap();
+                points.clear();
+            }
+            // What is a row, too, is there only once.
+            follow.row(value, &[7.0, value]).unwrap();
         }
+        follow.points(&points).unwrap();
         let table = follow.table();
         assert_eq!((table.columns().len(), table.column("b")), (1, Some(table.times())));
-        assert!(table.times().iter().copied().eq((0..100).map(f64::from)));
+        assert!(table.times().iter().copied().eq((0..300).map(f64::from)));
     }
 }

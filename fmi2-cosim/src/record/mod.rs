@@ -71,18 +71,23 @@ pub trait Sink {
         true
     }
 
+    /// The time in s before which it surely does not want any row. Until then it need not be asked.
+    fn idle(&mut self) -> f64 {
+        f64::NEG_INFINITY
+    }
+
     /// Takes one row: the time in s and one value per column (booleans as 0 and 1).
     ///
     /// # Errors
     /// When the row cannot be stored.
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()>;
 
-    /// Takes the values at a communication point between two rows, if the run [follows](crate::master::Master::follow) some
-    /// columns. These columns have their present values, all others those of the last row.
+    /// Takes the columns that the run [follows](crate::master::Master::follow), if it does, at the next communication points. None is
+    /// left out, whether or not there is a row.
     ///
     /// # Errors
-    /// When it cannot be stored.
-    fn between(&mut self, _time: f64, _values: &[f64]) -> io::Result<()> {
+    /// When they cannot be stored.
+    fn points(&mut self, _points: &Points) -> io::Result<()> {
         Ok(())
     }
 
@@ -101,6 +106,10 @@ impl Sink for () {
         false
     }
 
+    fn idle(&mut self) -> f64 {
+        f64::INFINITY
+    }
+
     fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {
         Ok(())
     }
@@ -113,14 +122,18 @@ impl<A: Sink, B: Sink> Sink for (A, B) {
         self.0.wants(time) | self.1.wants(time)
     }
 
+    fn idle(&mut self) -> f64 {
+        self.0.idle().min(self.1.idle())
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.0.row(time, values)?;
         self.1.row(time, values)
     }
 
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.0.between(time, values)?;
-        self.1.between(time, values)
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        self.0.points(points)?;
+        self.1.points(points)
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
@@ -134,12 +147,16 @@ impl<S: Sink + ?Sized> Sink for &mut S {
         (**self).wants(time)
     }
 
+    fn idle(&mut self) -> f64 {
+        (**self).idle()
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         (**self).row(time, values)
     }
 
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        (**self).between(time, values)
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        (**self).points(points)
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
@@ -152,12 +169,16 @@ impl<S: Sink> Sink for Option<S> {
         self.as_mut().is_some_and(|sink| sink.wants(time))
     }
 
+    fn idle(&mut self) -> f64 {
+        self.as_mut().map_or(f64::INFINITY, Sink::idle)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         self.as_mut().map_or(Ok(()), |sink| sink.row(time, values))
     }
 
-    fn between(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
-        self.as_mut().map_or(Ok(()), |sink| sink.between(time, values))
+    fn points(&mut self, points: &Points) -> io::Result<()> {
+        self.as_mut().map_or(Ok(()), |sink| sink.points(points))
     }
 
     fn end(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
@@ -175,6 +196,10 @@ pub struct Last {
 impl Sink for Last {
     fn wants(&mut self, _: f64) -> bool {
         false
+    }
+
+    fn idle(&mut self) -> f64 {
+        f64::INFINITY
     }
 
     fn row(&mut self, _: f64, _: &[f64]) -> io::Result<()> {

@@ -1,7 +1,7 @@
 //! Some columns at communication points that follow each other.
 
-/// The values of the columns that an observer [follows](crate::run::Observer::follows), at up to [`Points::MOST`] communication
-/// points: who looks at many of them at once is called seldom.
+/// The values of the columns that are [followed](crate::master::Master::follow), at up to [`Points::MOST`] communication points: who
+/// looks at many of them at once is called seldom.
 #[derive(Debug)]
 pub struct Points {
     /// The places of the columns in a row.
@@ -20,19 +20,31 @@ impl Points {
         Self { places, times: Vec::with_capacity(Self::MOST), values }
     }
 
-    /// Adds a point. True when no more are to come.
-    #[inline]
+    /// Adds a point with the values of this row. True when no more are to come.
     pub(crate) fn push(&mut self, time: f64, row: &[f64]) -> bool {
-        let point = self.times.len();
-        let (columns, _) = self.values.as_chunks_mut::<{ Self::MOST }>();
-        // Two iterators in one would be put together by a call, at every step.
-        let mut places = self.places.iter();
-        for column in columns {
-            let Some(place) = places.next() else { break };
-            column[point] = row[*place];
-        }
+        let Self { places, times, values } = self;
+        Self::put_column_by_column(values, times.len(), row, places);
+        times.push(time);
+        times.len() == Self::MOST
+    }
+
+    /// The same of values that are at other places than in a row: `places` has one for each column.
+    #[inline]
+    pub(crate) fn push_from(&mut self, time: f64, values: &[f64], places: &[usize]) -> bool {
+        Self::put_column_by_column(&mut self.values, self.times.len(), values, places);
         self.times.push(time);
         self.times.len() == Self::MOST
+    }
+
+    #[inline]
+    fn put_column_by_column(columns: &mut [f64], point: usize, values: &[f64], places: &[usize]) {
+        let (columns, _) = columns.as_chunks_mut::<{ Self::MOST }>();
+        // Two iterators in one would be put together by a call, at every step.
+        let mut places = places.iter();
+        for column in columns {
+            let Some(place) = places.next() else { break };
+            column[point] = values[*place];
+        }
     }
 
     pub(crate) fn clear(&mut self) {

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use super::{Column, CsvSink, Sink};
+use super::{Column, CsvSink, Points, Sink};
 use crate::files::{NewFile, WriteError};
 
 /// Rows in memory, column by column: who looks at a run looks at its signals.
@@ -83,6 +83,17 @@ impl Table {
         for column in &mut self.values {
             let Some(place) = places.next() else { break };
             column.push(values[*place]);
+        }
+    }
+
+    /// Adds these points: of each column the values of the column that is at this place of a row, or no numbers if there are none.
+    pub(super) fn extend(&mut self, points: &Points, places: &[usize]) {
+        self.times.extend_from_slice(points.times());
+        for (column, place) in self.values.iter_mut().zip(places) {
+            match points.column(*place) {
+                Some(values) => column.extend_from_slice(values),
+                None => column.resize(self.times.len(), f64::NAN),
+            }
         }
     }
 

@@ -22,7 +22,8 @@ impl Instance {
     }
 
     /// The same where the floating-point environment of this thread is known.
-    #[inline]
+    #[allow(clippy::inline_always)] // As a call of its own it would cost as much as a call of the slave costs the caller.
+    #[inline(always)]
     pub fn together_in<T>(&mut self, host: Environment, calls: impl FnOnce(&mut Calls<'_>) -> T) -> T {
         host.guard(|| calls(&mut Calls(self)))
     }

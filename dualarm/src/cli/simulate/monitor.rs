@@ -79,6 +79,13 @@ impl Sink for Rows {
         }
     }
 
+    fn idle(&mut self) -> f64 {
+        match self {
+            Self::Now(output) => output.idle(),
+            Self::Later(..) => f64::NEG_INFINITY,
+        }
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         match self {
             Self::Now(output) => output.row(time, values),

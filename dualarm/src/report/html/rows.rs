@@ -111,6 +111,10 @@ impl Sink for Rows {
         is_wanted
     }
 
+    fn idle(&mut self) -> f64 {
+        (self.start + self.idle).min(self.stop)
+    }
+
     fn row(&mut self, time: f64, values: &[f64]) -> io::Result<()> {
         let asked = self.asked.filter(|(at, _)| *at == time);
         let is_wanted = asked.map_or_else(|| self.is_wanted(time), |(_, is_wanted)| is_wanted);

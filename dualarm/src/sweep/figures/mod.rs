@@ -182,10 +182,14 @@ impl Observer for Gauge<'_> {
     }
 
     fn points(&mut self, points: &Points) -> io::Result<()> {
-        points.times().iter().enumerate().try_for_each(|(point, time)| {
+        if self.wanted.grasp {
+            self.grasp.points(points)?;
+        }
+        for (point, time) in points.times().iter().enumerate() {
             points.put(point, &mut self.row);
-            self.take(*time)
-        })
+            self.take(*time);
+        }
+        Ok(())
     }
 
     fn conclude(&mut self) -> Vec<String> {
@@ -202,19 +206,15 @@ fn real(instance: &mut Instance, name: &str) -> Option<f64> {
 
 impl Gauge<'_> {
     /// Goes on to the next communication point, whose values are in `row`.
-    fn take(&mut self, time: f64) -> io::Result<()> {
+    fn take(&mut self, time: f64) {
         let values = &self.row;
-        if self.wanted.grasp {
-            self.grasp.row(time, values)?;
-        }
         if self.tallies.is_empty() {
             self.tallies = self.places.iter().map(|place| Tally::new(time, values[*place])).collect();
-            return Ok(());
+            return;
         }
         for (tally, place) in self.tallies.iter_mut().zip(&self.places) {
             tally.add(time, values[*place]);
         }
-        Ok(())
     }
 }
 
