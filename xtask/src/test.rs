@@ -20,15 +20,14 @@ const HELPERS: &str = "Helper programs";
 type Check = fn(&Tree) -> Outcome;
 
 /// What runs beside the Rust and the Python tests, in this order. The helpers, which the Python tests wait for, come first. The
-/// published crates replace examples that the long checks, the counts and the Rust tests load, so they come after all of these.
-const BESIDE: [(&str, Check); 7] = [
+/// published crates follow: they replace examples that the long checks, the counts and the Rust tests load, and wait for all of these.
+const BESIDE: [(&str, Check); 6] = [
     (HELPERS, helpers::build),
     ("Long checks", long::checks),
     ("Instruction counts", counts::check),
     (checks::FORMATTING, checks::formatting),
     (checks::LINTS, checks::lints),
     (checks::DOCUMENTATION, checks::documentation),
-    (publish::STEP, publish::check),
 ];
 
 /// Runs the steps.
@@ -65,18 +64,17 @@ fn python(tree: &Tree, what: &Test) -> ExitCode {
 /// `cargo xtask test`.
 fn everything(tree: &Tree, what: &Test) -> ExitCode {
     let platforms = if what.all_platforms { platforms::COUNT } else { 1 };
-    let mut steps = Runner::new(6 + BESIDE.len() + platforms + 1);
+    let mut steps = Runner::new(6 + BESIDE.len() + 1 + platforms + 1);
     let environment = environment(tree);
     steps.step(PACKAGING, || packaging::package(tree, true));
     let (rust_tests_run, rust_tests_ended) = channel::<()>();
-    let mut actions = BESIDE.map(|(_, run)| action(tree, run)).into_iter().collect::<Vec<_>>();
-    if let Some(published) = actions.pop() {
-        actions.push(Box::new(move || {
-            // An error says that nobody will tell any more: they have ended, or do not begin.
-            let _ = rust_tests_ended.recv();
-            published()
-        }));
-    }
+    let mut actions: Vec<Action> = BESIDE.map(|(_, run)| action(tree, run)).into();
+    let published = action(tree, publish::check);
+    actions.push(Box::new(move || {
+        // An error says that nobody will tell any more: they have ended, or do not begin.
+        let _ = rust_tests_ended.recv();
+        published()
+    }));
     let beside = Beside::begin(if steps.failed() { Vec::new() } else { actions });
     steps.step("Rust tests", || rust_tests(tree));
     drop(rust_tests_run);
@@ -96,6 +94,7 @@ fn everything(tree: &Tree, what: &Test) -> ExitCode {
     for (name, _) in others {
         steps.end(&beside, name);
     }
+    steps.end(&beside, publish::STEP);
     checks::workflows(&mut steps, actionlint);
     steps.finish()
 }
