@@ -29,8 +29,10 @@ impl<M: 'static> VariableBuilder<'_, M> {
 
     /// What each element of an array is, in one line, from its index counted from 0.
     pub fn descriptions(self, text: impl Fn(usize) -> String) -> Self {
-        for (i, variable) in self.declared.list[self.first..].iter_mut().enumerate() {
-            variable.description = text(i);
+        if !self.declared.brief {
+            for (i, variable) in self.declared.list[self.first..].iter_mut().enumerate() {
+                variable.description = text(i);
+            }
         }
         self
     }
@@ -108,14 +110,18 @@ impl<M: 'static> VariableBuilder<'_, M> {
     /// [`Model::initialize`](crate::Model::initialize) reads. They are listed in `InitialUnknowns`, besides all parameters
     /// and the inputs it [depends on](Self::depends_on) directly.
     pub fn starts_from<S: Into<String>>(self, inputs: impl IntoIterator<Item = S>) -> Self {
-        self.declared.starts(self.first, &texts(inputs));
+        if !self.declared.brief {
+            self.declared.starts(self.first, &texts(inputs));
+        }
         self
     }
 
     /// The continuous states an output, or the time derivative of a state, depends on directly. Without this, all of them. For an
     /// array, `{}` stands for the element's number, counted from 1.
     pub fn depends_on_states<S: Into<String>>(self, states: impl IntoIterator<Item = S>) -> Self {
-        self.declared.depends_states(self.first, &texts(states));
+        if !self.declared.brief {
+            self.declared.depends_states(self.first, &texts(states));
+        }
         self
     }
 

@@ -49,7 +49,7 @@ impl Exported {
             Some(guid) => Identity::Fixed(guid),
             None => Identity::Computed { layout: Layout::build::<M>, describe: describe::<M>, guid: OnceLock::new() },
         };
-        Self { identity, declared: Declarations::of::<M>, fresh: fresh::<M>, layout: Mutex::new(Weak::new()) }
+        Self { identity, declared: Declarations::brief::<M>, fresh: fresh::<M>, layout: Mutex::new(Weak::new()) }
     }
 
     fn layout(&self) -> Result<Arc<Layout>, DeclarationError> {

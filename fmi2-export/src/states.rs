@@ -62,6 +62,9 @@ impl Declarations {
             let role = Role::computed(Causality::Local, rate_evaluation);
             let rate = self.add(format!("der({})", row.name), None, role, number(rates, i));
             self.derivative_of(rate, &row.name);
+            if self.brief {
+                continue;
+            }
             self.description(rate, &format!("Time derivative of {}", row.name));
             if has_unit(row) {
                 self.unit(rate, &per_second(row.unit));

@@ -13,14 +13,21 @@ impl Declarations {
         self.list[first..].iter_mut().for_each(change);
     }
 
+    /// Changes what only people and the description need.
+    fn tell(&mut self, first: usize, change: &mut dyn FnMut(&mut Variable)) {
+        if !self.brief {
+            self.each(first, change);
+        }
+    }
+
     #[inline(never)]
     pub fn description(&mut self, first: usize, text: &str) {
-        self.each(first, &mut |v| v.description = v.numbered(text));
+        self.tell(first, &mut |v| v.description = v.numbered(text));
     }
 
     #[inline(never)]
     pub fn unit(&mut self, first: usize, expression: &str) {
-        self.each(first, &mut |v| match expression.parse() {
+        self.tell(first, &mut |v| match expression.parse() {
             Ok(unit) => v.unit = Some(unit),
             Err(error) => v.mistakes.push(error.to_string()),
         });
@@ -28,17 +35,17 @@ impl Declarations {
 
     #[inline(never)]
     pub fn other_unit(&mut self, first: usize, unit: &Unit) {
-        self.each(first, &mut |v| v.unit = Some(unit.clone()));
+        self.tell(first, &mut |v| v.unit = Some(unit.clone()));
     }
 
     #[inline(never)]
     pub fn display_unit(&mut self, first: usize, name: &str, factor: f64) {
-        self.each(first, &mut |v| v.display_unit = Some(DisplayUnit { name: name.to_owned(), factor }));
+        self.tell(first, &mut |v| v.display_unit = Some(DisplayUnit { name: name.to_owned(), factor }));
     }
 
     #[inline(never)]
     pub fn display_degrees(&mut self, first: usize) {
-        self.each(first, &mut |v| match v.unit.as_ref().and_then(DisplayUnit::degrees) {
+        self.tell(first, &mut |v| match v.unit.as_ref().and_then(DisplayUnit::degrees) {
             Some(degrees) => v.display_unit = Some(degrees),
             None => v
                 .mistakes
@@ -91,7 +98,7 @@ impl Declarations {
 
     #[inline(never)]
     pub fn starts(&mut self, first: usize, inputs: &[String]) {
-        self.each(first, &mut |v| {
+        self.tell(first, &mut |v| {
             let its: Vec<_> = inputs.iter().map(|input| v.numbered(input)).collect();
             v.starts_from.extend(its);
         });
@@ -99,7 +106,7 @@ impl Declarations {
 
     #[inline(never)]
     pub fn depends_states(&mut self, first: usize, states: &[String]) {
-        self.each(first, &mut |v| {
+        self.tell(first, &mut |v| {
             let its: Vec<_> = states.iter().map(|state| v.numbered(state)).collect();
             v.depends_on_states.get_or_insert_default().extend(its);
         });

@@ -40,6 +40,9 @@ pub(crate) struct Declarations {
     pub time: Option<Place>,
     /// A model with its default values.
     pub sample: Box<dyn AnyModel>,
+    /// What only people and the description need of a variable is left out: what it is, its units, and
+    /// what it depends on besides inputs at once.
+    pub brief: bool,
 }
 
 /// What fills in the event indicators, and where they are.
@@ -72,14 +75,33 @@ impl Role {
 
 impl Declarations {
     pub fn of<M: Model>() -> Self {
-        let mut variables = Variables::<M>::new(Self::none(M::INFO, TypeId::of::<M>(), fresh::<M>()));
+        Self::made::<M>(false)
+    }
+
+    /// What instances need. It is not to be checked: descriptions would be found to be missing.
+    pub fn brief<M: Model>() -> Self {
+        Self::made::<M>(true)
+    }
+
+    fn made<M: Model>(brief: bool) -> Self {
+        let mut variables = Variables::<M>::new(Self::none(M::INFO, TypeId::of::<M>(), fresh::<M>(), brief));
         M::variables(&mut variables);
         variables.declared
     }
 
-    fn none(info: Info, model: TypeId, sample: Box<dyn AnyModel>) -> Self {
-        let (list, evaluations) = (Vec::new(), Vec::new());
-        Self { info, model, part: (model, 0), list, evaluations, exchange: None, indicators: None, time: None, sample }
+    fn none(info: Info, model: TypeId, sample: Box<dyn AnyModel>, brief: bool) -> Self {
+        Self {
+            info,
+            model,
+            part: (model, 0),
+            list: Vec::new(),
+            evaluations: Vec::new(),
+            exchange: None,
+            indicators: None,
+            time: None,
+            sample,
+            brief,
+        }
     }
 
     /// The values that variables have by default.
@@ -182,6 +204,9 @@ impl Declarations {
         let place = place.behind(self.part.1);
         let first = self.add(row.name_of(owner), number, Role::PARAMETER, Access::Real(place));
         self.range(first, row.range.min, row.range.max);
+        if self.brief {
+            return;
+        }
         self.description(first, &row.description_of(owner));
         if !row.unit.is_empty() {
             self.unit(first, &row.unit_of(owner));
@@ -239,3 +264,6 @@ fn nowhere(owner: &mut f64) -> &mut f64 {
 fn numbered(text: &str, number: usize) -> String {
     replaced(text, "{}", &number.to_string())
 }
+
+#[cfg(test)]
+mod tests;
