@@ -2,6 +2,7 @@
 //! this module; it is not part of the stable interface.
 
 mod directory;
+mod whole;
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -148,10 +149,13 @@ impl Archive {
 
     fn content(&mut self, path: &str, most: u64) -> Result<Vec<u8>> {
         let index = *self.indices.get(path).ok_or(ArchiveError::NotFound)?;
+        if let Some(content) = self.whole(index, most) {
+            return Ok(content);
+        }
         // Room for what the archive promises, if that is plausible: content that grows little by little is copied again and again.
         let promised = self.zip.by_index_data(index).map_or(0, |entry| entry.size().min(FREE_UNPACKED));
         let mut content = Vec::with_capacity(usize::try_from(promised).unwrap_or(0));
-        self.copy(index, most, path, &mut content)?;
+        self.stream(index, most, path, &mut content)?;
         Ok(content)
     }
 
@@ -212,8 +216,23 @@ impl Archive {
         self.copy(index, u64::MAX, path, &mut file)
     }
 
-    /// Copies an entry within the limits. The sizes that the archive states are not trusted.
+    /// The content of an entry within the limits, if it is one of those that are inflated in one piece.
+    fn whole(&mut self, index: usize, most: u64) -> Option<Vec<u8>> {
+        let content = whole::content(&mut self.zip, index, most.min(self.allowance))?;
+        self.allowance -= content.len() as u64;
+        Some(content)
+    }
+
+    /// Copies an entry within the limits.
     fn copy(&mut self, index: usize, most: u64, path: &str, to: &mut dyn Write) -> Result<()> {
+        if let Some(content) = self.whole(index, most) {
+            return Ok(to.write_all(&content)?);
+        }
+        self.stream(index, most, path, to)
+    }
+
+    /// The same as a stream. The sizes that the archive states are not trusted.
+    fn stream(&mut self, index: usize, most: u64, path: &str, to: &mut dyn Write) -> Result<()> {
         let too_large = |limit| Err(ArchiveError::Limit { what: format!("{path} is too large"), limit });
         let entry = self.zip.by_index(index).map_err(damaged)?;
         let room = most.min(self.allowance);

@@ -135,6 +135,14 @@ fn mask(how: c_int) {
     }
 }
 
+/// Lets the process that watches this one, and has this number, look at what has been [set](ExitSlot::set): it gets a signal as at this
+/// one's end.
+pub fn call(watching: pid_t) {
+    if !worker::is_alone(watching) {
+        send(watching, SIGCHLD);
+    }
+}
+
 /// How a process ended.
 enum End {
     Code(c_int),
@@ -161,6 +169,10 @@ fn watch(worker: pid_t, outcome: &ExitSlot) -> u8 {
         }
         if deadline.is_none() && outcome.get().is_some() {
             deadline = Some(Instant::now() + TIME_TO_END);
+            // While the system takes the process apart, which is as long. Where there is a journal, unfinished files come first.
+            if journal().is_none_or(|journal| !journal.exists()) {
+                super::clean();
+            }
         }
         if deadline.is_some_and(|deadline| Instant::now() >= deadline) && !was_killed {
             send(worker, SIGKILL);
@@ -232,7 +244,7 @@ fn ended(process: pid_t) -> Option<End> {
 }
 
 fn send(process: pid_t, signal: c_int) {
-    // SAFETY: involves no memory. The process is our child and was not waited for yet, so the number is its own.
+    // SAFETY: involves no memory. The process is our child and was not waited for yet, or our parent, so the number is its own.
     unsafe { libc::kill(process, signal) };
 }
 

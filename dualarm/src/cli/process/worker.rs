@@ -9,7 +9,7 @@ use std::thread;
 use fmi2_cosim::files;
 use signal_hook::iterator::Signals;
 
-use super::supervisor::{ExitSlot, unblock};
+use super::supervisor::{ExitSlot, call, unblock};
 use super::{STANDARD_OUTPUT, journal};
 
 /// Where the watching process finds the exit code.
@@ -42,6 +42,7 @@ pub fn run(outcome: ExitSlot, watching: libc::pid_t, work: impl FnOnce() -> u8) 
     end_when_interrupted(watching);
     let code = panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or(PANICKED);
     outcome.set(code);
+    call(watching);
     code
 }
 
