@@ -17,6 +17,7 @@
 mod beside;
 mod checks;
 mod cli;
+mod compiler;
 mod counts;
 mod fuzz;
 mod helpers;
@@ -42,6 +43,9 @@ use steps::{Runner, run};
 use tree::Tree;
 
 fn main() -> ExitCode {
+    if let Some(code) = compiler::called() {
+        return code;
+    }
     let tree = Tree::find();
     match Arguments::parse().command {
         Command::Test(what) => test::all(&tree, &what),

@@ -4,6 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::compiler;
 use crate::steps::{Outcome, run};
 
 /// Where things are.
@@ -37,6 +38,9 @@ impl Tree {
     /// cargo would give dependencies other features, and compile them and their dependents again.
     pub fn cargo_all(&self, subcommand: &str, args: &[&str]) -> Command {
         let mut command = self.cargo(&[subcommand, "--release", "--workspace", "--all-features"]);
+        if subcommand == "test" {
+            compiler::wrap(&mut command);
+        }
         command.args(args);
         command
     }
