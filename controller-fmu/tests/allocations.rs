@@ -137,9 +137,8 @@ fn the_papers_law_leaves_room_for_a_plant() {
     let inputs: [u32; 16] = std::array::from_fn(|i| u32::try_from(i).unwrap());
     let commands = [16, 17, 18];
     for (moves, before, after) in [(0.0, true, false), (0.01, false, true), (0.01, true, false), (0.01, true, true)] {
-        let create = || {
-            let c = instance_of(&description.guid, &[(law, 1)]);
-            for step in 0..20 {
+        let walk = |c: Component, steps: std::ops::Range<u32>| {
+            for step in steps {
                 let signals: [f64; 16] = std::array::from_fn(|i| moves * (f64::from(step) * 0.1 + i as f64).sin());
                 let mut values = [0.0; 3];
                 // SAFETY: as a host does.
@@ -154,6 +153,10 @@ fn the_papers_law_leaves_room_for_a_plant() {
                     }
                 }
             }
+        };
+        let create = || {
+            let c = instance_of(&description.guid, &[(law, 1)]);
+            walk(c, 0..20);
             c
         };
         let first = create();
@@ -164,6 +167,8 @@ fn the_papers_law_leaves_room_for_a_plant() {
         // Where there are no wide registers, activations are kept in memory.
         let has_wide_registers = is_wide();
         assert!(bytes > 0 && (!has_wide_registers || bytes <= 8 << 10), "{bytes} bytes");
+        let later = measure(|| walk(first, 20..100));
+        assert_eq!((later.count_total, later.bytes_current), (0, 0), "moves {moves}, before {before}, after {after}");
         // SAFETY: as a host does.
         unsafe {
             calls::free_instance(first);

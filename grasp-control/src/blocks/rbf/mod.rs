@@ -54,7 +54,8 @@ pub(crate) use continuous::NetworkChange;
 pub use layout::{Layout, MAX_PER_AXIS};
 pub use network::Network;
 pub(crate) use plain::{
-    GRID, Heights, PlainAxis, STAR, grid_output, learn_grid, learn_star, star_output, still_output,
+    GRID, GRID_ACTIVATIONS, GridActivations, Heights, PlainAxis, STAR, STILL_ACTIVATIONS, grid_output, learn_grid,
+    learn_star, star_output, still_activations, still_output,
 };
 
 /// Narrowest and widest Gaussians in normalised units. Narrower ones would underflow inside the box.

@@ -83,6 +83,9 @@ pub(crate) const STAR: usize = USUAL_STAR;
 /// Fours of a star's nodes that stay where only its last axes move.
 const STILL: usize = USUAL_STAR - USUAL_ARM;
 
+/// Fours of activations of these nodes, without the origin, which has 1.
+pub(crate) const STILL_ACTIVATIONS: usize = USUAL_ARM;
+
 /// One node in a four.
 const ALONE: Lanes = [1.0, 0.0, 0.0, 0.0];
 
@@ -95,30 +98,54 @@ fn learn<V: Four>(w: &mut Lanes, decay: V, learnt: V) -> V {
 }
 
 /// Activations of a grid, without the middle of its second and third axis.
-struct GridActivations<V> {
-    common: f64,
+#[derive(Clone, Copy)]
+pub(crate) struct GridActivations<V> {
+    /// exp(−‖x‖²/b²), or zero where every activation is negligible.
+    pub common: f64,
+    /// Those along the first axis.
     outer: V,
+    /// What all rows share.
     inner: [V; USUAL_ROW],
 }
 
-#[inline(always)]
-fn grid_activations<V: Four>(heights: &Heights, least: f64, powers: [V; 2]) -> GridActivations<V> {
-    let common = relevant(powers, least);
-    let [first, second, third, _] = V::columns(heights.ratios(powers));
-    let outer = first * V::splat(common);
-    let factors = second.lanes();
-    let mut inner = [third; USUAL_ROW];
-    for i in 0..LANES {
-        inner[i] = V::splat(factors[i]) * third;
+/// Fours of a grid's activations besides what is common.
+pub(crate) const GRID_ACTIVATIONS: usize = USUAL_ROW + 1;
+
+impl<V: Four> GridActivations<V> {
+    /// Where the `powers` are.
+    #[inline(always)]
+    pub fn new(heights: &Heights, least: f64, powers: [V; 2]) -> Self {
+        let common = relevant(powers, least);
+        let [first, second, third, _] = V::columns(heights.ratios(powers));
+        let outer = first * V::splat(common);
+        let factors = second.lanes();
+        let mut inner = [third; USUAL_ROW];
+        for i in 0..LANES {
+            inner[i] = V::splat(factors[i]) * third;
+        }
+        inner[USUAL_ROW - 1] = second;
+        Self { common, outer, inner }
     }
-    inner[USUAL_ROW - 1] = second;
-    GridActivations { common, outer, inner }
+
+    /// As numbers in memory.
+    #[inline(always)]
+    pub fn lanes(&self) -> [Lanes; GRID_ACTIVATIONS] {
+        let [a, b, c, d, e, f] = self.inner;
+        [self.outer.lanes(), a.lanes(), b.lanes(), c.lanes(), d.lanes(), e.lanes(), f.lanes()]
+    }
+
+    /// From numbers in memory.
+    #[inline(always)]
+    pub fn load(common: f64, [outer, a, b, c, d, e, f]: &[Lanes; GRID_ACTIVATIONS]) -> Self {
+        let inner = [V::load(a), V::load(b), V::load(c), V::load(d), V::load(e), V::load(f)];
+        Self { common, outer: V::load(outer), inner }
+    }
 }
 
-/// Four sums that make up a grid's Ŵᵀ Y where the `powers` are.
+/// Four sums that make up a grid's Ŵᵀ Y.
 #[inline(always)]
-pub(crate) fn grid_output<V: Four>(w: &[Lanes; GRID], heights: &Heights, least: f64, powers: [V; 2]) -> V {
-    let GridActivations { common, outer, inner } = grid_activations(heights, least, powers);
+pub(crate) fn grid_output<V: Four>(w: &[Lanes; GRID], at: GridActivations<V>) -> V {
+    let GridActivations { common, outer, inner } = at;
     let middle = V::load(&ALONE) * V::splat(common);
     let mut sums = V::load(&w[ROWS]) * outer;
     sums = sums + V::load(&w[ROWS + 1]) * middle;
@@ -135,16 +162,10 @@ pub(crate) fn grid_output<V: Four>(w: &[Lanes; GRID], heights: &Heights, least: 
     sums
 }
 
-/// A grid: Ŵ ← decay·Ŵ + weight·Y where the `powers` are; four sums that make up Ŵᵀ Y there.
+/// A grid: Ŵ ← decay·Ŵ + weight·Y; four sums that make up Ŵᵀ Y afterwards.
 #[inline(always)]
-pub(crate) fn learn_grid<V: Four>(
-    w: &mut [Lanes; GRID],
-    heights: &Heights,
-    least: f64,
-    powers: [V; 2],
-    (decay, weight): (f64, f64),
-) -> V {
-    let GridActivations { common, outer, inner } = grid_activations(heights, least, powers);
+pub(crate) fn learn_grid<V: Four>(w: &mut [Lanes; GRID], at: GridActivations<V>, (decay, weight): (f64, f64)) -> V {
+    let GridActivations { common, outer, inner } = at;
     let (decay, weight) = (V::splat(decay), V::splat(weight));
     // The tail: the nodes in the middle of the second and third axis.
     // Not as a load of a number and zeros: for these the compiler may choose an instruction that valgrind 3.19 does not know.
@@ -171,14 +192,14 @@ pub(crate) fn learn_grid<V: Four>(
 #[inline(always)]
 pub(crate) fn learn_star<V: Four>(
     w: &mut [Lanes; STAR],
-    [still, moving]: &[Heights; 2],
-    least: f64,
-    (of_still, [of_first, of_second]): ([V; 2], [[V; 2]; 2]),
+    still: &[Lanes; STILL_ACTIVATIONS],
+    (moving, least): (&Heights, f64),
+    [of_first, of_second]: [[V; 2]; 2],
     (decay, shares): (f64, [f64; 2]),
 ) -> V {
     let (first, second) = (shares[0] * relevant(of_first, least), shares[1] * relevant(of_second, least));
     let decay = V::splat(decay);
-    let of_still = adapt_row(&mut w[..STILL], &still_activations(still, of_still), decay, V::splat(first + second));
+    let of_still = adapt_row(&mut w[..STILL], &with_origin(still), decay, V::splat(first + second));
     let (first, second) = (V::splat(first), V::splat(second));
     let (at_first, at_second) = (moving.ratios(of_first), moving.ratios(of_second));
     for i in 0..USUAL_ARM {
@@ -187,17 +208,22 @@ pub(crate) fn learn_star<V: Four>(
     of_still
 }
 
-/// Activations of a star's nodes along its first axes, without the common factor.
+/// Activations of a star's nodes along its first axes where the `powers` are, without the origin and the common factor.
 #[inline(always)]
-fn still_activations<V: Four>(heights: &Heights, powers: [V; 2]) -> [Lanes; STILL] {
+pub(crate) fn still_activations<V: Four>(heights: &Heights, powers: [V; 2]) -> [Lanes; STILL_ACTIVATIONS] {
     let [a, b, c, d] = heights.ratios(powers);
-    [ALONE, a.lanes(), b.lanes(), c.lanes(), d.lanes()]
+    [a.lanes(), b.lanes(), c.lanes(), d.lanes()]
+}
+
+#[inline(always)]
+fn with_origin(&[a, b, c, d]: &[Lanes; STILL_ACTIVATIONS]) -> [Lanes; STILL] {
+    [ALONE, a, b, c, d]
 }
 
 /// What a star's nodes along its first axes contribute to Ŵᵀ Y, without the common factor: four sums that make it up.
 #[inline(always)]
-pub(crate) fn still_output<V: Four>(w: &[Lanes; STAR], still: &Heights, powers: [V; 2]) -> V {
-    products_here(&w[..STILL], &still_activations(still, powers))
+pub(crate) fn still_output<V: Four>(w: &[Lanes; STAR], still: &[Lanes; STILL_ACTIVATIONS]) -> V {
+    products_here(&w[..STILL], &with_origin(still))
 }
 
 /// Four sums that make up a star's Ŵᵀ Y at another such point, from those of [`learn_star`] or [`still_output`].

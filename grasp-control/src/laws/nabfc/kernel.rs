@@ -45,7 +45,7 @@ impl Nabfc {
     /// Evaluates all that the shear rates do not change. What they do change is to follow.
     #[inline(never)]
     fn evaluate_still<V: Four>(&mut self, inputs: &Inputs) {
-        (self.keep.seen, self.keep.known) = (*inputs, Known::Loops);
+        self.keep.see(inputs, Known::Loops);
         self.object.prepare();
         let at = self.loop_inputs(inputs, [0.0; 2]);
         let [arm1, arm2] = &mut self.posture;

@@ -3,8 +3,10 @@
 // Inlined into functions for wide registers, or the compiler does not use these registers.
 #![allow(clippy::inline_always)]
 
+use super::evaluation::Evaluation;
 use super::shared::{Shared, shared};
 use super::table::Table;
+use crate::blocks::four::Four;
 use crate::law::StepError;
 use crate::laws::nabfc::Nabfc;
 use crate::signals::{Commands, Inputs};
@@ -25,17 +27,44 @@ pub(in crate::laws::nabfc) enum Known {
 }
 
 /// What is kept.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 #[repr(C, align(64))] // What a step touches is on as few lines of the cache as can be.
 pub(in crate::laws::nabfc) struct Keep {
     /// Tables of step sizes, that of the last step first.
     tables: [Option<Arc<Shared>>; SIZES],
     commands: Commands,
     pub known: Known,
+    /// Whether the evaluation is of the inputs that the law has seen last.
+    is_evaluated: bool,
     /// The inputs that the law has seen last.
     pub seen: Inputs,
     /// The last step size that has no table.
     without: f64,
+    /// What the usual step does without, unless it has the inputs of the call before.
+    evaluation: Evaluation,
+}
+
+impl Clone for Keep {
+    /// Without the evaluation.
+    fn clone(&self) -> Self {
+        let Self { tables, commands, known, is_evaluated: _, seen, without, evaluation: _ } = self;
+        Self {
+            tables: tables.clone(),
+            commands: *commands,
+            known: *known,
+            is_evaluated: false,
+            seen: *seen,
+            without: *without,
+            evaluation: Evaluation::default(),
+        }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        let Self { tables, commands, known, is_evaluated: _, seen, without, evaluation: _ } = source;
+        self.tables.clone_from(tables);
+        (self.commands, self.known, self.is_evaluated) = (*commands, *known, false);
+        (self.seen, self.without) = (*seen, *without);
+    }
 }
 
 impl Keep {
@@ -45,15 +74,41 @@ impl Keep {
         self.tables[0].as_ref().filter(|table| table.h == h).map(|table| &***table)
     }
 
-    /// The table of the last step's size, whatever that is: commands do not depend on it.
-    #[inline(always)]
-    pub(super) fn any_table(&self) -> Option<&Table> {
-        self.tables[0].as_ref().map(|table| &***table)
-    }
-
     /// Whether the last step's size has a table and is this one.
     pub fn has_table(&self, h: f64) -> bool {
         self.table(h).is_some()
+    }
+
+    /// Whether these inputs are the last that the law has seen.
+    #[inline(always)]
+    pub(super) fn has_seen(&self, inputs: &Inputs) -> bool {
+        // In motion the first one differs already.
+        let [first, then] = [&self.seen, inputs].map(|inputs| inputs.measured.theta[0].to_bits());
+        first == then && self.has_seen_all_of(inputs)
+    }
+
+    // Not inlined: the compiler would compare all of them in every step.
+    #[inline(never)]
+    fn has_seen_all_of(&self, inputs: &Inputs) -> bool {
+        self.seen.has_bits_of(inputs)
+    }
+
+    /// The evaluation for these inputs, which may have been seen last, with the table of the last step's size, whatever that is: the
+    /// evaluation does not depend on it.
+    #[inline(always)]
+    pub(super) fn evaluated<V: Four>(&mut self, inputs: &Inputs, are_seen: bool) -> Option<(&Table, &Evaluation)> {
+        let table = self.tables[0].as_ref()?;
+        if !(self.is_evaluated && are_seen) {
+            self.evaluation.fill::<V>(table, inputs);
+            (self.seen, self.known, self.is_evaluated) = (*inputs, Known::Nothing, true);
+        }
+        Some((table, &self.evaluation))
+    }
+
+    /// These inputs are the last that the law has seen, and nothing but this is known for them.
+    #[inline(always)]
+    pub fn see(&mut self, inputs: &Inputs, known: Known) {
+        (self.seen, self.known, self.is_evaluated) = (*inputs, known, false);
     }
 
     /// Whether the loops are evaluated for some inputs.
@@ -65,7 +120,14 @@ impl Keep {
     /// Keeps the commands for these inputs.
     #[inline(always)]
     pub fn put(&mut self, inputs: &Inputs, commands: Commands) {
-        (self.seen, self.commands, self.known) = (*inputs, commands, Known::Commands);
+        self.see(inputs, Known::Commands);
+        self.commands = commands;
+    }
+
+    /// Keeps the commands for the inputs that the law has seen last.
+    #[inline(always)]
+    pub(super) fn add(&mut self, commands: Commands) {
+        (self.commands, self.known) = (commands, Known::Commands);
     }
 
     /// They do not hold any more.

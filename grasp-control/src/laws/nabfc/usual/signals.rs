@@ -17,7 +17,7 @@ fn within<V: Four>(x: V, (least, most): (V, V)) -> V {
 /// Signals of the loops.
 #[derive(Clone, Copy)]
 pub(super) struct Signals<V> {
-    error: V,
+    pub error: V,
     /// Surfaces (33) and (51).
     pub s: V,
     /// Of the hubs.
@@ -25,7 +25,7 @@ pub(super) struct Signals<V> {
     /// Exponents of two of the networks' inputs but for those that the shear rates move: of hub 1, of hub 2, of the star.
     pub exponents: [V; 3],
     /// ‖x‖² of these inputs of the star.
-    still_norm2: f64,
+    pub still_norm2: f64,
 }
 
 impl<V: Four> Signals<V> {

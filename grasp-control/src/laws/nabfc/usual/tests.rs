@@ -1,7 +1,8 @@
 //! The usual step gives what the general way gives, to the bit.
 
+use super::evaluation::Evaluation;
 use super::table::Table;
-use super::{State, look, step};
+use super::{State, learn, look, step};
 use crate::blocks::four::{Four, Narrow, Portable};
 #[cfg(target_arch = "x86_64")]
 use crate::blocks::four::{Wide, has_wide_registers};
@@ -42,9 +43,7 @@ fn gains(gains: &Gains) -> Gains {
 }
 
 fn state(law: &mut Nabfc) -> State<'_> {
-    let Nabfc { object, posture: [arm1, arm2], shear_rate: filters, .. } = law;
-    let hubs = [arm1, arm2].map(|arm| arm.estimator.learner().unwrap());
-    State { hubs, object: object.estimator.learner().unwrap(), filters }
+    State::of(&mut law.object, &mut law.posture, &mut law.shear_rate).unwrap()
 }
 
 #[test]
@@ -54,17 +53,25 @@ fn in_any_registers_it_gives_the_bits_of_the_general_way() {
         law.initialize(&inputs(0));
         let mut general = law.clone();
         let table = Table::new(&law, H).expect("a usual step");
+        let mut at = Evaluation::default();
         for i in 1..200 {
             let mut inputs = inputs(i);
             if i % 5 == 0 {
                 // The low-pass is in equilibrium.
                 inputs.measured.tip_shear_dot = law.shear_rate.state();
             }
-            if i % 3 == 0 {
-                let commands = look::<V>(&table, state(&mut law), &inputs);
+            let is_evaluated = i % 3 == 0;
+            if is_evaluated {
+                at.fill::<V>(&table, &inputs);
+                let commands = look::<V>(&table, state(&mut law), &inputs, &at);
                 assert_eq!(bits(&commands), bits(&general.commands_here::<Narrow>(&inputs)), "before step {i}");
             }
-            let commands = step::<V>(&table, state(&mut law), &inputs);
+            let commands = if is_evaluated {
+                learn::<V>(&table, state(&mut law), &inputs, &at);
+                look::<V>(&table, state(&mut law), &inputs, &at)
+            } else {
+                step::<V>(&table, state(&mut law), &inputs)
+            };
             general.step_here::<Narrow>(H, &inputs, &Inputs::HELD).unwrap();
             let expected = bits(&general.commands_here::<Narrow>(&inputs));
             assert_eq!(bits(&commands), expected, "step {i}");
