@@ -238,6 +238,15 @@ def test_parts_of_a_study_and_trajectories(tmp_path: Path) -> None:
     assert "the study has the runs 0 to 15" in sweep(study, "--run", "16", code=2)["error"]
 
 
+def test_a_controller_without_a_run_in_a_part_has_a_row_of_dashes(tmp_path: Path) -> None:
+    """In the table for people: all columns are there for it, and nothing is said of what did not run."""
+    words = [tool(), "sweep", write(tmp_path), "--fmus", DIST, "--runs", "0..1", "-o", "a.csv"]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=True)
+    row = next(line.split()[1:] for line in done.stdout.splitlines() if line.startswith("PD "))
+    assert row[:3] == ["0", "0", "–"]
+    assert set(row[3:]) == {"–"}
+
+
 def test_an_ssp_can_be_swept(tmp_path: Path) -> None:
     text = f'title = "x"\nsystem = "{(DIST / "DualArmGrasp-NABFC.ssp").as_posix()}"\nmethod = "random"\ndraws = 2\n'
     study = write(tmp_path, text + "[experiment]\nstop = 0.1\nstep = 1e-3\n[vary]\nM = { low = 0.2, high = 0.4 }\n")

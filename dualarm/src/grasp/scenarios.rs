@@ -127,6 +127,11 @@ pub(crate) fn says_which_law(setting: &Located<Setting>) -> bool {
     ["law", "preset"].contains(&setting.item.target.as_str())
 }
 
+/// A scenario's title may name its own controller, which does not run then.
+fn with_instead(title: &str, controller: &str) -> String {
+    format!("{title}, with {controller} instead")
+}
+
 /// The scenario with its controller replaced by another one.
 ///
 /// # Errors
@@ -136,7 +141,7 @@ pub fn with_controller(mut scenario: Scenario, controller: &Controller) -> Resul
         return Err(NoController::new());
     };
     replaced.set_file_name(controller.fmu);
-    scenario.title = format!("{} ({})", scenario.title, controller.title);
+    scenario.title = with_instead(&scenario.title, controller.title);
     scenario.settings.retain(|setting| !says_which_law(setting));
     scenario.settings.splice(0..0, controller.settings().map(Located::nowhere));
     Ok(scenario)
@@ -155,7 +160,7 @@ pub fn with_contender(mut scenario: Scenario, contender: &Contender) -> Result<(
         Ok(file) if file.is_file() => *replaced = file,
         _ => replaced.set_file_name(&contender.fmu),
     }
-    scenario.title = format!("{} ({})", scenario.title, contender.title);
+    scenario.title = with_instead(&scenario.title, &contender.title);
     scenario.settings.retain(|setting| !says_which_law(setting));
     Ok((scenario, place))
 }

@@ -108,7 +108,8 @@ impl Outcome<'_> {
         let mut table = TextTable::default();
         let head = |text: &str| text.to_owned();
         table.header = vec![head("controller"), head("runs"), head("failed")];
-        if self.groups.iter().any(|group| group.success_rate.is_some()) {
+        let has_rates = self.groups.iter().any(|group| group.success_rate.is_some());
+        if has_rates {
             table.header.push(head("success, 95 % interval"));
         }
         let names: Vec<(String, String, f64)> = if is_grasp {
@@ -124,11 +125,17 @@ impl Outcome<'_> {
                 group.runs.to_string(),
                 group.failed.to_string(),
             ];
-            row.extend(group.success_rate.map(|rate| {
-                format!("{:.1} % ({:.1} – {:.1})", 100.0 * rate.share, 100.0 * rate.low, 100.0 * rate.high)
-            }));
+            if has_rates {
+                // A controller without a run in a part of a study has none.
+                row.push(group.success_rate.map_or_else(
+                    || head("–"),
+                    |rate| format!("{:.1} % ({:.1} – {:.1})", 100.0 * rate.share, 100.0 * rate.low, 100.0 * rate.high),
+                ));
+            }
             for (name, _, factor) in &names {
                 let figure = group.figures.iter().find(|figure| figure.name == *name);
+                // What has no run settles neither soon nor never.
+                let figure = figure.filter(|_| group.runs > 0);
                 row.push(figure.map_or_else(|| head("–"), |figure| spread(figure, *factor)));
             }
             table.rows.push(row);
@@ -137,9 +144,10 @@ impl Outcome<'_> {
     }
 }
 
-/// Median, and the range of nine tenths of the runs.
+/// Median, and the range of nine tenths of the runs. Where a run does not settle, it never does; other figures can only be missing.
 fn spread(figure: &Distribution, factor: f64) -> String {
-    let number = |value: Option<f64>| value.map_or_else(|| "never".to_owned(), |value| short(factor * value));
+    let missing = if figure.name.starts_with("settling") { "never" } else { "–" };
+    let number = |value: Option<f64>| value.map_or_else(|| missing.to_owned(), |value| short(factor * value));
     format!("{} ({} – {})", number(figure.median), number(figure.p05), number(figure.p95))
 }
 
