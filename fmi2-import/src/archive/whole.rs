@@ -7,6 +7,10 @@ use zip::{CompressionMethod, ZipArchive};
 
 /// An entry of more bytes, packed or unpacked, is a stream: memory for all of it at once would be a waste.
 const LARGEST: u64 = 16 << 20;
+/// A byte of a deflated entry stands for this many at most: 258 for two bits.
+const MOST_OF_A_BYTE: u64 = 1032;
+/// What an entry that cannot be packed may be longer than its content.
+const OVERHEAD: u64 = 4096;
 
 /// The content of an entry, if it has at most `most` bytes and is in every respect what the archive says of it. Whatever else it is, nothing
 /// is decided about it here: who reads it as a stream finds out.
@@ -16,14 +20,26 @@ pub fn content(zip: &mut ZipArchive<BufReader<std::fs::File>>, index: usize, mos
         return None;
     }
     let (size, packed_size, sum) = (entry.size(), entry.compressed_size(), entry.crc32());
-    if size > most.min(LARGEST) || packed_size > LARGEST {
+    // Thousands of entries that share their bytes may promise much and hold little: what is read and made is bounded by the content.
+    if size > most.min(LARGEST) || packed_size > size + OVERHEAD {
         return None;
     }
-    let mut packed = Vec::with_capacity(usize::try_from(packed_size).ok()?);
+    let mut packed = room(packed_size)?;
     entry.read_to_end(&mut packed).ok()?;
-    let mut content = vec![0; usize::try_from(size).ok()?];
+    if size > MOST_OF_A_BYTE * packed.len() as u64 {
+        return None;
+    }
+    let mut content = room(size)?;
+    content.resize(usize::try_from(size).ok()?, 0);
     let length = Decompressor::new().deflate_decompress(&packed, &mut content).ok()?;
     (length == content.len() && crc32(&content) == sum).then_some(content)
+}
+
+/// Memory for so many bytes, if there is any: a stream needs less.
+fn room(bytes: u64) -> Option<Vec<u8>> {
+    let mut room = Vec::new();
+    room.try_reserve_exact(usize::try_from(bytes).ok()?).ok()?;
+    Some(room)
 }
 
 #[cfg(test)]
@@ -37,9 +53,10 @@ mod tests {
     use super::*;
 
     const TEXT: &[u8] = b"the same again and again, the same again and again, the same again and again";
-    /// What a header of the directory begins with, and where in it checksum and size of the content are.
+    /// What a header of the directory begins with, and where in it the checksum and both sizes are.
     const HEADER: &[u8] = b"PK\x01\x02";
     const SUM: usize = 16;
+    const PACKED_SIZE: usize = 20;
     const SIZE: usize = 24;
 
     /// An archive of one entry, changed by `change` at the header of the directory.
@@ -54,6 +71,35 @@ mod tests {
         file.write_all(&bytes).unwrap();
         file.rewind().unwrap();
         ZipArchive::new(BufReader::new(file)).unwrap()
+    }
+
+    #[test]
+    fn bytes_that_belong_to_no_content_are_not_read() {
+        // Bytes behind the end of the content, as many as the directory wants: here, zeros.
+        let bytes = |count: u64| {
+            let mut file = tempfile::tempfile().unwrap();
+            let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
+            writer
+                .start_file("a", SimpleFileOptions::default().compression_method(CompressionMethod::Deflated))
+                .unwrap();
+            writer.write_all(TEXT).unwrap();
+            let plain = writer.finish().unwrap().into_inner();
+            let header = plain.windows(4).position(|window| window == HEADER).unwrap();
+            let mut directory = plain[header..].to_vec();
+            let packed = u64::from(u32::from_le_bytes(directory[PACKED_SIZE..][..4].try_into().unwrap()));
+            directory[PACKED_SIZE..][..4].copy_from_slice(&u32::try_from(packed + count).unwrap().to_le_bytes());
+            let end = directory.windows(4).position(|window| window == b"PK\x05\x06").unwrap();
+            let place = u32::try_from(header as u64 + count).unwrap();
+            directory[end + 16..][..4].copy_from_slice(&place.to_le_bytes());
+            file.write_all(&plain[..header]).unwrap();
+            file.write_all(&vec![0; usize::try_from(count).unwrap()]).unwrap();
+            file.write_all(&directory).unwrap();
+            file.rewind().unwrap();
+            ZipArchive::new(BufReader::new(file)).unwrap()
+        };
+        let size = TEXT.len() as u64;
+        assert_eq!(content(&mut bytes(OVERHEAD / 2), 0, size).as_deref(), Some(TEXT));
+        assert_eq!(content(&mut bytes(OVERHEAD + size), 0, size), None);
     }
 
     #[test]
