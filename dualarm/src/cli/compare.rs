@@ -10,7 +10,6 @@ use super::fmus::Job;
 use super::instruments::InstrumentsChoice;
 use super::json::{self, ExperimentDocument, MetricsDocument};
 use super::matrix::{self, MatrixChoice};
-use super::process;
 use super::progress::Progress;
 use super::simulate::{CouplingName, grid};
 use super::{Failure, numbers, print, width};
@@ -95,7 +94,6 @@ impl Default for Arguments {
 }
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
-    process::share_memory();
     let grid = grid(0.0, arguments.stop, arguments.step)?;
     if let Some(page) = &arguments.report {
         super::report::check(page, &[])?;

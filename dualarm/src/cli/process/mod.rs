@@ -6,8 +6,6 @@
 
 #[cfg(unix)]
 mod aside;
-#[cfg(all(target_os = "linux", target_env = "gnu"))]
-mod memory;
 #[cfg(unix)]
 mod supervisor;
 #[cfg(unix)]
@@ -140,12 +138,6 @@ pub fn within<T>(limit: Duration, complaint: String, work: impl FnOnce() -> T) -
     let result = work();
     drop(is_done);
     result
-}
-
-/// For work of a few threads that take large pieces of memory, if any: from now on, all take it from one place.
-pub fn share_memory() {
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    memory::share();
 }
 
 /// Ends the process at once, without the destructors of loaded code.

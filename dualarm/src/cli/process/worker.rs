@@ -39,8 +39,6 @@ pub fn run(outcome: ExitSlot, watching: libc::pid_t, work: impl FnOnce() -> u8) 
         files::keep_journal(journal);
     }
     keep_standard_output();
-    #[cfg(all(target_os = "linux", target_env = "gnu"))]
-    super::memory::prepare();
     end_when_interrupted(watching);
     let code = panic::catch_unwind(AssertUnwindSafe(work)).unwrap_or(PANICKED);
     outcome.set(code);

@@ -130,7 +130,6 @@ impl From<CouplingName> for Coupling {
 }
 
 pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
-    process::share_memory();
     if arguments.list {
         return list(arguments.json);
     }
