@@ -73,6 +73,8 @@ pub struct Archive {
     most: u64,
     /// Buffer for copying.
     buffer: Vec<u8>,
+    /// Whether an entry was not what the archive says of it: then all others are streams.
+    is_untrue: bool,
 }
 
 type Result<T> = std::result::Result<T, ArchiveError>;
@@ -114,7 +116,7 @@ impl Archive {
             }
         }
         let most = MAX_UNPACKED.min(FREE_UNPACKED.saturating_add(length.saturating_mul(MAX_RATIO)));
-        Ok(Self { zip, indices, allowance: most, most, buffer: vec![0; BUFFER] })
+        Ok(Self { zip, indices, allowance: most, most, buffer: vec![0; BUFFER], is_untrue: false })
     }
 
     /// The paths of all files, sorted.
@@ -218,7 +220,12 @@ impl Archive {
 
     /// The content of an entry within the limits, if it is one of those that are inflated in one piece.
     fn whole(&mut self, index: usize, most: u64) -> Option<Vec<u8>> {
-        let content = whole::content(&mut self.zip, index, most.min(self.allowance))?;
+        if self.is_untrue {
+            return None;
+        }
+        let content = whole::content(&mut self.zip, index, most.min(self.allowance));
+        self.is_untrue = content.is_err();
+        let content = content.ok()??;
         self.allowance -= content.len() as u64;
         Some(content)
     }
