@@ -127,9 +127,14 @@ pub(crate) fn says_which_law(setting: &Located<Setting>) -> bool {
     ["law", "preset"].contains(&setting.item.target.as_str())
 }
 
-/// A scenario's title may name its own controller, which does not run then.
+/// The title of a scenario with another controller. It may name its own one, which does not run then.
 fn with_instead(title: &str, controller: &str) -> String {
-    format!("{title}, with {controller} instead")
+    let mut words = title.split(|letter: char| !letter.is_alphanumeric());
+    if words.any(|word| ["NABFC", "PD", "PDS", "PID"].contains(&word)) {
+        format!("{title}, with {controller} instead")
+    } else {
+        format!("{title} ({controller})")
+    }
 }
 
 /// The scenario with its controller replaced by another one.
@@ -191,6 +196,18 @@ mod tests {
             assert!(scenario.title.chars().count() <= 60, "{}: one line", built_in.name);
             assert!(scenario.description.len() > 80, "{}: says what it shows", built_in.name);
         }
+    }
+
+    #[test]
+    fn a_title_names_the_controller_that_runs() {
+        let titled = |title: &str| {
+            let nabfc = BUILT_IN.iter().find(|built_in| built_in.name == "nabfc");
+            let mut scenario = nabfc.unwrap().scenario().unwrap();
+            scenario.title = title.to_owned();
+            with_controller(scenario, &PD).unwrap().title
+        };
+        assert_eq!(titled("The paper's scenario I: NABFC"), "The paper's scenario I: NABFC, with PD instead");
+        assert_eq!(titled("Weak actuators"), "Weak actuators (PD)");
     }
 
     #[test]
