@@ -5,7 +5,7 @@
     python -m tests.studies.performance --before FOLDER     # beside FMUs of an earlier version, measured in turns
 
 Writes docs/performance/time.csv, docs/performance/cost.csv and docs/figures/cost.svg, and the tables between the marks in the page. Takes
-a minute or two; the machine should have nothing else to do. Needs matplotlib; counts need valgrind.
+five minutes; the machine should have nothing else to do. Needs matplotlib; counts need valgrind.
 """
 
 from __future__ import annotations
