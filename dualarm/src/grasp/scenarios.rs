@@ -130,7 +130,7 @@ pub(crate) fn says_which_law(setting: &Located<Setting>) -> bool {
 /// The title of a scenario with another controller. It may name its own one, which does not run then.
 fn with_instead(title: &str, controller: &str) -> String {
     let mut words = title.split(|letter: char| !letter.is_alphanumeric());
-    if words.any(|word| ["NABFC", "PD", "PDS", "PID"].contains(&word)) {
+    if words.any(|word| CONTROLLERS.iter().any(|known| known.title == word)) {
         format!("{title}, with {controller} instead")
     } else {
         format!("{title} ({controller})")
