@@ -62,43 +62,44 @@ mod tests {
     const PACKED_SIZE: usize = 20;
     const SIZE: usize = 24;
 
-    /// An archive of one entry, changed by `change` at the header of the directory.
-    fn archive(method: CompressionMethod, change: impl FnOnce(&mut [u8])) -> ZipArchive<BufReader<File>> {
+    /// An archive of one entry, and where the header of its directory begins.
+    fn packed(method: CompressionMethod) -> (Vec<u8>, usize) {
         let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
         writer.start_file("a", SimpleFileOptions::default().compression_method(method)).unwrap();
         writer.write_all(TEXT).unwrap();
-        let mut bytes = writer.finish().unwrap().into_inner();
+        let bytes = writer.finish().unwrap().into_inner();
         let header = bytes.windows(4).position(|window| window == HEADER).unwrap();
-        change(&mut bytes[header..]);
+        (bytes, header)
+    }
+
+    fn opened(bytes: &[u8]) -> ZipArchive<BufReader<File>> {
         let mut file = tempfile::tempfile().unwrap();
-        file.write_all(&bytes).unwrap();
+        file.write_all(bytes).unwrap();
         file.rewind().unwrap();
         ZipArchive::new(BufReader::new(file)).unwrap()
+    }
+
+    /// An archive of one entry, changed by `change` at the header of the directory.
+    fn archive(method: CompressionMethod, change: impl FnOnce(&mut [u8])) -> ZipArchive<BufReader<File>> {
+        let (mut bytes, header) = packed(method);
+        change(&mut bytes[header..]);
+        opened(&bytes)
     }
 
     #[test]
     fn bytes_that_belong_to_no_content_are_not_read() {
         // Bytes behind the end of the content, as many as the directory wants: here, zeros.
         let bytes = |count: u64| {
-            let mut file = tempfile::tempfile().unwrap();
-            let mut writer = ZipWriter::new(std::io::Cursor::new(Vec::new()));
-            writer
-                .start_file("a", SimpleFileOptions::default().compression_method(CompressionMethod::Deflated))
-                .unwrap();
-            writer.write_all(TEXT).unwrap();
-            let plain = writer.finish().unwrap().into_inner();
-            let header = plain.windows(4).position(|window| window == HEADER).unwrap();
-            let mut directory = plain[header..].to_vec();
+            let (mut bytes, header) = packed(CompressionMethod::Deflated);
+            let mut directory = bytes.split_off(header);
             let packed = u64::from(u32::from_le_bytes(directory[PACKED_SIZE..][..4].try_into().unwrap()));
             directory[PACKED_SIZE..][..4].copy_from_slice(&u32::try_from(packed + count).unwrap().to_le_bytes());
             let end = directory.windows(4).position(|window| window == b"PK\x05\x06").unwrap();
             let place = u32::try_from(header as u64 + count).unwrap();
             directory[end + 16..][..4].copy_from_slice(&place.to_le_bytes());
-            file.write_all(&plain[..header]).unwrap();
-            file.write_all(&vec![0; usize::try_from(count).unwrap()]).unwrap();
-            file.write_all(&directory).unwrap();
-            file.rewind().unwrap();
-            ZipArchive::new(BufReader::new(file)).unwrap()
+            bytes.resize(header + usize::try_from(count).unwrap(), 0);
+            bytes.extend(directory);
+            opened(&bytes)
         };
         let size = TEXT.len() as u64;
         assert_eq!(content(&mut bytes(OVERHEAD / 2), 0, size), Ok(Some(TEXT.to_vec())));
