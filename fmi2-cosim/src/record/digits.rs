@@ -5,6 +5,7 @@ use std::io::Write;
 /// Whether a number may lie halfway between two shortest texts: the standard library takes the one farther from zero, others the even
 /// one. It has as many digits after the point as bits, one more than these texts, which are not closer together than doubles are.
 /// That is so with 25 bits at most: a number v = n/2ᵏ has neighbours closer than 10²⁻ᵏ, so n < 2⁵³ 10²⁻ᵏ 2ᵏ, and n ≥ 1.
+#[inline]
 fn may_be_halfway(value: f64) -> bool {
     const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
     let bits = value.to_bits();
@@ -56,8 +57,12 @@ fn put_odd(value: f64, text: &mut [u8; LONGEST]) -> usize {
 }
 
 /// A whole number as text, without the fraction of zero that it may have.
+#[inline]
 fn without_fraction(digits: &[u8]) -> &[u8] {
-    digits.strip_suffix(b".0").unwrap_or(digits)
+    match digits {
+        [whole @ .., b'.', b'0'] => whole,
+        _ => digits,
+    }
 }
 
 /// Copies some bytes, as two pieces that may overlap.
