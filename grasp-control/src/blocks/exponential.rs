@@ -153,7 +153,8 @@ fn powers_of<V: Four>(x: V) -> [V; 2] {
     let odd = r * ((o(0) + r2 * o(1)) + r4 * ((o(2) + r2 * o(3)) + r4 * (o(4) + r2 * o(5))));
     let [up, down] = shifted.powers_of_two();
     let one = V::constant(one);
-    [(one + (even + odd)) * up, (one + (even - odd)) * down]
+    // Else the compiler puts them aside half done, for where they are needed.
+    [((one + (even + odd)) * up).now(), ((one + (even - odd)) * down).now()]
 }
 
 /// 2^x and 2^−x of several fours, for |x| ≤ [`LARGEST`].

@@ -72,6 +72,9 @@ pub(crate) trait Four: Number {
     /// cache, a processor cannot read it back, and waits.
     #[must_use]
     fn whole(self) -> Self;
+    /// The same, which the compiler finds here, and not where it is needed first.
+    #[must_use]
+    fn now(self) -> Self;
     /// The first lanes of four rows, the second ones, …
     fn columns(rows: [Self; LANES]) -> [Self; LANES];
 }

@@ -173,6 +173,11 @@ impl Four for Narrow {
     }
 
     #[inline(always)]
+    fn now(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
     fn columns(rows: [Self; 4]) -> [Self; 4] {
         let [a, b, c, d] = rows.map(|row| row.0);
         // SAFETY: every x86-64 processor has SSE2.

@@ -120,6 +120,11 @@ impl Four for Portable {
     }
 
     #[inline(always)]
+    fn now(self) -> Self {
+        self
+    }
+
+    #[inline(always)]
     fn columns(rows: [Self; LANES]) -> [Self; LANES] {
         std::array::from_fn(|lane| Self(rows.map(|row| row.0[lane])))
     }

@@ -18,6 +18,16 @@ fn whole(mut register: __m256d) -> __m256d {
     register
 }
 
+#[target_feature(enable = "avx2")]
+#[inline]
+fn now(mut register: __m256d) -> __m256d {
+    // SAFETY: no instruction at all; the register stays what it is. Not `pure`: then the compiler may find it later.
+    unsafe {
+        std::arch::asm!("/* {0} */", inout(ymm_reg) register, options(nomem, nostack, preserves_flags));
+    }
+    register
+}
+
 /// The same two numbers, of which the compiler does not know any more where they come from.
 #[target_feature(enable = "avx2")]
 #[inline]
@@ -155,6 +165,12 @@ impl Four for Wide {
     fn whole(self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`.
         Self::of(unsafe { whole(self.register()) })
+    }
+
+    #[inline(always)]
+    fn now(self) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        Self::of(unsafe { now(self.register()) })
     }
 
     #[inline(always)]

@@ -37,6 +37,7 @@ use crate::blocks::rbf::{
 use crate::signals::{Commands, Inputs};
 use evaluation::Evaluation;
 use signals::Signals;
+use std::sync::atomic::{Ordering, compiler_fence};
 use table::{Learning, Table};
 
 /// Hubs: the first lanes.
@@ -52,51 +53,60 @@ struct State<'a> {
     filters: &'a mut LowPass,
 }
 
+/// Ends a part of a step: the compiler takes from memory behind it what is needed behind it. There are more constants than registers, and it
+/// would have to put those aside that it takes before.
+#[inline(always)]
+fn next_part() {
+    compiler_fence(Ordering::SeqCst);
+}
+
 /// The step, and the commands that follow it.
+///
+/// First come the exponentials and tanh, which are long chains of operations that wait for each other: only together do they keep a processor
+/// busy. The grids come last: there are many operations that wait for few others, and the next step can begin meanwhile.
 #[inline(always)]
 fn step<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs) -> Commands {
     let State { hubs: [hub1, hub2], object, filters } = state;
+    next_part();
     let signals = Signals::<V>::of(table, inputs);
     let Signals { s, exponents: [z1, z2, still], .. } = signals;
     let rests = filters.state() == inputs.measured.tip_shear_dot;
     let learning = &table.learning[usize::from(rests)];
-
-    // (55), with the outputs of the networks afterwards. The star follows when these are done, and not before: the compiler takes constants before
-    // it stores weights, and would have to put those aside that it needs later.
-    let mut of_grids = [V::splat(0.0); HUBS];
-    let surfaces = s.lanes();
-    // Of both before the weights of the first: these are as many instructions as a processor looks ahead.
-    let of_z = powers([z1, z2]);
-    for (hub, w) in [hub1.weights, hub2.weights].into_iter().enumerate() {
-        let [decay, weight] = table.grid_weights[hub];
-        let step = (decay, weight * surfaces[hub]);
-        let at = GridActivations::new(&table.grid_heights[hub], table.least[hub], of_z[hub]);
-        of_grids[hub] = learn_grid(w, at, step);
-    }
-
     let ([x1, x2, x3, _], regressors) = signals.moving(table, inputs, follow(table, filters, inputs));
-
-    // (37).
-    let [decay, weight1, weight2, _] = learning.star_weights;
-    let object_s = s.last();
-    let least = table.least[HUBS];
-    let [of_still, of_first, of_second] = powers([still, x1, x2]);
-    let shares = [weight1 * object_s, weight2 * object_s];
-    let [heights, moving] = &table.star_heights;
-    let still = still_activations(heights, of_still);
-    let still = learn_star(object.weights, &still, (moving, least), [of_first, of_second], (decay, shares));
+    next_part();
+    let of_z = powers([z1, z2]);
+    let [still, of_first, of_second] = powers([still, x1, x2]);
     let [of_end] = powers([x3]);
-    let of_star = star_output(object.weights, moving, least, of_end, still);
-    let [a, b, c, d] = V::columns([of_grids[0], of_grids[1], V::splat(0.0), of_star]);
-    let outputs = (a + b) + (c + d);
+    let tanh = signals.tanh(table).now();
+    next_part();
 
+    // (37), and the output of the network afterwards.
+    let surfaces = s.lanes();
+    let least = table.least[HUBS];
+    let [decay, weight1, weight2, _] = learning.star_weights;
+    let shares = [weight1 * surfaces[OBJECT], weight2 * surfaces[OBJECT]];
+    let [heights, moving] = &table.star_heights;
+    let still = still_activations(heights, still);
+    let still = learn_star(object.weights, &still, (moving, least), [of_first, of_second], (decay, shares));
+    let of_star = star_output(object.weights, moving, least, of_end, still).now();
     let [regressor1, regressor2, regressor3, _] = regressors.lanes();
-    let tanh = signals.tanh(table);
     let scalars = Scalars {
         bounds: [hub1.bound, hub2.bound, object.bound],
         inertias: [hub1.inertia, hub2.inertia, object.inertia],
     };
     let [bounds, inertias] = scalars.step(learning, &signals, tanh, [regressor1, regressor2]);
+    next_part();
+
+    // (55), likewise.
+    let mut of_grids = [V::splat(0.0); HUBS];
+    for (hub, w) in [hub1.weights, hub2.weights].into_iter().enumerate() {
+        let [decay, weight] = table.grid_weights[hub];
+        let at = GridActivations::new(&table.grid_heights[hub], table.least[hub], of_z[hub]);
+        of_grids[hub] = learn_grid(w, at, (decay, weight * surfaces[hub]));
+    }
+    next_part();
+    let [a, b, c, d] = V::columns([of_grids[0], of_grids[1], V::splat(0.0), of_star]);
+    let outputs = (a + b) + (c + d);
     signals.commands(table, inputs, tanh, regressor3, [outputs, bounds, inertias])
 }
 
@@ -151,7 +161,8 @@ fn learn<V: Four>(table: &Table, state: State<'_>, inputs: &Inputs, at: &Evaluat
         let [decay, weight] = table.grid_weights[hub];
         learn_grid::<V>(w, at.grid(hub), (decay, weight * surfaces[hub]));
     }
-    // After the grids, as in the other step.
+    // Here the exponentials are fewer, and with the grids first a step took less time.
+    next_part();
     let ([x1, x2, ..], regressors) = signals.moving(table, inputs, follow(table, filters, inputs));
     let of_nodes = powers([x1, x2]);
     let [decay, weight1, weight2, _] = learning.star_weights;
