@@ -119,8 +119,11 @@ impl Runs {
         progress: &impl Progress,
     ) -> Result<Self, ComparisonError> {
         let bars = grasp::PAPER.map(|controller| progress.begins(controller.title, setup.grid.steps()));
+        parallel::give_back_from_now_on();
         let made =
             parallel::each(bars.len(), |index| run::simulate(&grasp::PAPER[index], setup, lab, results, &bars[index]))?;
+        // The rows of the page are packed.
+        parallel::give_back();
         let (mut runs, mut rows, mut masters) = (Vec::new(), Vec::new(), Vec::new());
         let times = Arc::new(setup.grid.times());
         for made in made {
