@@ -20,6 +20,8 @@ pub enum Basis {
     /// Modal coordinates, which a plant uses from its first step on:
     /// [`Plant::energy_coordinates`](crate::Plant::energy_coordinates) converts them.
     Modal,
+    /// Modal coordinates of equal arms: of what both do alike, then of what they do against each other.
+    EvenAndOdd,
 }
 
 /// Everything that changes while the plant moves. Together with [`Parameters`] it determines the further motion.
@@ -45,6 +47,9 @@ pub struct State {
     /// The contacts, where they can open.
     pub contact: Option<Box<ContactState>>,
 }
+
+/// Positions, what rounding has kept from being added to them, and the supplied energy: as they stand side by side in a [`State`].
+pub(crate) type Positions = [f64; 2 * FORCES + 1];
 
 impl Clone for State {
     fn clone(&self) -> Self {
@@ -78,20 +83,21 @@ impl State {
         }
     }
 
-    /// Positions, what rounding has kept from being added to them, and the supplied energy, which stand side by side.
+    /// The coordinates; and positions, what rounding has kept from being added to them, and the supplied energy, which stand side by side.
     #[inline]
-    fn motion(&mut self) -> &mut [f64; 2 * FORCES + 1] {
+    pub(crate) fn coordinates_and_motion(&mut self) -> (&mut Coordinates, &mut Positions) {
         const { assert!(offset_of!(Self, carry) - offset_of!(Self, position) == size_of::<[f64; FORCES]>()) };
         const { assert!(offset_of!(Self, supplied_energy) - offset_of!(Self, carry) == size_of::<[f64; FORCES]>()) };
-        // SAFETY: the numbers of the three fields, without gaps.
-        unsafe { &mut *std::ptr::from_mut(self).byte_add(offset_of!(Self, position)).cast() }
+        let state = std::ptr::from_mut(self);
+        // SAFETY: a field, and the numbers of three others, without gaps.
+        unsafe { (&mut (*state).coordinates, &mut *state.byte_add(offset_of!(Self, position)).cast()) }
     }
 
-    /// As [`travel`](Self::travel), from where the state is; and adds to the supplied energy what stands in the last lane.
+    /// As [`travel`](Self::travel), from where the [motion](Self::coordinates_and_motion) is; and adds to the supplied energy what stands in
+    /// the last lane.
     #[allow(clippy::inline_always)] // Into a function for wide registers, or the compiler does not use these registers.
     #[inline(always)]
-    pub(crate) fn travel_in_lanes<V: Four>(&mut self, travel: V) {
-        let motion = self.motion();
+    pub(crate) fn travel_in_lanes<V: Four>(motion: &mut Positions, travel: V) {
         let first = |motion: &[f64; 7]| V::load(motion.first_chunk().unwrap_or(&[0.0; 4]));
         let last = |motion: &[f64; 7]| V::load(motion.last_chunk().unwrap_or(&[0.0; 4]));
         // Behind the positions comes the first of what is carried, and behind that the energy.
@@ -178,7 +184,7 @@ pub enum StateError {
         expected: usize,
     },
     /// The state has modal coordinates, but a plant of these parameters has none.
-    #[error("the state has modal coordinates, which a plant of these parameters does not have")]
+    #[error("the state has modal coordinates that a plant of these parameters does not have")]
     NotModal,
     /// A number in the state is infinite or not a number.
     #[error("the state has an entry that is not finite")]

@@ -4,6 +4,7 @@ mod conservation;
 mod contact;
 mod contact_equations;
 mod discrete;
+mod equal_arms;
 mod equations;
 mod integrator;
 mod properties;

@@ -81,6 +81,15 @@ fn foreign_states_are_refused() {
     assert_eq!(plant.set_state(other.state()), Err(StateError::Length { found: 37, expected: 33 }));
     let spoiled = State { position: [0.0, f64::NAN, 0.0], ..plant.state().clone() };
     assert_eq!(plant.set_state(&spoiled), Err(StateError::NotFinite));
+    // Modal coordinates of as many motions, but not of the same ones.
+    let mut unequal =
+        Plant::new(Parameters { arms: [Arm::default(), Arm { ei: 0.2, ..Arm::default() }], ..Parameters::default() })
+            .unwrap();
+    unequal.step(1e-3, &PUSH, &Inputs::ZERO).unwrap();
+    plant.step(1e-3, &PUSH, &Inputs::ZERO).unwrap();
+    assert_eq!(plant.state().coordinates.len(), unequal.state().coordinates.len());
+    assert_eq!(plant.set_state(unequal.state()), Err(StateError::NotModal));
+    assert_eq!(unequal.set_state(plant.state()), Err(StateError::NotModal));
     other.step(1e-3, &PUSH, &Inputs::ZERO).unwrap();
     other.reset();
     assert_eq!(other.state(), Plant::new(other.parameters().clone()).unwrap().state());

@@ -3,7 +3,7 @@
  * without any parameter that could be something else. `benches/common/peer.rs` compiles it with the C compiler at hand and
  * measures it beside ours.
  *
- *   plant       the modal step of order 8 (grasp-plant/src/modal/): 16 blocks, the rigid motion, 9 signals, travel and work
+ *   plant       the modal step of order 8 (grasp-plant/src/modal/): 16 blocks of equal arms, the rigid motion, 9 signals, travel and work
  *   paper       a step of NABFC with the paper's law (grasp-control/src/laws/nabfc/) and held inputs: 5^3, 5^3 and 29 nodes
  *
  * Vectors of four are those of GCC and Clang, which make what the processor has of them.
@@ -53,6 +53,10 @@ ALWAYS four least(four x, four y) {
     return choose(x < y, x, y);
 #endif
 }
+ALWAYS four last(four x, double y) {
+    x[3] = y;
+    return x;
+}
 ALWAYS double sum(four x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 ALWAYS double clamp(double x, double limit) { return x < -limit ? -limit : x > limit ? limit : x; }
 
@@ -93,51 +97,66 @@ ALWAYS struct powers powers(four x) {
 
 /* ---- plant ---- */
 
-/* Fours of blocks: half the order. */
+/* Fours of blocks: half the order. Of equal arms half of them move both arms alike, and the others each against the other. */
 #ifndef GROUPS
 #define GROUPS 4
 #endif
-/* Signals that every step reads; numbers far from being unusable; steps without a look at them, as many as ours makes of 0.1 ms. */
-enum { ROWS = 9, STEPS = 26 };
+enum { HALF = (GROUPS + 1) / 2 };
+/* Signals that every step reads, by kind; steps without a look at the numbers, as many as ours makes of 0.1 ms; numbers far from being unusable. */
+enum { EVEN_ROWS = 5, ODD_ROWS = 4, STEPS = 26 };
 #define CALM 1e40
+
+struct even { four increment[2][2], gain[2][2], travel[2][2]; };
+struct odd { four increment[2][2], gain[2][1], travel[1][2]; };
 
 /* Fours begin where registers do: `peer.rs` gives such memory. */
 struct plant {
-    four increment[GROUPS][2][2], gain[GROUPS][2][3], position[GROUPS][3][2];
-    four row[GROUPS][ROWS][2], rigid_signal;
-    four z[GROUPS][2];
+    struct even even[HALF];
+    struct odd odd[HALF];
+    four even_row[HALF][EVEN_ROWS][2], odd_row[HALF][ODD_ROWS][2], rigid_signal;
+    four z[2][HALF][2];
     double in[3], out[12];
-    double zeta, rigid_gain[3], rigid_velocity, rigid_drift[3], rigid_object, length, place[3], carry[3], work, limit[3];
+    four by_zeta, by_force[3], place, carry; /* Behind what is carried, the work. */
+    double zeta, rigid_object, limit[3];
     unsigned calm;
 };
+
+static void block(four increment[2][2], int lane, double w, double h) {
+    double decay = exp(-0.05 * w * h);
+    increment[0][0][lane] = increment[1][1][lane] = decay * cos(w * h) - 1;
+    increment[0][1][lane] = decay * sin(w * h);
+    increment[1][0][lane] = -decay * sin(w * h);
+}
 
 /* Stable numbers of the right size: each block turns and decays. */
 void *plant_new(struct plant *p, double h) {
     memset(p, 0, sizeof *p);
-    for (int g = 0; g < GROUPS; g++)
+    for (int g = 0; g < HALF; g++)
         for (int lane = 0; lane < 4; lane++) {
-            double w = 20.0 * (1 + 4 * g + lane) * h, decay = exp(-0.05 * w);
-            p->increment[g][0][0][lane] = decay * cos(w) - 1;
-            p->increment[g][0][1][lane] = decay * sin(w);
-            p->increment[g][1][0][lane] = -decay * sin(w);
-            p->increment[g][1][1][lane] = decay * cos(w) - 1;
+            block(p->even[g].increment, lane, 20.0 * (1 + 8 * g + 2 * lane), h);
+            block(p->odd[g].increment, lane, 20.0 * (2 + 8 * g + 2 * lane), h);
             for (int c = 0; c < 2; c++) {
-                for (int f = 0; f < 3; f++) {
-                    p->gain[g][c][f][lane] = 1e-3 * h * sin(1 + f + 3 * c + 5 * lane + 7 * g);
-                    p->position[g][f][c][lane] = 1e-2 * cos(1 + f + 3 * c + 5 * lane + 7 * g);
+                for (int f = 0; f < 2; f++) {
+                    p->even[g].gain[c][f][lane] = 1e-3 * h * sin(1 + f + 3 * c + 5 * lane + 7 * g);
+                    p->even[g].travel[f][c][lane] = 1e-2 * h * cos(1 + f + 3 * c + 5 * lane + 7 * g);
                 }
-                for (int row = 0; row < ROWS; row++) p->row[g][row][c][lane] = cos(1 + row + 11 * c + 13 * lane + g);
+                p->odd[g].gain[c][0][lane] = 1e-3 * h * sin(3 + 3 * c + 5 * lane + 7 * g);
+                p->odd[g].travel[0][c][lane] = 1e-2 * h * cos(3 + 3 * c + 5 * lane + 7 * g);
+                for (int row = 0; row < EVEN_ROWS; row++) p->even_row[g][row][c][lane] = cos(1 + row + 11 * c + 13 * lane + g);
+                for (int row = 0; row < ODD_ROWS; row++) p->odd_row[g][row][c][lane] = cos(6 + row + 11 * c + 13 * lane + g);
             }
         }
     p->rigid_signal = (four){0.1, 0.1, 0, 0};
     p->rigid_object = 0.1;
-    for (int f = 0; f < 3; f++) p->rigid_gain[f] = 1e-2, p->rigid_drift[f] = 1e-6, p->limit[f] = f == 2 ? 0.3 : 2.0;
-    p->rigid_velocity = 0.1;
-    p->length = 0.2;
+    p->by_zeta = (four){0.5 * h, 0.1 * h, 0, 0};
+    for (int f = 0; f < 3; f++) {
+        p->by_force[f] = f == 2 ? (four){0, 0, 1e-6 * h, 0} : (four){1e-6 * h, 1e-6 * h, 0, 1e-2 * h};
+        p->limit[f] = f == 2 ? 0.3 : 2.0;
+    }
     return p;
 }
 
-ALWAYS four kept(four x) { return (four)((four_bits)x & (magnitude(x) >= all(1e-150))); }
+ALWAYS four kept(four x) { return (four)((four_bits)x & (magnitude(x) >= all(0x1p-511))); }
 
 /* The sum of the lanes of each. */
 ALWAYS four sums(four a, four b, four c, four d) {
@@ -151,14 +170,20 @@ ALWAYS four sums(four a, four b, four c, four d) {
 
 /* Whether all numbers of the state are far from being unusable. */
 static __attribute__((noinline)) int calm(const struct plant *p) {
-    four size = magnitude((four){p->zeta, p->work, 0, 0});
-    for (int g = 0; g < GROUPS; g++) size += magnitude(p->z[g][0]) + magnitude(p->z[g][1]);
-    for (int f = 0; f < 3; f++) size += magnitude((four){p->place[f], p->carry[f], 0, 0});
+    four size = magnitude((four){p->zeta, 0, 0, 0}) + magnitude(p->place) + magnitude(p->carry);
+    for (int kind = 0; kind < 2; kind++)
+        for (int g = 0; g < HALF; g++) size += magnitude(p->z[kind][g][0]) + magnitude(p->z[kind][g][1]);
     return sum(size) < CALM;
 }
 
+/* One coordinate of four blocks after the step; what all numbers have in common is kept. */
+ALWAYS void move(four *z, four change, four_bits *common) {
+    *z += change;
+    *common &= (four_bits)*z;
+}
+
 void plant_step(struct plant *p, double h) {
-    double force[3], total[3], turned[3];
+    double force[3];
     if (!(fabs(p->in[0]) + fabs(p->in[1]) + fabs(p->in[2]) < CALM)) return;
     if (p->calm == 0) {
         if (!calm(p)) return;
@@ -166,46 +191,54 @@ void plant_step(struct plant *p, double h) {
     }
     p->calm--;
     for (int f = 0; f < 3; f++) force[f] = clamp(p->in[f], p->limit[f]);
-    four f0 = all(force[0]), f1 = all(force[1]), f2 = all(force[2]);
-    four rise[3] = {all(0), all(0), all(0)}, lowest = all(-1e300), row[ROWS];
-    for (int g = 0; g < GROUPS; g++) {
-        four z0 = p->z[g][0], z1 = p->z[g][1];
-        for (int c = 0; c < 2; c++) {
-            four change = (p->increment[g][c][0] * z0 + p->increment[g][c][1] * z1) +
-                          ((p->gain[g][c][0] * f0 + p->gain[g][c][1] * f1) + p->gain[g][c][2] * f2);
-            four next = (c ? z1 : z0) + change;
-            p->z[g][c] = next;
-            lowest = greater((four)((four_bits)next | (four_bits)all(-0.0)), lowest);
-            for (int f = 0; f < 3; f++) rise[f] += p->position[g][f][c] * change;
-        }
+    four f0 = all(force[0]), f1 = all(force[1]), f2 = all(force[2]), both = f0 + f1, opposite = f0 - f1;
+    four turn = all(0), rise = all(0), apart = all(0), even[EVEN_ROWS], odd[ODD_ROWS];
+    four_bits common = ~(four_bits)all(0);
+    for (int g = 0; g < HALF; g++) {
+        four *z = p->z[0][g], x = z[0], y = z[1];
+        const struct even *e = &p->even[g];
+        turn += e->travel[0][0] * x + e->travel[0][1] * y;
+        rise += e->travel[1][0] * x + e->travel[1][1] * y;
+        for (int c = 0; c < 2; c++)
+            move(z + c, (e->increment[c][0] * x + e->increment[c][1] * y) + (e->gain[c][0] * both + e->gain[c][1] * f2), &common);
     }
-    four_bits small = lowest > all(-1e-150);
-    if (small[0] | small[1] | small[2] | small[3])
-        for (int g = 0; g < GROUPS; g++) p->z[g][0] = kept(p->z[g][0]), p->z[g][1] = kept(p->z[g][1]);
-    double push = p->rigid_gain[0] * force[0] + p->rigid_gain[1] * force[1] + p->rigid_gain[2] * force[2];
-    double drift = p->rigid_drift[0] * force[0] + p->rigid_drift[1] * force[1] + p->rigid_drift[2] * force[2];
-    four risen = sums(rise[0], rise[1], rise[2], all(0));
-    for (int f = 0; f < 3; f++) total[f] = risen[f];
-    total[2] += h * (p->rigid_velocity * (p->zeta + 0.5 * h * push) + drift);
-    p->zeta += h * push;
-    turned[0] = (total[0] + total[2]) / p->length;
-    turned[1] = (total[1] + total[2]) / p->length;
-    turned[2] = total[2];
-    for (int f = 0; f < 3; f++) {
-        double by = p->carry[f] + turned[f], place = p->place[f] + by;
-        p->work += force[f] * turned[f];
-        p->carry[f] = by - (place - p->place[f]);
-        p->place[f] = place;
+    for (int g = 0; g < HALF; g++) {
+        four *z = p->z[1][g], x = z[0], y = z[1];
+        const struct odd *o = &p->odd[g];
+        apart += o->travel[0][0] * x + o->travel[0][1] * y;
+        for (int c = 0; c < 2; c++) move(z + c, (o->increment[c][0] * x + o->increment[c][1] * y) + o->gain[c][0] * opposite, &common);
     }
-    for (int r = 0; r < ROWS; r++) row[r] = all(0);
-    for (int g = 0; g < GROUPS; g++) {
-        four x = p->z[g][0], y = p->z[g][1];
-        for (int r = 0; r < ROWS; r++) row[r] += p->row[g][r][0] * x + p->row[g][r][1] * y;
+    /* Half the sum of both hubs, the object, half their difference; zeta. */
+    four travel = sums(turn, rise, apart, all(0)) +
+                  ((p->by_zeta * p->zeta + p->by_force[0] * both) + (p->by_force[1] * f2 + p->by_force[2] * opposite));
+    /* Of both hubs and the object; zeta; work. */
+    travel = SHUFFLE(travel, travel, 0, 0, 1, 3) + SHUFFLE(travel, travel, 2, 2, 2, 2) * (four){1, -1, 0, 0};
+    p->zeta += travel[3];
+    double work = (force[0] * travel[0] + force[1] * travel[1]) + force[2] * travel[2];
+    four by = p->carry + last(travel, work), place = p->place + by;
+    p->carry = last(by - (place - p->place), by[3]);
+    p->place = place;
+    /* A number that has this bit is not negligible. */
+    common &= (four_bits){1LL << 61, 1LL << 61, 1LL << 61, 1LL << 61};
+    if (!(common[0] & common[1] & common[2] & common[3]))
+        for (int kind = 0; kind < 2; kind++)
+            for (int g = 0; g < HALF; g++) p->z[kind][g][0] = kept(p->z[kind][g][0]), p->z[kind][g][1] = kept(p->z[kind][g][1]);
+    for (int r = 0; r < EVEN_ROWS; r++) even[r] = all(0);
+    for (int r = 0; r < ODD_ROWS; r++) odd[r] = all(0);
+    for (int g = 0; g < HALF; g++) {
+        four x = p->z[0][g][0], y = p->z[0][g][1];
+        for (int r = 0; r < EVEN_ROWS; r++) even[r] += p->even_row[g][r][0] * x + p->even_row[g][r][1] * y;
     }
-    four first = sums(row[0], row[1], row[2], row[3]) + p->rigid_signal * p->zeta, last = sums(row[4], row[5], row[6], row[7]);
+    for (int g = 0; g < HALF; g++) {
+        four x = p->z[1][g][0], y = p->z[1][g][1];
+        for (int r = 0; r < ODD_ROWS; r++) odd[r] += p->odd_row[g][r][0] * x + p->odd_row[g][r][1] * y;
+    }
+    four alike = sums(even[0], even[1], even[2], even[3]), against = sums(odd[0], odd[1], odd[2], odd[3]);
+    four one = alike + against, other = alike - against;
+    four first = SHUFFLE(one, other, 0, 4, 2, 6) + p->rigid_signal * p->zeta, last = SHUFFLE(one, other, 1, 5, 3, 7);
     p->out[0] = p->place[0], p->out[1] = p->place[1], p->out[4] = p->place[2];
     p->out[2] = first[0], p->out[3] = first[1], p->out[10] = first[2], p->out[11] = first[3];
-    p->out[5] = sum(row[8]) + p->rigid_object * p->zeta;
+    p->out[5] = sum(even[4]) + p->rigid_object * p->zeta;
     for (int i = 0; i < 4; i++) p->out[6 + i] = last[i];
 }
 
@@ -337,11 +370,6 @@ ALWAYS void turn(const four r[4], four c[4]) {
     four lo2 = SHUFFLE(r[2], r[3], 0, 4, 2, 6), hi2 = SHUFFLE(r[2], r[3], 1, 5, 3, 7);
     c[0] = SHUFFLE(lo, lo2, 0, 1, 4, 5), c[1] = SHUFFLE(hi, hi2, 0, 1, 4, 5);
     c[2] = SHUFFLE(lo, lo2, 2, 3, 6, 7), c[3] = SHUFFLE(hi, hi2, 2, 3, 6, 7);
-}
-
-ALWAYS four last(four x, double y) {
-    x[3] = y;
-    return x;
 }
 
 ALWAYS double common(const struct axis *a, struct powers e) { return e.up[3] > a->least ? e.up[3] : 0; }

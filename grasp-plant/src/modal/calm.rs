@@ -43,13 +43,7 @@ pub(super) fn gain(parameters: &Parameters) -> f64 {
 #[inline(never)]
 pub(super) fn cost(table: &Table, readings: &Readings, rigid: &Rigid, gain: f64, length: f64) -> u32 {
     let size = |numbers: &[f64]| numbers.iter().map(|number| number.abs()).sum::<f64>();
-    let mut growth = 1.0 + table.h * size(&rigid.gain);
-    for held in &table.held {
-        for (increment, gain) in held.increment.iter().zip(&held.gain) {
-            // By lanes all of them would be a few times less.
-            growth = growth.max(1.0 + size(increment.as_flattened()) + size(gain.as_flattened()));
-        }
-    }
+    let growth = 1.0 + (table.h * size(&rigid.gain)).max(table.largest_change());
     let (signal, position) = readings.largest_sums();
     let travel = position * growth + table.h * (rigid.velocity.abs() * growth + size(&rigid.drift));
     let factor = signal.max(4.0 * f64::from(MOST) * travel / length.min(1.0));

@@ -23,15 +23,16 @@ pub(crate) trait Four: Copy {
     fn plus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
-    fn over(self, divisor: Self) -> Self;
     /// One of the lanes in all of them.
     fn spread<const LANE: usize>(self) -> Self;
-    /// The first two lanes; zeros behind them.
-    fn first_two(self) -> Self;
     /// The same but for the last lane, which is that of the other.
     fn with_last_of(self, other: Self) -> Self;
     /// The last two lanes of both.
     fn last_twos(self, other: Self) -> Self;
+    /// The first and third lanes of both in turns, and the second and last ones.
+    fn in_turns(self, other: Self) -> (Self, Self);
+    /// Of (a, b, c, d): (a + c, a − c, b, d), where two arms do a alike, and c against each other.
+    fn apart(self) -> Self;
     /// Zero where it is [`NEGLIGIBLE`].
     fn kept(self) -> Self;
     /// As [`limited`](crate::actuator::limited).
@@ -46,11 +47,10 @@ pub(crate) trait Four: Copy {
     fn are_zeros(numbers: &[f64; 6]) -> bool;
     /// Whether the sum of the lanes plus the addend is negative, of any of both.
     fn is_any_sum_negative(both: [Self; 2], addends: [f64; 2]) -> bool;
-    /// The larger of these and of the filler minus the sizes of `values`: a filler of −0.0 leaves the sizes, one of −1.0 makes each result
-    /// of a zero −1.0. Of numbers that are all finite.
-    fn lowered(self, values: Self, filler: &Lanes) -> Self;
-    /// Whether any is.
-    fn is_any_above(self, limit: f64) -> bool;
+    /// The bits that both have, by lane.
+    fn common(self, other: Self) -> Self;
+    /// Whether all lanes have this bit.
+    fn have_all(self, bit: u64) -> bool;
     /// The sum of the lanes of each.
     fn sums(of: [Self; 4]) -> Self;
     /// Whether the sums of all rows fit into the registers.
@@ -89,18 +89,8 @@ impl Four for Lanes {
     }
 
     #[inline(always)]
-    fn over(self, divisor: Self) -> Self {
-        [self[0] / divisor[0], self[1] / divisor[1], self[2] / divisor[2], self[3] / divisor[3]]
-    }
-
-    #[inline(always)]
     fn spread<const LANE: usize>(self) -> Self {
         [self[LANE]; 4]
-    }
-
-    #[inline(always)]
-    fn first_two(self) -> Self {
-        [self[0], self[1], 0.0, 0.0]
     }
 
     #[inline(always)]
@@ -111,6 +101,18 @@ impl Four for Lanes {
     #[inline(always)]
     fn last_twos(self, other: Self) -> Self {
         [self[2], self[3], other[2], other[3]]
+    }
+
+    #[inline(always)]
+    fn in_turns(self, other: Self) -> (Self, Self) {
+        ([self[0], other[0], self[2], other[2]], [self[1], other[1], self[3], other[3]])
+    }
+
+    #[inline(always)]
+    fn apart(self) -> Self {
+        let [a, b, c, d] = self;
+        // As in wide registers, signs of zeros included.
+        [a + c, a - c, b + c * 0.0, d + c * 0.0]
     }
 
     #[inline(always)]
@@ -168,16 +170,13 @@ impl Four for Lanes {
     }
 
     #[inline(always)]
-    fn lowered(self, values: Self, filler: &Lanes) -> Self {
-        std::array::from_fn(|lane| {
-            let value = f64::from_bits(values[lane].to_bits() | filler[lane].to_bits());
-            if value > self[lane] { value } else { self[lane] }
-        })
+    fn common(self, other: Self) -> Self {
+        std::array::from_fn(|lane| f64::from_bits(self[lane].to_bits() & other[lane].to_bits()))
     }
 
     #[inline(always)]
-    fn is_any_above(self, limit: f64) -> bool {
-        self.iter().any(|x| *x > limit)
+    fn have_all(self, bit: u64) -> bool {
+        self.iter().fold(bit, |bits, number| bits & number.to_bits()) != 0
     }
 
     #[inline(always)]

@@ -13,10 +13,12 @@
 //! precision, and become [`Block`]s. Coordinates lose digits if planes are close to each other; the [condition](Modal)
 //! measures how many. From [`WORST_CONDITION`] on the plant is stepped by its dense matrices instead.
 
+mod arrangement;
 mod block;
 mod calm;
 mod damped;
 mod elementary;
+mod equal_arms;
 mod four;
 mod held;
 mod modes;
@@ -40,7 +42,7 @@ pub(crate) use wide::Wide;
 use crate::dynamics::{Dynamics, FORCES, Signals};
 use crate::kernel::{LANES as PANEL, Panels};
 use crate::parameters::Parameters;
-use crate::state::State;
+use crate::state::{Basis, State};
 use block::Block;
 use modes::Modes;
 use nalgebra::DMatrix;
@@ -71,20 +73,24 @@ pub(crate) struct Modal {
     /// By how much forces can exceed the inputs, and the arms' length: see [`calm`].
     gain: f64,
     length: f64,
-    /// By what to divide travels of the forces, see [`Travel::of_forces`].
-    lengths: Lanes,
 }
 
 impl Modal {
     /// None if the planes are too close to each other.
     pub fn new(dynamics: &Dynamics, parameters: &Parameters) -> Option<Self> {
-        let vibration = Vibration::new(dynamics, parameters);
+        let equal_arms = parameters.arms[0] == parameters.arms[1];
+        let mut vibration = Vibration::new(dynamics, parameters);
         if vibration.certain && vibration.viscosity > 0.0 {
             // The dense matrices keep the balance of energy exactly; in overdamped modes short modal steps would lose it by
             // cancellation.
             return None;
         }
-        let modes = Modes::find(&vibration, dynamics)?;
+        if equal_arms {
+            // What both have lost to rounding may differ.
+            let [first, second, object] = vibration.rigid_inputs;
+            vibration.rigid_inputs = [f64::midpoint(first, second), f64::midpoint(first, second), object];
+        }
+        let modes = Modes::find(&vibration, dynamics, equal_arms)?;
         let (basis, inverse) = modes.maps();
         let gains = modes.gains(&vibration);
         let readings = modes.readings(&vibration, dynamics);
@@ -100,15 +106,19 @@ impl Modal {
             inverse: Panels::new(&inverse),
             gain: calm::gain(parameters),
             length: parameters.length,
-            lengths: [parameters.length, parameters.length, 1.0, 1.0],
         };
         (modal.condition < WORST_CONDITION && modal.is_finite()).then_some(modal)
     }
 
     fn is_finite(&self) -> bool {
-        let positions = self.readings.groups.iter().flat_map(|group| group.positions.as_flattened().as_flattened());
+        let positions = self.readings.positions().flatten().flatten().flatten();
         let gains = self.gains.as_flattened().as_flattened();
         self.basis.iter().chain(positions).chain(gains).chain(&self.rigid.drift).all(|number| number.is_finite())
+    }
+
+    /// What a state in these coordinates says that they are.
+    pub fn state_basis(&self) -> Basis {
+        if self.readings.arrangement.equal_arms { Basis::EvenAndOdd } else { Basis::Modal }
     }
 
     /// Number of modal coordinates, those included that only fill up a group, and ζ.
@@ -118,7 +128,7 @@ impl Modal {
 
     /// Room for the step of a size.
     pub fn table(&self) -> Table {
-        Table::new(self.blocks.len())
+        Table::new(self.readings.arrangement)
     }
 
     /// The step of size h, to be kept.
@@ -131,7 +141,7 @@ impl Modal {
 
     /// Makes a table that of step size h.
     pub fn fill(&self, table: &mut Table, h: f64) {
-        table.fill(h, &self.blocks, &self.gains);
+        table.fill(h, &self.blocks, &self.gains, &self.readings, &self.rigid, self.length);
     }
 
     /// One step of the table's size with forces g + r t, into `next`.
@@ -144,7 +154,8 @@ impl Modal {
         rates: Option<&[f64; FORCES]>,
         next: &mut [f64],
     ) -> Travel {
-        Motion { table, readings: &self.readings, rigid: &self.rigid, from, forces, rates }.make(next)
+        let Self { readings, rigid, length, .. } = self;
+        Motion { table, readings, rigid, length: *length, from, forces, rates }.make(next)
     }
 
     /// Moves a state of modal coordinates by a step of the table's size with held forces, and reads the signals that every step reads; gives
@@ -152,8 +163,7 @@ impl Modal {
     #[allow(clippy::inline_always)] // Into a function for wide registers, or the compiler does not use these registers.
     #[inline(always)]
     pub fn hold<V: Four>(&self, table: &Table, forces: V, state: &mut State, signals: &mut Signals) -> Option<V> {
-        let Self { readings, rigid, lengths, .. } = self;
-        held::Held { table, readings, rigid, forces, lengths }.make(state, signals)
+        held::Held { table, readings: &self.readings, forces }.make(state, signals)
     }
 
     /// All signals of modal coordinates but the rates of the root moments.

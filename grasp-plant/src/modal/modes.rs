@@ -1,13 +1,15 @@
 //! The modes of a plant, and their consequences: maps to and from energy coordinates, effects of forces, rows of signals.
 
+use super::arrangement::{Arrangement, Parity};
 use super::block::Block;
+use super::plane::Planes;
 use super::readings::Readings;
 use super::step::Rigid;
 use super::table::{GROUP, LANES};
 use super::twofold::{Long, Twofold};
 use super::vibration::Vibration;
-use super::{damped, undamped};
-use crate::dynamics::{Dynamics, FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY};
+use super::{damped, equal_arms, undamped};
+use crate::dynamics::{Dynamics, FORCES, ROOT_MOMENT, ROOT_MOMENT_RATE, Signals, TIP_SHEAR, TIP_SHEAR_RATE, VELOCITY};
 use nalgebra::DMatrix;
 
 /// The effects of the forces on the two coordinates of a block.
@@ -15,6 +17,7 @@ pub(super) type Gains = [[f64; FORCES]; 2];
 
 pub(super) struct Modes {
     pub blocks: Vec<Block>,
+    arrangement: Arrangement,
     /// The basis of each block's plane.
     columns: Vec<[Long; 2]>,
     /// The rows that read the coordinates in it, nearly.
@@ -23,45 +26,61 @@ pub(super) struct Modes {
     rigid_moments: Vec<f64>,
 }
 
-/// Where a block's coordinates are among all.
-fn place(block: usize, coordinate: usize) -> usize {
-    block / LANES * GROUP + coordinate * LANES + block % LANES
-}
-
 impl Modes {
-    /// None if the planes are not found.
-    pub fn find(vibration: &Vibration, dynamics: &Dynamics) -> Option<Self> {
+    /// None if the planes are not found. Of equal arms the even ones come first.
+    pub fn find(vibration: &Vibration, dynamics: &Dynamics, equal_arms: bool) -> Option<Self> {
         let n = 2 * vibration.size;
-        let planes = if vibration.certain {
-            undamped::planes(vibration)
+        let system = dynamics.system.view((0, 0), (n, n)).into_owned();
+        let parts = if equal_arms {
+            let part = |parity| equal_arms::planes(vibration, &system, parity);
+            vec![part(Parity::Even)?, part(Parity::Odd)?]
+        } else if vibration.certain {
+            vec![undamped::planes(vibration)?]
         } else {
-            damped::planes(vibration, &dynamics.system.view((0, 0), (n, n)).into_owned())
-        }?;
+            vec![damped::planes(vibration, &system)?]
+        };
         let (mut blocks, mut columns, mut rows) = (Vec::new(), Vec::new(), Vec::new());
-        for (j, mut plane) in planes.planes.into_iter().enumerate() {
-            let mut both = [0, 1].map(|i| planes.inverse.row(2 * j + i).iter().copied().collect::<Vec<f64>>());
-            if !vibration.certain {
-                plane.orthonormalise(&mut both);
+        for Planes { planes, inverse } in parts {
+            for (j, mut plane) in planes.into_iter().enumerate() {
+                let mut both = [0, 1].map(|i| inverse.row(2 * j + i).iter().copied().collect::<Vec<f64>>());
+                if !vibration.certain {
+                    plane.orthonormalise(&mut both);
+                }
+                blocks.push(plane.standardise(&mut both));
+                columns.push(plane.basis);
+                rows.push(both);
             }
-            blocks.push(plane.standardise(&mut both));
-            columns.push(plane.basis);
-            rows.push(both);
         }
-        Some(Self { blocks, columns, rows, rigid_moments: vibration.rigid_moments() })
+        let arrangement = Arrangement { blocks: blocks.len(), equal_arms };
+        Some(Self { blocks, arrangement, columns, rows, rigid_moments: vibration.rigid_moments() })
+    }
+
+    /// Where a block's coordinate is among all.
+    fn place(&self, block: usize, coordinate: usize) -> usize {
+        let (group, lane) = self.arrangement.place_among_all(block);
+        group * GROUP + coordinate * LANES + lane
+    }
+
+    /// By how much the rigid velocity exceeds ζ per coordinate of a block. Odd ones do not move it.
+    fn hidden(&self, block: usize, column: &Long) -> Twofold {
+        match self.arrangement.parity(block) {
+            Some(Parity::Odd) => Twofold::default(),
+            _ => column.dot_plain(&self.rigid_moments),
+        }
     }
 
     /// Energy coordinates per modal coordinate, and, nearly, the inverse.
     pub fn maps(&self) -> (DMatrix<f64>, DMatrix<f64>) {
         let n = 2 * self.blocks.len();
-        let length = self.blocks.len().div_ceil(LANES) * GROUP + 1;
+        let length = self.arrangement.groups() * GROUP + 1;
         let (mut basis, mut inverse) = (DMatrix::zeros(n + 1, length), DMatrix::zeros(length, n + 1));
         for (j, (columns, rows)) in self.columns.iter().zip(&self.rows).enumerate() {
             for i in 0..2 {
-                let mut column = basis.column_mut(place(j, i));
+                let mut column = basis.column_mut(self.place(j, i));
                 column.rows_mut(0, n).copy_from_slice(&columns[i].hi);
-                column[n] = columns[i].dot_plain(&self.rigid_moments).hi;
+                column[n] = self.hidden(j, &columns[i]).hi;
                 for (m, entry) in rows[i].iter().enumerate() {
-                    inverse[(place(j, i), m)] = *entry;
+                    inverse[(self.place(j, i), m)] = *entry;
                 }
             }
         }
@@ -80,6 +99,13 @@ impl Modes {
             right.extend(column.iter());
             for (gain, solved) in gains.as_flattened_mut().iter_mut().zip(self.solve(&right)) {
                 gain[force] = solved;
+            }
+        }
+        for (block, gains) in gains.iter_mut().enumerate() {
+            let Some(parity) = self.arrangement.parity(block) else { break };
+            for gain in gains {
+                gain[1] = parity.sign() * gain[0];
+                gain[2] = if parity == Parity::Odd { 0.0 } else { gain[2] };
             }
         }
         gains
@@ -108,14 +134,14 @@ impl Modes {
         let n = 2 * vibration.size;
         let row = |signal: usize| -> Vec<f64> { dynamics.signal_rows.row(signal).iter().take(n).copied().collect() };
         let (velocities, root, tip) = (VELOCITY.map(row), ROOT_MOMENT.map(row), TIP_SHEAR.map(row));
-        let mut readings = Readings::new(self.blocks.len(), &vibration.rigid_inputs);
+        let mut readings = Readings::new(self.arrangement, &vibration.rigid_inputs);
         for (j, columns) in self.columns.iter().enumerate() {
             let motion = self.blocks[j].matrix();
-            for (i, column) in columns.iter().enumerate() {
-                let hidden = column.dot_plain(&self.rigid_moments);
+            let mut signals = [Signals::default(); 2];
+            for (signals, column) in signals.iter_mut().zip(columns) {
+                let hidden = self.hidden(j, column);
                 for ((signal, row), rigid) in VELOCITY.into_iter().zip(&velocities).zip(vibration.rigid_inputs) {
-                    let velocity = column.dot_plain(row) + Twofold::from(rigid) * hidden;
-                    *readings.entry(signal, j, i) = velocity.hi;
+                    signals[signal] = (column.dot_plain(row) + Twofold::from(rigid) * hidden).hi;
                 }
             }
             for (signal, rate, rows) in [(ROOT_MOMENT, ROOT_MOMENT_RATE, &root), (TIP_SHEAR, TIP_SHEAR_RATE, &tip)] {
@@ -123,20 +149,31 @@ impl Modes {
                     let read = [0, 1].map(|i| columns[i].dot_plain(&rows[arm]).hi);
                     for i in 0..2 {
                         // The moments change by Λ alone, and Λ has lost nothing that K's rows lose by cancellation.
-                        *readings.entry(signal[arm], j, i) = read[i];
-                        *readings.entry(rate[arm], j, i) = read[0] * motion[0][i] + read[1] * motion[1][i];
+                        signals[i][signal[arm]] = read[i];
+                        signals[i][rate[arm]] = read[0] * motion[0][i] + read[1] * motion[1][i];
                     }
                 }
             }
-            let rate = [0, 1].map(|i| *readings.entry(VELOCITY[2], j, i));
-            let inverse = self.blocks[j].inverse();
-            let (lane, positions) = (j % LANES, &mut readings.groups[j / LANES].positions);
-            for i in 0..2 {
-                for (arm, tip) in positions.iter_mut().take(2).enumerate() {
-                    tip[i][lane] = dynamics.tip_compliance[arm] * columns[i].hi[dynamics.tip_coordinate(arm)];
+            let tip =
+                |arm: usize| [0, 1].map(|i| dynamics.tip_compliance[arm] * columns[i].hi[dynamics.tip_coordinate(arm)]);
+            let (first, mut second) = (tip(0), tip(1));
+            if let Some(parity) = self.arrangement.parity(j) {
+                // The second arm's entries are those of the first one, and odd blocks do not move the object.
+                let sign = parity.sign();
+                for signals in &mut signals {
+                    for [first, second] in
+                        [[VELOCITY[0], VELOCITY[1]], TIP_SHEAR_RATE, ROOT_MOMENT_RATE, ROOT_MOMENT, TIP_SHEAR]
+                    {
+                        signals[second] = sign * signals[first];
+                    }
+                    signals[VELOCITY[2]] = if parity == Parity::Odd { 0.0 } else { signals[VELOCITY[2]] };
                 }
-                positions[2][i][lane] = rate[0] * inverse[0][i] + rate[1] * inverse[1][i];
+                second = first.map(|entry| sign * entry);
             }
+            let inverse = self.blocks[j].inverse();
+            let [rate, rate_2] = signals.map(|signals| signals[VELOCITY[2]]);
+            let object = [0, 1].map(|i| rate * inverse[0][i] + rate_2 * inverse[1][i]);
+            readings.put(j, &signals, &[first, second, object]);
         }
         readings
     }
@@ -149,7 +186,7 @@ impl Modes {
             for i in 0..2 {
                 let row = rows[i].iter().map(|entry| entry * entry).sum::<f64>().sqrt();
                 let column = columns[i].hi.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
-                let position = readings.groups[j / LANES].positions[2][i][j % LANES];
+                let position = readings.object_position(j, i);
                 condition = condition.max(row * column.max(position.abs() / reach));
             }
         }
@@ -162,13 +199,12 @@ pub(super) fn rigid(vibration: &Vibration, readings: &Readings, gains: &[Gains])
     let mut drift = [Twofold::default(); FORCES];
     for (j, gains) in gains.iter().enumerate() {
         for (i, gain) in gains.iter().enumerate() {
-            let position = readings.groups[j / LANES].positions[2][i][j % LANES];
+            let position = readings.object_position(j, i);
             for (drift, gain) in drift.iter_mut().zip(gain) {
                 *drift = *drift - Twofold::product(position, *gain);
             }
         }
     }
     let (gain, drift) = (vibration.rigid_inputs, drift.map(|drift| drift.hi));
-    let columns = [0, 1, 2].map(|force| [gain[force], drift[force], 0.0, 0.0]);
-    Rigid { gain, velocity: gain[2], drift, columns }
+    Rigid { gain, velocity: gain[2], drift }
 }

@@ -21,7 +21,7 @@ pub(super) struct Vibration {
     /// K.
     pub rates: DMatrix<f64>,
     /// Kᵀ.
-    transposed: DMatrix<f64>,
+    pub transposed: DMatrix<f64>,
     /// κ.
     pub viscosity: f64,
     /// C, shape 2k × 3.

@@ -11,8 +11,8 @@ use std::arch::x86_64::{
     _CMP_GE_OQ, _CMP_GT_OQ, _CMP_LE_OQ, _CMP_LT_OQ, _CMP_NLT_UQ, _mm_add_pd, _mm_cmplt_pd, _mm_loadu_pd,
     _mm_movemask_pd, _mm_setzero_pd, _mm256_and_pd, _mm256_blend_pd, _mm256_castpd_si256, _mm256_castpd256_pd128,
     _mm256_cmp_pd, _mm256_extractf128_pd, _mm256_hadd_pd, _mm256_max_pd, _mm256_min_pd, _mm256_movemask_pd,
-    _mm256_or_pd, _mm256_permute2f128_pd, _mm256_permute4x64_pd, _mm256_set1_epi64x, _mm256_set1_pd, _mm256_setzero_pd,
-    _mm256_testz_si256,
+    _mm256_or_pd, _mm256_permute2f128_pd, _mm256_permute4x64_pd, _mm256_set1_epi64x, _mm256_set1_pd,
+    _mm256_testc_si256, _mm256_testz_si256, _mm256_unpackhi_pd, _mm256_unpacklo_pd,
 };
 
 impl Four for Wide {
@@ -47,11 +47,6 @@ impl Four for Wide {
     }
 
     #[inline(always)]
-    fn over(self, divisor: Self) -> Self {
-        self / divisor
-    }
-
-    #[inline(always)]
     fn spread<const LANE: usize>(self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`.
         Self::of(unsafe {
@@ -65,12 +60,6 @@ impl Four for Wide {
     }
 
     #[inline(always)]
-    fn first_two(self) -> Self {
-        // SAFETY: the processor has AVX2, see `Wide`.
-        Self::of(unsafe { _mm256_blend_pd::<0b1100>(self.register(), _mm256_setzero_pd()) })
-    }
-
-    #[inline(always)]
     fn with_last_of(self, other: Self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`.
         Self::of(unsafe { _mm256_blend_pd::<0b1000>(self.register(), other.register()) })
@@ -80,6 +69,24 @@ impl Four for Wide {
     fn last_twos(self, other: Self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`.
         Self::of(unsafe { _mm256_permute2f128_pd::<0x31>(self.register(), other.register()) })
+    }
+
+    #[inline(always)]
+    fn in_turns(self, other: Self) -> (Self, Self) {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        unsafe {
+            (
+                Self::of(_mm256_unpacklo_pd(self.register(), other.register())),
+                Self::of(_mm256_unpackhi_pd(self.register(), other.register())),
+            )
+        }
+    }
+
+    #[inline(always)]
+    fn apart(self) -> Self {
+        // SAFETY: the processor has AVX2, see `Wide`.
+        let rest = Self::of(unsafe { _mm256_permute4x64_pd::<0b11_01_00_00>(self.register()) });
+        rest + self.spread::<2>() * Self::load(&[1.0, -1.0, 0.0, 0.0])
     }
 
     #[inline(always)]
@@ -155,18 +162,18 @@ impl Four for Wide {
     }
 
     #[inline(always)]
-    fn lowered(self, values: Self, filler: &Lanes) -> Self {
+    fn common(self, other: Self) -> Self {
         // SAFETY: the processor has AVX2, see `Wide`.
-        unsafe {
-            let values = _mm256_or_pd(values.register(), Self::load(filler).register());
-            Self::of(_mm256_max_pd(values, self.register()))
-        }
+        Self::of(unsafe { _mm256_and_pd(self.register(), other.register()) })
     }
 
     #[inline(always)]
-    fn is_any_above(self, limit: f64) -> bool {
+    fn have_all(self, bit: u64) -> bool {
         // SAFETY: the processor has AVX2, see `Wide`.
-        unsafe { _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(self.register(), _mm256_set1_pd(limit))) != 0 }
+        unsafe {
+            let bit = _mm256_set1_epi64x(bit.cast_signed());
+            _mm256_testc_si256(_mm256_castpd_si256(self.register()), bit) != 0
+        }
     }
 
     #[inline(always)]

@@ -196,8 +196,11 @@ impl Plant {
             (Basis::Energy, None) => self.model.dynamics.size(),
             // A grasp that can open keeps its energy coordinates.
             (Basis::Energy, Some(_)) => self.state.coordinates.len(),
-            (Basis::Modal, None) => self.model.modal().ok_or(StateError::NotModal)?.size(),
-            (Basis::Modal, Some(_)) => return Err(StateError::NotModal),
+            (basis, None) => {
+                let modal = self.model.modal().filter(|modal| modal.state_basis() == basis);
+                modal.ok_or(StateError::NotModal)?.size()
+            }
+            (_, Some(_)) => return Err(StateError::NotModal),
         };
         let found = state.coordinates.len();
         if found != expected {
@@ -228,7 +231,7 @@ impl Plant {
 
     /// The modal form, if the state is in its coordinates.
     fn modal_of_state(&self) -> Option<&Modal> {
-        if self.state.basis == Basis::Modal { self.model.modal() } else { None }
+        if self.state.basis == Basis::Energy { None } else { self.model.modal() }
     }
 
     /// Energy coordinates x \[√J\], 4k + 1 of them: ½|x|² is the total energy. The last is that of the rigid motion: its

@@ -14,15 +14,14 @@ impl Plant {
     pub(super) fn modal_step(&mut self, h: f64, inputs: &Inputs, rates: &Inputs, kinks: &[f64], repeats: bool) {
         let Self { model, state, cache, work, .. } = self;
         let Some(modal) = model.modal() else { return };
-        let length = model.parameters.length;
         let Workspace { drive, next, table, .. } = work;
         next.coordinates.resize(modal.size());
-        next.basis = Basis::Modal;
+        next.basis = modal.state_basis();
         next.supplied_energy = state.supplied_energy;
         let drive = &mut drive[..modal.size()];
         if kinks.is_empty() {
             let from = match state.basis {
-                Basis::Modal => &state.coordinates[..],
+                Basis::Modal | Basis::EvenAndOdd => &state.coordinates[..],
                 Basis::Energy => {
                     modal.modal_coordinates(&state.coordinates, drive);
                     drive
@@ -38,12 +37,12 @@ impl Plant {
             let forces = model.forces(inputs);
             let force_rates = (*rates != Inputs::ZERO).then(|| model.force_rates(&at(inputs, rates, h / 2.0), rates));
             let travel = modal.step(table, from, &forces, force_rates.as_ref(), &mut next.coordinates);
-            let moved = conclude(next, length, h, &travel, &forces, force_rates.as_ref());
+            let moved = conclude(next, h, &travel, &forces, force_rates.as_ref());
             next.travel(state, &moved);
             return;
         }
         match state.basis {
-            Basis::Modal => drive.copy_from_slice(&state.coordinates),
+            Basis::Modal | Basis::EvenAndOdd => drive.copy_from_slice(&state.coordinates),
             Basis::Energy => modal.modal_coordinates(&state.coordinates, drive),
         }
         let table = table.get_or_insert_with(|| modal.table());
@@ -56,7 +55,7 @@ impl Plant {
             modal.fill(table, duration);
             let travel = modal.step(table, drive, &forces, Some(&force_rates), &mut next.coordinates);
             drive.copy_from_slice(&next.coordinates);
-            let moved = conclude(next, length, duration, &travel, &forces, Some(&force_rates));
+            let moved = conclude(next, duration, &travel, &forces, Some(&force_rates));
             for (total, moved) in total.iter_mut().zip(moved) {
                 *total += moved;
             }
@@ -70,13 +69,12 @@ impl Plant {
 #[inline]
 fn conclude(
     next: &mut State,
-    length: f64,
     h: f64,
     travel: &Travel,
     forces: &[f64; FORCES],
     rates: Option<&[f64; FORCES]>,
 ) -> [f64; FORCES] {
-    let (moved, integral) = travel.of_forces(length);
+    let Travel { total: moved, integral } = *travel;
     next.supplied_energy += dot(forces, &moved);
     if let Some(rates) = rates {
         // ∫ t Θ̇ dt = h Θ(h) − ∫ Θ dt
