@@ -48,6 +48,7 @@ pub(super) fn planes(vibration: &Vibration, system: &DMatrix<f64>, parity: Parit
 }
 
 /// The half that moves both arms so, of a matrix that treats them alike.
+#[inline(never)]
 fn of_half(matrix: &DMatrix<f64>, rows: &[Pair], columns: &[Pair], parity: Parity) -> DMatrix<f64> {
     DMatrix::from_fn(rows.len(), columns.len(), |i, j| {
         let ([r, r_2], [c, c_2]) = (rows[i], columns[j]);

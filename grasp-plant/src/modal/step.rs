@@ -68,6 +68,12 @@ impl Motion<'_> {
             // SAFETY: the processor has it.
             return unsafe { if self.rates.is_some() { self.make_ramped(next) } else { self.make_held(next) } };
         }
+        self.make_narrow(next)
+    }
+
+    // Out of the way of processors with wide registers, and compiled with this crate, for size.
+    #[inline(never)]
+    fn make_narrow(self, next: &mut [f64]) -> Travel {
         if self.rates.is_some() { self.make_here::<Lanes, true>(next) } else { self.make_here::<Lanes, false>(next) }
     }
 

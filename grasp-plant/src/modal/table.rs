@@ -84,6 +84,7 @@ struct OfBlock {
 
 impl OfBlock {
     /// Puts it into its lane.
+    #[inline(never)]
     fn put<const DRIVES: usize>(
         &self,
         held: &mut Held<DRIVES>,
