@@ -20,7 +20,7 @@ fn pairs(order: usize) -> (Vec<Pair>, Vec<Pair>) {
     ((0..order).map(|i| [i, order + i]).collect(), fields.chain([hubs]).collect())
 }
 
-/// The planes of one kind of a vibration with equal arms; `system` is its matrix in plain precision.
+/// The planes of one kind of a vibration with equal arms; `system` is the plant's matrix in plain precision.
 pub(super) fn planes(vibration: &Vibration, system: &DMatrix<f64>, parity: Parity) -> Option<Planes> {
     let (moments, velocities) = pairs(vibration.size / 2);
     let half = vibration.half(&moments, &velocities, parity);

@@ -29,15 +29,14 @@ pub(super) struct Modes {
 impl Modes {
     /// None if the planes are not found. Of equal arms the even ones come first.
     pub fn find(vibration: &Vibration, dynamics: &Dynamics, equal_arms: bool) -> Option<Self> {
-        let n = 2 * vibration.size;
-        let system = dynamics.system.view((0, 0), (n, n)).into_owned();
         let parts = if equal_arms {
-            let part = |parity| equal_arms::planes(vibration, &system, parity);
+            let part = |parity| equal_arms::planes(vibration, &dynamics.system, parity);
             vec![part(Parity::Even)?, part(Parity::Odd)?]
         } else if vibration.certain {
             vec![undamped::planes(vibration)?]
         } else {
-            vec![damped::planes(vibration, &system)?]
+            let n = 2 * vibration.size;
+            vec![damped::planes(vibration, &dynamics.system.view((0, 0), (n, n)).into_owned())?]
         };
         let (mut blocks, mut columns, mut rows) = (Vec::new(), Vec::new(), Vec::new());
         for Planes { planes, inverse } in parts {

@@ -55,8 +55,8 @@ pub(super) struct Ramped<const DRIVES: usize> {
 }
 
 /// Of which of three forces an even or odd block's gains are, and of which travels its rows: of the first arm, and of the object.
-pub(super) const EVEN: [usize; 2] = [0, 2];
-pub(super) const ODD: [usize; 1] = [0];
+const EVEN: [usize; 2] = [0, 2];
+const ODD: [usize; 1] = [0];
 const ANY: [usize; FORCES] = [0, 1, 2];
 
 /// The exact step of one size.
@@ -83,6 +83,38 @@ struct OfBlock {
 }
 
 impl OfBlock {
+    /// The step of size h of a block: with the effects of the forces, and the rows by which the tips and the object's velocity see it.
+    fn new(
+        h: f64,
+        block: &Block,
+        gain: &[[f64; FORCES]; 2],
+        tips: &[[f64; 2]; 2],
+        object: [f64; 2],
+        length: f64,
+    ) -> Self {
+        let Functions { increment, first_less_one, second, third } = block.functions(h);
+        let (h_2, h_3) = (h * h, h * h * h);
+        let per_force = |of: &dyn Fn(usize, f64, f64) -> f64| {
+            [0, 1].map(|r| std::array::from_fn(|f| of(r, gain[r][f], gain[1 - r][f])))
+        };
+        let rise: [f64; 2] = std::array::from_fn(|c| {
+            h * (object[c] + (object[0] * first_less_one[0][c] + object[1] * first_less_one[1][c]))
+        });
+        let turn = |tip: &[f64; 2]| {
+            std::array::from_fn(|c| (tip[0] * increment[0][c] + tip[1] * increment[1][c] + rise[c]) / length)
+        };
+        Self {
+            increment,
+            gain: per_force(&|r, own, other| {
+                h * (own + (first_less_one[r][r] * own + first_less_one[r][1 - r] * other))
+            }),
+            travel: [turn(&tips[0]), turn(&tips[1]), rise],
+            integral: first_less_one.map(|row| row.map(|entry| h * entry)),
+            ramped_gain: per_force(&|r, own, other| h_2 * (second[r][r] * own + second[r][1 - r] * other)),
+            integral_gain: per_force(&|r, own, other| h_3 * (third[r][r] * own + third[r][1 - r] * other)),
+        }
+    }
+
     /// Puts it into its lane.
     #[inline(never)]
     fn put<const DRIVES: usize>(
@@ -113,6 +145,19 @@ impl<const DRIVES: usize> Held<DRIVES> {
         gain: [[[0.0; LANES]; DRIVES]; 2],
         travel: [[[0.0; LANES]; 2]; DRIVES],
     };
+
+    fn largest_change(&self) -> f64 {
+        let size = |numbers: &[f64]| numbers.iter().map(|number| number.abs()).sum::<f64>();
+        // By lanes all of them would be a few times less.
+        let rows = self.increment.iter().zip(&self.gain);
+        rows.map(|(increment, gain)| size(increment.as_flattened()) + size(gain.as_flattened())).fold(0.0, f64::max)
+    }
+
+    #[cfg(test)]
+    fn entries(&self) -> impl Iterator<Item = &f64> {
+        let Self { increment, gain, travel } = self;
+        increment.iter().flatten().chain(gain.iter().flatten()).chain(travel.iter().flatten()).flatten()
+    }
 }
 
 impl<const DRIVES: usize> Ramped<DRIVES> {
@@ -221,55 +266,6 @@ impl Table {
         let Parts { any, even, odd } = &self.ramped;
         let ramped = any.iter().flat_map(|r| r.entries()).chain(even.iter().flat_map(|r| r.entries()));
         held.chain(ramped.chain(odd.iter().flat_map(|r| r.entries()))).chain(self.travel.as_flattened())
-    }
-}
-
-impl OfBlock {
-    /// The step of size h of a block: with the effects of the forces, and the rows by which the tips and the object's velocity see it.
-    fn new(
-        h: f64,
-        block: &Block,
-        gain: &[[f64; FORCES]; 2],
-        tips: &[[f64; 2]; 2],
-        object: [f64; 2],
-        length: f64,
-    ) -> Self {
-        let Functions { increment, first_less_one, second, third } = block.functions(h);
-        let (h_2, h_3) = (h * h, h * h * h);
-        let per_force = |of: &dyn Fn(usize, f64, f64) -> f64| {
-            [0, 1].map(|r| std::array::from_fn(|f| of(r, gain[r][f], gain[1 - r][f])))
-        };
-        let rise: [f64; 2] = std::array::from_fn(|c| {
-            h * (object[c] + (object[0] * first_less_one[0][c] + object[1] * first_less_one[1][c]))
-        });
-        let turn = |tip: &[f64; 2]| {
-            std::array::from_fn(|c| (tip[0] * increment[0][c] + tip[1] * increment[1][c] + rise[c]) / length)
-        };
-        Self {
-            increment,
-            gain: per_force(&|r, own, other| {
-                h * (own + (first_less_one[r][r] * own + first_less_one[r][1 - r] * other))
-            }),
-            travel: [turn(&tips[0]), turn(&tips[1]), rise],
-            integral: first_less_one.map(|row| row.map(|entry| h * entry)),
-            ramped_gain: per_force(&|r, own, other| h_2 * (second[r][r] * own + second[r][1 - r] * other)),
-            integral_gain: per_force(&|r, own, other| h_3 * (third[r][r] * own + third[r][1 - r] * other)),
-        }
-    }
-}
-
-impl<const DRIVES: usize> Held<DRIVES> {
-    fn largest_change(&self) -> f64 {
-        let size = |numbers: &[f64]| numbers.iter().map(|number| number.abs()).sum::<f64>();
-        // By lanes all of them would be a few times less.
-        let rows = self.increment.iter().zip(&self.gain);
-        rows.map(|(increment, gain)| size(increment.as_flattened()) + size(gain.as_flattened())).fold(0.0, f64::max)
-    }
-
-    #[cfg(test)]
-    fn entries(&self) -> impl Iterator<Item = &f64> {
-        let Self { increment, gain, travel } = self;
-        increment.iter().flatten().chain(gain.iter().flatten()).chain(travel.iter().flatten()).flatten()
     }
 }
 
