@@ -1,7 +1,7 @@
 //! What the C interface costs around a model that computes next to nothing: the integrator of `two_models`.
 //!
 //! ```text
-//! cargo rustc -p fmi2-export --profile fmu --example two_models
+//! cargo build -p counted-models --profile fmu
 //! cargo run --release -p fmi2-export --example call_cost -- time     ns of set, step and get, beside the same model in C
 //! call_cost count integrator                                         steps; run under callgrind, as `cargo xtask counts` does
 //! ```
@@ -107,10 +107,9 @@ extern "C" fn step_cost_counted(integrator: &mut Integrator) -> f64 {
 fn ours() -> Result<Integrator, Box<dyn Error>> {
     let file = format!("{}two_models{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     // target/release/examples/call_cost
-    let path = std::env::current_exe()?.ancestors().nth(3).map(|target| target.join("fmu/examples").join(file));
+    let path = std::env::current_exe()?.ancestors().nth(3).map(|target| target.join("fmu").join(file));
     let path = path.filter(|path| path.is_file());
-    let path =
-        path.ok_or("there is no library: `cargo rustc -p fmi2-export --profile fmu --example two_models` builds it")?;
+    let path = path.ok_or("there is no library: `cargo build -p counted-models --profile fmu` builds it")?;
     let fmu = Fmu::open(&path);
     let guid = CString::new(fmu.guids().swap_remove(0))?;
     Integrator::new(fmu.library, &guid)

@@ -81,7 +81,7 @@ fn counts(tree: &Tree) -> Result<[u64; CASES.len()], Outcome> {
         return Err(Outcome::Skipped("valgrind is not installed".into()));
     }
     let programs = ["--example", "step_cost", "--example", "call_cost", "--bin", "dualarm"];
-    let library = ["rustc", "--quiet", "--package", "fmi2-export", "--profile", "fmu", "--example", "two_models"];
+    let library = ["build", "--quiet", "--package", "counted-models", "--profile", "fmu"];
     for build in [tree.cargo_all("build", &programs), tree.cargo(&library)] {
         let build = crate::steps::run(build);
         if build != Outcome::Passed {
