@@ -75,6 +75,7 @@ fn main() -> std::process::ExitCode {
         license: LICENSE,
         command: "cargo run --release -- package",
         articles: &[ERRATA],
+        links: &[("../../docs/errata.md", "errata.html")],
         ..Document::new()
     };
     let documents = [

@@ -44,6 +44,9 @@ pub struct Document<'a> {
     pub files: &'a [File<'a>],
     /// Further pages, to which the text can link.
     pub articles: &'a [Article<'a>],
+    /// Targets of the text's links and images as they are beside its own file, and what they become on the page, so that the text can
+    /// be read in the repository as well: `("../../docs/errata.md", "errata.html")`.
+    pub links: &'a [(&'a str, &'a str)],
 }
 
 impl Document<'_> {
@@ -51,7 +54,17 @@ impl Document<'_> {
     /// `Document { model: "Lag", text: "…", ..Document::new() }`.
     #[must_use]
     pub const fn new() -> Self {
-        Self { model: "", text: "", icon: &[], license: "", response: None, command: "", files: &[], articles: &[] }
+        Self {
+            model: "",
+            text: "",
+            icon: &[],
+            license: "",
+            response: None,
+            command: "",
+            files: &[],
+            articles: &[],
+            links: &[],
+        }
     }
 }
 

@@ -39,6 +39,7 @@ fn main() -> std::process::ExitCode {
             about: "A document of the repository that this FMU was built from; files it names are there.",
             text: include_str!("../../docs/errata.md"),
         }],
+        links: &[("../../docs/errata.md", "errata.html"), ("../../docs/figures/geometry.svg", "geometry.svg")],
     };
     fmi2_package::main(&plant_fmu::FMUS, &[plant])
 }

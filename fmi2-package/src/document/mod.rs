@@ -74,7 +74,8 @@ pub fn files(
 ) -> Result<Vec<(String, Vec<u8>)>, PackageError> {
     let interface = interface(model)?;
     let wrong = |problem| PackageError::Document { model: description.name, problem };
-    let text = text::read(document.text).map_err(|error| wrong(articles::not_understood(&error)))?;
+    let text =
+        text::read_from(document.text, document.links).map_err(|error| wrong(articles::not_understood(&error)))?;
     // All paths are checked before any file is written.
     let no_path =
         |path: &str| wrong(format!("{path:?} cannot be the path of a further file: it is taken, or no relative path"));

@@ -34,11 +34,23 @@ pub fn read(markdown: &str) -> Result<Text, FormulaError> {
     read_where(markdown, &|_| true)
 }
 
+/// The same for a text whose links and images have other targets where it is written: pairs of there and here.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_from(markdown: &str, links: &[(&str, &str)]) -> Result<Text, FormulaError> {
+    read_with(markdown, links, &|_| true)
+}
+
 /// The same for a text from another place: a link to a file that does not exist here becomes plain text.
 ///
 /// # Errors
 /// As [`read`].
 pub fn read_where(markdown: &str, is_here: &dyn Fn(&str) -> bool) -> Result<Text, FormulaError> {
+    read_with(markdown, &[], is_here)
+}
+
+fn read_with(markdown: &str, links: &[(&str, &str)], is_here: &dyn Fn(&str) -> bool) -> Result<Text, FormulaError> {
     let options = Options::ENABLE_TABLES | Options::ENABLE_MATH | Options::ENABLE_FOOTNOTES;
     let mut text = Text { html: String::new(), headings: Vec::new(), images: Vec::new(), links: Vec::new() };
     // Whether the present link has an existing target. Links are never nested.
@@ -46,7 +58,12 @@ pub fn read_where(markdown: &str, is_here: &dyn Fn(&str) -> bool) -> Result<Text
     let mut events = Vec::new();
     // Where the heading being read began, and its title so far.
     let mut heading: Option<(usize, String)> = None;
-    for event in Parser::new_ext(markdown, options) {
+    for mut event in Parser::new_ext(markdown, options) {
+        if let Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) = &mut event
+            && let Some((_, here)) = links.iter().find(|(there, _)| *there == &**dest_url)
+        {
+            *dest_url = CowStr::from((*here).to_owned());
+        }
         match &event {
             Event::Start(Tag::Heading { level: HeadingLevel::H2, .. }) => heading = Some((events.len(), String::new())),
             Event::Text(part) | Event::Code(part) => {
@@ -126,6 +143,14 @@ mod tests {
         let text = read_where("[a](a.html) [*b*](b.md#x) [c](#c)\n", &|target| target != "b.md#x").unwrap();
         assert_eq!(text.html, "<p><a href=\"a.html\">a</a> <em>b</em> <a href=\"#c\">c</a></p>\n");
         assert_eq!(text.links, ["a.html", "b.md#x", "#c"]);
+    }
+
+    #[test]
+    fn links_of_the_text_s_own_place_lead_to_files_here() {
+        let links = [("../docs/a.md", "a.html"), ("../docs/b.svg", "b.svg")];
+        let text = read_from("[a](../docs/a.md) ![b](../docs/b.svg) [c](c.md)\n", &links).unwrap();
+        assert_eq!((text.links, text.images), (vec!["a.html".to_owned(), "c.md".into()], vec!["b.svg".to_owned()]));
+        assert!(text.html.contains("href=\"a.html\"") && text.html.contains("src=\"b.svg\""), "{}", text.html);
     }
 
     #[test]
