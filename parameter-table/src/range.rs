@@ -65,17 +65,30 @@ impl Admissible {
 
 impl fmt::Display for Admissible {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Within(Range { min, max }) => write!(f, "between {min:?} and {max:?}"),
-            Self::Above(name, other, limit) => write!(f, "greater than {name} = {other:?} and at most {limit:?}"),
-            Self::Below(name, other, limit) => write!(f, "less than {name} = {other:?} and at least {limit:?}"),
+        match *self {
+            Self::Within(Range { min, max }) => write!(f, "between {} and {}", plain(min), plain(max)),
+            Self::Above(name, other, limit) => {
+                write!(f, "greater than {name} = {} and at most {}", plain(other), plain(limit))
+            }
+            Self::Below(name, other, limit) => {
+                write!(f, "less than {name} = {} and at least {}", plain(other), plain(limit))
+            }
         }
     }
 }
 
+/// A number with the fewest digits that read back, whole ones without a point: limits of an order are 4 and 24, not 4.0 and 24.0.
+fn plain(value: f64) -> String {
+    let mut text = format!("{value:?}");
+    if text.ends_with(".0") {
+        text.truncate(text.len() - 2);
+    }
+    text
+}
+
 /// A parameter with a value that is not admissible.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("parameter {name} = {value} is not admissible: it must be {admissible}")]
+#[error("parameter {name} = {} is not admissible: it must be {admissible}", plain(*.value))]
 pub struct InvalidParameter {
     /// The parameter's name.
     pub name: String,

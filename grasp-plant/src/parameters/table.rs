@@ -242,7 +242,7 @@ mod tests {
         parameters.torque_channel.k_max = 0.05;
         assert_eq!(
             parameters.validate().unwrap_err().to_string(),
-            "parameter k_M1 = 0.05 is not admissible: it must be greater than m_r1 = 0.1 and at most 1000000000.0"
+            "parameter k_M1 = 0.05 is not admissible: it must be greater than m_r1 = 0.1 and at most 1000000000"
         );
     }
 }

@@ -58,8 +58,8 @@ pub struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = numbers::seconds, allow_hyphen_values = true)]
     step: Option<f64>,
     /// Polynomial degree of the beams' moments, 4 to 24
-    #[arg(long, default_value_t = 8, value_name = "ORDER", value_parser = numbers::count)]
-    order: usize,
+    #[arg(long, default_value_t = 8, value_name = "ORDER", value_parser = numbers::order)]
+    order: u8,
     /// An input of the controller at the operating point
     #[arg(long = "at", value_name = "NAME=VALUE", value_parser = assignment, requires = "controller")]
     inputs: Vec<(String, f64)>,
@@ -147,7 +147,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     let paper = grasp_plant::Parameters::default();
     settings.plant.root_uncertainty = paper.root_uncertainty;
     settings.plant.tip_uncertainty = paper.tip_uncertainty;
-    settings.plant.order = arguments.order;
+    settings.plant.order = usize::from(arguments.order);
     for (name, value) in &arguments.settings {
         settings.set(name, *value).map_err(Failure::usage)?;
     }
