@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Failure, print};
+use super::{Failure, print, print_error};
 use crate::report::html::{Packed, Page, Run, rows, signals};
 use fmi2_cosim::files::{self, FileSet, has_extension};
 use fmi2_cosim::record::{self, ReadError};
@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
     for (index, file) in files.iter().enumerate() {
         let stem = file.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy().into_owned());
         let name = names.get(index).cloned().unwrap_or(stem);
-        runs.push(saved(file, name)?);
+        runs.push(saved(file, name, quiet)?);
     }
     let names: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let page = Page {
@@ -73,8 +73,16 @@ pub fn run(arguments: &Arguments, quiet: bool) -> Result<(), Failure> {
 }
 
 /// A file of results as a run.
-fn saved(file: &Path, title: String) -> Result<Run, Failure> {
-    let mut table = record::read(file)?;
+fn saved(file: &Path, title: String, quiet: bool) -> Result<Run, Failure> {
+    let saved = record::read(file)?;
+    if !saved.names_time() && !quiet {
+        print_error(&format!(
+            "warning: {}: no column is called time; the first one, \"{}\", is taken for the times in s\n",
+            file.display(),
+            saved.time
+        ));
+    }
+    let mut table = saved.table;
     signals::rename_known(&mut table);
     let metrics = Metrics::of(&table, [None; 3]).ok();
     let (rows, said) = rows::of_saved(&table);
@@ -87,7 +95,10 @@ fn saved(file: &Path, title: String) -> Result<Run, Failure> {
 /// inputs.
 pub fn check(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     if !has_extension(path, "html") {
-        return Err(Failure::usage(format!("the page {} must end in .html", path.display())));
+        return Err(Failure::usage(format!(
+            "the page {} must end in .html: it has curves, tables and data in one file",
+            path.display()
+        )));
     }
     match inputs.iter().find(|input| files::are_same(input, path)) {
         Some(input) => Err(Failure::usage(format!(

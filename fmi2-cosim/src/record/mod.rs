@@ -20,7 +20,7 @@ pub use filters::{Every, Pick, Schedule};
 pub use follow::Follow;
 pub use parquet::ParquetSink;
 pub use points::Points;
-pub use read::{ReadError, read};
+pub use read::{ReadError, Saved, read};
 pub use singles::{Single, Singles};
 pub use table::Table;
 

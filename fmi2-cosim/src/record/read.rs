@@ -1,8 +1,8 @@
 //! Reads results again: [CSV](super::CsvSink) and [Parquet](super::ParquetSink) of this tool, and similar files of other
 //! tools.
 //!
-//! The time column is the one called `time` or `t`, in upper or lower case, with or without its unit, otherwise the first
-//! one. A CSV may be separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets,
+//! The time column is the one called `time` or `t`, in upper or lower case, with or without its unit. Without one it is the first
+//! column, if all columns are numbers and its unit, if there is one, is one of time: other tables are no rows over time. A CSV may be separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets,
 //! as in `theta1 [rad]`. Columns of strings are omitted; an empty field is not a number.
 
 use std::collections::BTreeMap;
@@ -39,30 +39,75 @@ pub enum ReadError {
     },
 }
 
+/// Results that were read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Saved {
+    /// The rows.
+    pub table: Table,
+    /// The name of the time column.
+    pub time: String,
+}
+
+impl Saved {
+    /// Whether that name says that it is one.
+    #[must_use]
+    pub fn names_time(&self) -> bool {
+        is_time(&self.time)
+    }
+}
+
 /// Reads a file by its extension.
 ///
 /// # Errors
-/// When it cannot be read, has no rows, or its times are not numbers in ascending order.
-pub fn read(path: &Path) -> Result<Table, ReadError> {
+/// When it cannot be read, has no rows, is a table of something else, or its times are not numbers in ascending order.
+pub fn read(path: &Path) -> Result<Saved, ReadError> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     let columns = match extension.as_deref() {
         Some("csv" | "txt" | "dat") | None => csv(path)?,
         Some("parquet") => parquet(path)?,
         Some(_) => return Err(ReadError::Kind(path.to_owned())),
     };
-    table(columns).map_err(|message| ReadError::Content { path: path.to_owned(), message })
+    saved(columns).map_err(|message| ReadError::Content { path: path.to_owned(), message })
 }
 
-/// A column and its values.
-type Values = (Column, Vec<f64>);
+/// A column and its values; none if they are strings.
+type Values = (Column, Option<Vec<f64>>);
+
+/// Whether a column of this name is the one of times.
+fn is_time(name: &str) -> bool {
+    ["time", "t"].contains(&name.to_lowercase().as_str())
+}
+
+/// Units of time.
+const TIMES: [&str; 10] = ["s", "sec", "ms", "us", "µs", "μs", "ns", "min", "h", "d"];
+
+/// Why the first column cannot be the one of times, although no column is called so.
+fn no_times(columns: &[Values]) -> Option<String> {
+    let strings = columns.iter().find(|(_, values)| values.is_none()).map(|(column, _)| &column.name);
+    if let Some(name) = strings {
+        return Some(format!(
+            "no column is called time, and the column \"{name}\" holds texts: this is no table of values over time"
+        ));
+    }
+    let first = &columns.first()?.0;
+    let unit = first.unit.as_ref().filter(|unit| !TIMES.contains(&unit.as_str()))?;
+    Some(format!("no column is called time, and the first one, \"{}\", has the unit {unit}", first.name))
+}
 
 /// Finds and checks the time column.
-fn table(mut columns: Vec<Values>) -> Result<Table, String> {
-    let is_time = |column: &Column| ["time", "t"].contains(&column.name.to_lowercase().as_str());
-    let place = columns.iter().position(|(column, _)| is_time(column)).unwrap_or(0);
-    if columns.is_empty() {
+fn saved(columns: Vec<Values>) -> Result<Saved, String> {
+    if columns.iter().all(|(_, values)| values.is_none()) {
         return Err("there is no column of numbers".into());
     }
+    let named = |(column, values): &Values| values.is_some() && is_time(&column.name);
+    if !columns.iter().any(named)
+        && let Some(reason) = no_times(&columns)
+    {
+        return Err(reason);
+    }
+    let place = columns.iter().filter(|(_, values)| values.is_some()).position(named).unwrap_or(0);
+    let numbers = columns.into_iter().filter_map(|(column, values)| Some((column, values?)));
+    let mut columns: Vec<(Column, Vec<f64>)> = numbers.collect();
     let (time, times) = columns.remove(place);
     if times.is_empty() {
         return Err("there are no rows".into());
@@ -79,8 +124,13 @@ fn table(mut columns: Vec<Values>) -> Result<Table, String> {
             row + 2
         ));
     }
+    if let [first, .., last] = times[..]
+        && first == last
+    {
+        return Err(format!("the times in the column \"{}\" are all {first}", time.name));
+    }
     let (columns, values): (Vec<_>, Vec<_>) = columns.into_iter().unzip();
-    Ok(Table { columns, times, values })
+    Ok(Saved { table: Table { columns, times, values }, time: time.name })
 }
 
 /// `name [unit]` in two.
@@ -107,20 +157,19 @@ fn csv(path: &Path) -> Result<Vec<Values>, ReadError> {
         .trim(::csv::Trim::All)
         .from_reader(text.as_bytes());
     let headings = reader.headers().map_err(|error| content(error.to_string()))?.clone();
-    let mut columns: Vec<Option<Values>> =
-        headings.iter().map(|heading| Some((described(heading), Vec::new()))).collect();
+    let mut columns: Vec<Values> = headings.iter().map(|heading| (described(heading), Some(Vec::new()))).collect();
     for record in reader.records() {
         // The message names the line.
         let record = record.map_err(|error| content(error.to_string()))?;
-        for (column, field) in columns.iter_mut().zip(&record) {
-            let Some((_, values)) = column else { continue };
+        for ((_, values), field) in columns.iter_mut().zip(&record) {
+            let Some(numbers) = values else { continue };
             match number(field, has_decimal_commas) {
-                Some(value) => values.push(value),
-                None => *column = None,
+                Some(value) => numbers.push(value),
+                None => *values = None,
             }
         }
     }
-    Ok(columns.into_iter().flatten().collect())
+    Ok(columns)
 }
 
 /// The number in a field, or `None` if it is a string.
@@ -153,16 +202,16 @@ fn parquet_columns(file: File) -> ::parquet::errors::Result<Vec<Values>> {
     let entries = metadata.key_value_metadata().into_iter().flatten();
     let units = entries.filter(|entry| entry.key == "units").find_map(|entry| entry.value.as_deref());
     let units: BTreeMap<String, String> = units.and_then(|units| serde_json::from_str(units).ok()).unwrap_or_default();
-    let mut columns: Vec<Option<Values>> = Vec::new();
+    let mut columns: Vec<Values> = Vec::new();
     for field in metadata.schema().get_fields() {
         let mut column = described(field.name());
         column.unit = units.get(field.name()).cloned().or(column.unit);
-        columns.push(Some((column, Vec::new())));
+        columns.push((column, Some(Vec::new())));
     }
     for row in reader.get_row_iter(None)? {
         let row = row?;
-        for (column, (_, field)) in columns.iter_mut().zip(row.get_column_iter()) {
-            let Some((described, values)) = column else { continue };
+        for ((described, values), (_, field)) in columns.iter_mut().zip(row.get_column_iter()) {
+            let Some(numbers) = values else { continue };
             let (kind, value) = match field {
                 Field::Double(value) => (Kind::Real, *value),
                 Field::Float(value) => (Kind::Real, f64::from(*value)),
@@ -174,15 +223,15 @@ fn parquet_columns(file: File) -> ::parquet::errors::Result<Vec<Values>> {
                 #[allow(clippy::cast_precision_loss)] // beyond 2⁵³ nobody draws them apart
                 Field::Long(value) => (Kind::Real, *value as f64),
                 _ => {
-                    *column = None;
+                    *values = None;
                     continue;
                 }
             };
             described.kind = kind;
-            values.push(value);
+            numbers.push(value);
         }
     }
-    Ok(columns.into_iter().flatten().collect())
+    Ok(columns)
 }
 
 #[cfg(test)]
@@ -195,7 +244,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(name);
         std::fs::write(&path, text).unwrap();
-        read(&path)
+        Ok(read(&path)?.table)
     }
 
     #[test]
@@ -217,8 +266,10 @@ mod tests {
             sink.row(time, &values).unwrap();
         }
         sink.finish().unwrap();
-        assert_eq!(read(&parquet).unwrap(), table, "with units and kinds");
-        let from_csv = read(&csv).unwrap();
+        let from_parquet = read(&parquet).unwrap();
+        assert!(from_parquet.names_time());
+        assert_eq!(from_parquet.table, table, "with units and kinds");
+        let from_csv = read(&csv).unwrap().table;
         assert_eq!((from_csv.times(), from_csv.column("a")), (table.times(), table.column("a")));
     }
 
@@ -241,6 +292,14 @@ mod tests {
             ("a.csv", "time,a\n0,1\n1,2,3\n", "line: 3"),
             ("a.csv", "time,a\n0,1\n2,1\n1,1\n", "fall from 2 to 1 at row 3"),
             ("a.csv", "time,a\n0,1\n,1\n", "row 2 has no time"),
+            ("a.csv", "case,a\nx,1\ny,2\n", "no column is called time, and the column \"case\" holds texts"),
+            (
+                "a.csv",
+                "run,M,status\n0,1,ok\n1,2,ok\n",
+                "no column is called time, and the column \"status\" holds texts",
+            ),
+            ("a.csv", "M [kg],a\n0,1\n1,2\n", "no column is called time, and the first one, \"M\", has the unit kg"),
+            ("a.csv", "M,a\n1,1\n1,2\n", "the times in the column \"M\" are all 1"),
             ("a.xlsx", "", "neither .csv"),
             ("a.parquet", "time", "can be read"),
         ] {
