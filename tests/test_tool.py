@@ -158,9 +158,34 @@ def test_several_scenarios_at_once_are_explained() -> None:
 
 
 def test_a_word_that_is_no_name_leads_to_the_variable_it_describes() -> None:
-    done = dualarm("simulate", "--set", "mass=1")
-    assert done.returncode == 2
-    assert re.search(r"did you mean .*\bm1\b", done.stderr), done.stderr
+    for word in ("mass", "Mass"):
+        done = dualarm("simulate", "--set", f"{word}=1")
+        assert done.returncode == 2
+        # "Mass of the object" comes before "Point mass at the tip of arm 1".
+        assert re.search(r"did you mean M, .*\bm1\b", done.stderr), done.stderr
+
+
+def test_a_unit_that_no_fmu_defines_is_said_to_be_unknown() -> None:
+    done = dualarm("simulate", "--set", "M=500g")
+    assert 'M needs a number in kg (the FMU defines no unit "g"), not "500g"' in done.stderr
+
+
+def test_a_table_of_something_else_is_no_result_of_a_run(tmp_path: Path) -> None:
+    """Rows of a study by their texts, a table of numbers with a warning that says which column counts as time."""
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'title = "x"\nsystem = "pd-tuned"\nmethod = "grid"\n[experiment]\nstop = 0.1\n[vary]\nM = [0.3, 0.4]\n', encoding="utf-8"
+    )
+    for name in ("rows.csv", "rows.parquet"):
+        rows = tmp_path / name
+        assert dualarm("sweep", str(study), "-o", str(rows)).returncode == 0
+        refused = dualarm("report", str(rows), "-o", str(tmp_path / "rows.html"))
+        assert refused.returncode == 2
+        assert f'{name}: no column is called time, and the column "status" holds texts' in refused.stderr
+    (tmp_path / "numbers.csv").write_text("M,u\n0.1,1\n0.2,2\n", encoding="utf-8")
+    done = dualarm("report", str(tmp_path / "numbers.csv"))
+    assert done.returncode == 0
+    assert 'no column is called time; the first one, "M", is taken for the times in s' in done.stderr
 
 
 def test_info_tells_what_is_in_an_ssp() -> None:

@@ -415,6 +415,13 @@ fn settings_say_what_is_wrong_with_them() {
             "Gain.y cannot be set: it is an input that Lag.y drives, which would replace the value; leave it out",
         ),
         ("trouble_at", "soon", "Lag.trouble_at needs a number in s, not \"soon\""),
+        (
+            "trouble_at",
+            "5lightyears",
+            "Lag.trouble_at needs a number in s (the FMU defines no unit \"lightyears\"), not \"5lightyears\"",
+        ),
+        ("trouble_at", "1,5", "Lag.trouble_at needs a number in s, not \"1,5\""),
+        ("TROUBLE_AT", "1", "there is no variable \"TROUBLE_AT\" in Lag or Gain; did you mean trouble_at or trouble?"),
         ("trouble_at", "NaN", "Lag.trouble_at needs a number in s, not \"NaN\""),
         ("trouble", "loud", "Lag.trouble needs one of warning, discard, error, fatal, not \"loud\""),
         ("trouble", "7", "Lag.trouble needs one of warning, discard, error, fatal, not \"7\""),

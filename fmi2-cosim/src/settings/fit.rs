@@ -23,7 +23,15 @@ pub(super) fn fitted<T: Target>(target: &T, index: usize, given: &Value) -> Resu
                 let expected = format!("{} ({error})", mismatch.expected);
                 return Err(wrong(Mismatch { expected, ..mismatch }));
             }
-            None => return Err(wrong(mismatch)),
+            None => {
+                let unit = with_unit(given).and_then(|(_, unit)| Some((unit, variable.unit_in_text()?)));
+                let unit = unit.filter(|(unit, _)| unit.starts_with(|letter: char| !letter.is_ascii_punctuation()));
+                let expected = match unit {
+                    Some((unit, _)) => format!("{} (the FMU defines no unit \"{unit}\")", mismatch.expected),
+                    None => mismatch.expected,
+                };
+                return Err(wrong(Mismatch { expected, ..mismatch }));
+            }
         },
     };
     match outside(variable, &value) {
@@ -59,10 +67,15 @@ fn in_own_unit(
     variable: &Variable,
     description: &ModelDescription,
 ) -> Option<Result<f64, UnitMismatch>> {
+    let (number, unit) = with_unit(value)?;
+    Units::of(description).value_for(variable, number, unit)
+}
+
+/// A text as a number and what follows it, the longest number that there is.
+fn with_unit(value: &Value) -> Option<(f64, &str)> {
     const LONGEST: usize = 100;
     let Value::Text(text) = value else { return None };
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| !number.is_nan());
     let ends = text.char_indices().map(|(at, _)| at).take(LONGEST).filter(|at| *at > 0);
-    let (number, unit) = ends.filter_map(|at| Some((number(&text[..at])?, text[at..].trim()))).last()?;
-    Units::of(description).value_for(variable, number, unit)
+    ends.filter_map(|at| Some((number(&text[..at])?, text[at..].trim()))).last()
 }

@@ -5,7 +5,7 @@ use super::{Setting, SettingError};
 use crate::names::closest;
 use crate::signal::Signal;
 use fmi2_import::description::BaseType;
-use fmi2_import::{Causality, ModelDescription, Value, Variability};
+use fmi2_import::{Causality, ModelDescription, Value, Variability, Variable};
 
 /// A component as settings see it. It need not run yet: everything except a refusal by the FMU is known before.
 pub(crate) trait Target {
@@ -149,10 +149,12 @@ fn unknown<T: Target>(wanted: &str, targets: &[T]) -> SettingError {
     }
 }
 
-/// The settable variables whose names end with this word, those with the closest names, and those whose description contains the word,
-/// with `prefix.` in front.
+/// The settable variables with this name in other letters, those whose description begins with this word, the shortest first, those whose names
+/// end with it, those with the closest names, and those whose description contains it, with `prefix.` in front.
 fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -> Vec<String> {
     const SHOWN: usize = 5;
+    /// Of those whose description begins with the word: other reasons count, too.
+    const BEGINNING: usize = 2;
     let settable = || {
         targets.iter().flat_map(|target| {
             let variables = target.description().variables.iter().enumerate();
@@ -165,12 +167,22 @@ fn similar_names<T: Target>(wanted: &str, targets: &[T], prefix: Option<&str>) -
     let says =
         |text: &str| text.to_lowercase().split(|letter: char| !letter.is_alphanumeric()).any(|said| said == word);
     let ends = |name: &str| name.to_lowercase().strip_suffix(&word).is_some_and(|begin| begin.ends_with('_'));
+    let same = settable().map(|variable| variable.name.as_str()).filter(|name| name.to_lowercase() == word);
+    let begins = |text: &str| {
+        let text = text.to_lowercase();
+        text.strip_prefix(&word).is_some_and(|rest| !rest.starts_with(char::is_alphanumeric))
+    };
+    let length = |variable: &&Variable| variable.description.as_ref().map_or(0, String::len);
+    let mut beginning: Vec<_> =
+        settable().filter(|variable| variable.description.as_deref().is_some_and(begins)).collect();
+    beginning.sort_by_key(length);
+    let beginning = beginning.into_iter().map(|variable| variable.name.as_str()).take(BEGINNING);
     let named = settable().filter(|variable| ends(&variable.name)).map(|variable| variable.name.as_str());
     let described = settable().filter(|variable| variable.description.as_deref().is_some_and(says));
     let described = described.map(|variable| variable.name.as_str());
     let mut names: Vec<&str> = Vec::new();
     let close = closest(wanted, settable().map(|variable| variable.name.as_str()));
-    for name in named.chain(close).chain(described) {
+    for name in same.chain(beginning).chain(named).chain(close).chain(described) {
         if names.len() < SHOWN && !names.contains(&name) {
             names.push(name);
         }
