@@ -10,6 +10,7 @@ mod json;
 mod later;
 mod linearise;
 mod matrix;
+mod meant;
 mod numbers;
 mod package;
 mod printable;

@@ -9,6 +9,7 @@
 //! * [`matrix`] runs many controllers in many cases.
 
 pub mod instruments;
+pub mod kind;
 mod lyapunov;
 pub mod matrix;
 pub mod presets;

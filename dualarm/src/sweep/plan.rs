@@ -6,7 +6,7 @@ use std::path::Path;
 use super::SweepError;
 use super::points::Points;
 use super::sample::Sampler;
-use super::study::{Coordinates, Entrant, Method, Study};
+use super::study::{Coordinates, Entrant, Method, Study, Varied};
 use crate::grasp::matrix::Contender;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::Located;
@@ -91,15 +91,27 @@ impl Plan {
     /// The settings of a draw, with their places in the study file.
     pub fn settings(&self, draw: u64) -> impl Iterator<Item = Located<Setting>> {
         let values = self.sampler.values(draw);
-        self.sampler.vary().iter().zip(values).flat_map(|(varied, value)| {
-            varied.targets.iter().map(move |(target, sign)| {
-                let value = match &value {
-                    Value::Real(number) => Value::Real(sign * number),
-                    Value::Integer(number) if *sign < 0.0 => Value::Integer(-number),
-                    other => other.clone(),
-                };
-                Located { item: Setting::new(target.clone(), value), place: Some(varied.place.clone()) }
-            })
+        self.sampler.vary().iter().zip(values).flat_map(|(varied, value)| settings(varied, value))
+    }
+
+    /// Settings that no draw goes beyond: both ends of each range, every value of a list, the smallest and the largest number of all draws where
+    /// a range has no ends. If all of them can be set, so can those of any draw.
+    pub fn extremes(&self) -> impl Iterator<Item = Located<Setting>> {
+        let extremes = self.sampler.extremes();
+        self.sampler.vary().iter().zip(extremes).flat_map(|(varied, values)| {
+            values.into_iter().flat_map(move |value| settings(varied, value).collect::<Vec<_>>())
         })
     }
+}
+
+/// The settings that a value of a parameter makes.
+fn settings(varied: &Varied, value: Value) -> impl Iterator<Item = Located<Setting>> {
+    varied.targets.iter().map(move |(target, sign)| {
+        let value = match &value {
+            Value::Real(number) => Value::Real(sign * number),
+            Value::Integer(number) if *sign < 0.0 => Value::Integer(-number),
+            other => other.clone(),
+        };
+        Located { item: Setting::new(target.clone(), value), place: Some(varied.place.clone()) }
+    })
 }

@@ -181,6 +181,14 @@ impl Master {
         Ok(())
     }
 
+    /// Whether [`Master::apply`] could set it, as far as the descriptions say. No code of an FMU runs.
+    ///
+    /// # Errors
+    /// When there is no such variable, it must not be set by the user, or the value does not fit.
+    pub fn check(&self, setting: &Setting) -> Result<(), SettingError> {
+        settings::check(setting, &self.components).map(drop)
+    }
+
     /// Sets one variable before initialisation, as [`Master::apply`] does.
     ///
     /// # Errors

@@ -8,6 +8,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::fmus::FmuFolder;
+use super::meant::instead_of_file;
 use super::{Failure, json, print};
 use document::Document;
 use fmi2_cosim::ssp::package::is_ssp;
@@ -43,6 +45,9 @@ pub struct Arguments {
 }
 
 pub fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if let Some(message) = instead_of_file(&arguments.file, &FmuFolder::default().fmus) {
+        return Err(Failure::failed(message));
+    }
     if is_ssp(&arguments.file) {
         let document = system::Document::of(&arguments.file)?;
         if arguments.json {

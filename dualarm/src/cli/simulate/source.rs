@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use crate::cli::Failure;
+use crate::cli::meant::{instead_of_file, instead_of_scenario};
+use crate::grasp::kind::read_scenario;
 use crate::grasp::matrix::Contender;
 use crate::grasp::scenarios::{self, BuiltIn, NoController, UnknownScenario};
 use crate::grasp::{self, Controller};
 use fmi2_cosim::files::has_extension;
-use fmi2_cosim::scenario::{Scenario, ScenarioError};
+use fmi2_cosim::scenario::ScenarioError;
 use fmi2_cosim::ssp::Package;
 use fmi2_cosim::ssp::package::{is_ssp, split_variant};
 use fmi2_cosim::system::{System, SystemError};
@@ -16,6 +18,12 @@ use fmi2_import::Fmu;
 /// Reads the description and unpacks the FMUs. `words` are the user's arguments without an option, `fmus` is the folder of
 /// the packaged FMUs.
 pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Result<System, Failure> {
+    if let [word] = words
+        && has_extension(word, "toml")
+        && let Some(message) = instead_of_file(word, fmus)
+    {
+        return Err(Failure::failed(message));
+    }
     if let Some(name) = controller
         && Controller::find(name).is_none()
     {
@@ -26,10 +34,10 @@ pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Resul
         ([], None) => BuiltIn::find(grasp::NABFC.key)?.scenario()?,
         // The paper's case with this controller has its own stop time.
         ([], Some(controller)) => return Ok(BuiltIn::find(controller.key)?.scenario()?.system(fmus)?),
-        ([word], _) if has_extension(word, "toml") => Scenario::read(word)?,
+        ([word], _) if has_extension(word, "toml") => read_scenario(word)?.0,
         ([word], None) if is_ssp(word) => return Ok(Package::open(word)?.system()?),
         ([word], _) if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
-        (files, None) => return of_fmus(files),
+        (files, None) => return of_fmus(files, fmus),
         (_, Some(_)) => return Err(no_scenario()),
     };
     let scenario = match controller {
@@ -49,7 +57,7 @@ fn with_preset(words: &[PathBuf], name: &str, fmus: &Path) -> Result<System, Fai
             (scenario.title, scenario.description) = ("The paper's case".into(), String::new());
             scenario
         }
-        [word] if has_extension(word, "toml") => Scenario::read(word)?,
+        [word] if has_extension(word, "toml") => read_scenario(word)?.0,
         [word] if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
         _ => return Err(no_scenario()),
     };
@@ -65,14 +73,16 @@ fn no_scenario() -> Failure {
     Failure::usage("--controller cannot be used with .fmu and .ssp files, only with a scenario")
 }
 
-fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
+fn of_fmus(files: &[PathBuf], fmus: &Path) -> Result<System, Failure> {
     if let Some(name) = files.iter().find(|file| is_name(file)) {
         return Err(Failure::usage(match BuiltIn::find(&name.to_string_lossy()) {
             Ok(BuiltIn { name, .. }) => format!(
                 "{name} is a scenario; one runs at a time, alone. To compare: `dualarm compare`, or write each with -o and overlay \
                  them with `dualarm report a.csv b.csv`. Another controller in a scenario: --controller"
             ),
-            Err(unknown) => format!("{unknown}; FMUs end in .fmu"),
+            Err(unknown) => {
+                instead_of_scenario(&unknown.name).unwrap_or_else(|| format!("{unknown}; FMUs end in .fmu"))
+            }
         }));
     }
     if let Some(scenario) = files.iter().find(|file| has_extension(file, "toml")) {
@@ -82,6 +92,9 @@ fn of_fmus(files: &[PathBuf]) -> Result<System, Failure> {
     if let Some(package) = files.iter().find(|file| is_ssp(file)) {
         let message = format!("{} is a system of its own; it runs alone, without other files", package.display());
         return Err(Failure::usage(message));
+    }
+    if let Some(message) = files.iter().find_map(|file| instead_of_file(file, fmus)) {
+        return Err(Failure::failed(message));
     }
     Ok(System::of_fmus(&Fmu::unpack_all(files)?))
 }
@@ -112,7 +125,7 @@ impl From<ScenarioError> for Failure {
 
 impl From<UnknownScenario> for Failure {
     fn from(error: UnknownScenario) -> Self {
-        Self::usage(error)
+        Self::usage(instead_of_scenario(&error.name).unwrap_or_else(|| error.to_string()))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::grasp::kind::read_scenario;
 use crate::grasp::scenarios::{BuiltIn, built_in};
 use fmi2_cosim::files::has_extension;
 use fmi2_cosim::names::{closest, suggestion_and};
@@ -107,7 +108,7 @@ impl Case {
         }
         let path = Path::new(name);
         if has_extension(path, "toml") {
-            let (scenario, text) = Scenario::read_with_text(path)?;
+            let (scenario, text) = read_scenario(path)?;
             let key = path.file_stem().map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned());
             return Ok(Self { key, scenario, text });
         }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::case::CaseError;
+use crate::grasp::kind::read_scenario;
 use crate::grasp::scenarios::{BuiltIn, built_in};
 use crate::grasp::{CONTROLLERS, Controller, NABFC, NABFC_R, NABFC_R_FAST, PD, PD_TUNED, PDS, PDS_TUNED, PID, PLANT};
 use fmi2_cosim::files::has_extension;
@@ -173,7 +174,7 @@ impl Contender {
             return Ok(Self { key: key(), title: key(), fmu: path.into(), settings: Vec::new(), step: None });
         }
         if has_extension(path, "toml") {
-            return Self::preset(&key(), Scenario::read(path).map_err(CaseError::from)?);
+            return Self::preset(&key(), read_scenario(path).map_err(CaseError::from)?.0);
         }
         Err(ContenderError::Unknown {
             name: name.to_owned(),

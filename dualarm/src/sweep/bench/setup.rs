@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::Track;
 use crate::grasp::instruments;
+use crate::grasp::kind::read_scenario;
 use crate::grasp::matrix::{CASES, Case};
 use crate::grasp::scenarios::BuiltIn;
 use crate::sweep::SweepError;
@@ -14,15 +15,14 @@ use fmi2_cosim::master::Coupling;
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::record::Column;
 use fmi2_cosim::run::Run;
-use fmi2_cosim::scenario::Scenario;
-use fmi2_cosim::settings::SettingError;
 use fmi2_cosim::system::{Located, RunOptions, System, SystemError};
 use grasp_merit::merit::SIGNALS;
 
 /// The scenario that a study means; its key is empty if it comes from a file.
 pub(super) fn case(path: &Path, name: &str) -> Result<Case, SweepError> {
     if has_extension(path, "toml") {
-        return Ok(Case { key: String::new(), scenario: Scenario::read(path)?, text: String::new() });
+        let (scenario, text) = read_scenario(path)?;
+        return Ok(Case { key: String::new(), scenario, text });
     }
     // As for `simulate`; names of cases are accepted, too.
     let file = match BuiltIn::find(name) {
@@ -93,23 +93,17 @@ pub(super) fn wanted(system: &System, plan: &Plan) -> Result<Wanted, SweepError>
     Ok(wanted)
 }
 
-/// Checks that every name means a variable which can be set. Each run checks whether the FMU accepts its values.
+/// Checks that every name means a variable which can be set, and that its description allows all values that may be drawn. Each run
+/// checks whether the FMU accepts its values, too.
 pub(super) fn check(track: &Track, plan: &Plan, index: usize) -> Result<(), SweepError> {
-    let mut master = track.system.master(track.run.coupling).map_err(|error| setting(plan, index, error))?;
+    let master = track.system.master(track.run.coupling).map_err(|error| setting(plan, index, error))?;
     if plan.sampler.draws() == 0 {
         return Err(SweepError::Usage("there is no run: the table of points has no row".into()));
     }
-    for Located { item, place } in plan.settings(0) {
-        let result = master.apply(&item);
-        // A value is a matter of its run: another draw may have a better one.
-        if let Err(
-            source @ (SettingError::Unknown { .. }
-            | SettingError::UnknownComponent { .. }
-            | SettingError::NotSettable { .. }),
-        ) = result
-        {
-            return Err(setting(plan, index, SystemError::Setting { place, source: Box::new(source) }));
-        }
+    // Between two whole numbers are others, too.
+    for Located { item, place } in plan.extremes().chain(plan.settings(0)) {
+        let source = master.check(&item).map_err(Box::new);
+        source.map_err(|source| setting(plan, index, SystemError::Setting { place, source }))?;
     }
     Ok(())
 }

@@ -129,3 +129,24 @@ fn too_many_are_refused() {
     assert!(matches!(Sampler::new(&study("method = \"grid\""), None), Err(SampleError::TooManyRuns { .. })));
     assert_eq!(Sampler::new(&study("method = \"sobol\"\ndraws = 65537"), None).unwrap_err(), SampleError::SobolEnds);
 }
+
+/// Ends and lists as the study has them; of a normal distribution without ends the smallest and the largest draw.
+#[test]
+fn no_draw_is_beyond_the_extremes() {
+    let text = "title = \"x\"\nsystem = \"pd\"\nmethod = \"random\"\ndraws = 50\n[vary]\na = { low = 1, high = 2 }\n\
+                b = { mean = 0, sd = 1 }\nc = [\"x\", \"y\"]\nd = { seed = true }\n";
+    let sampler = Sampler::new(&Study::parse("x.toml", text).unwrap(), None).unwrap();
+    let extremes = sampler.extremes();
+    assert_eq!(extremes[0], [Value::Real(1.0), Value::Real(2.0)]);
+    assert_eq!(extremes[2], [Value::from("x"), Value::from("y")]);
+    let number = |value: &Value| if let Value::Real(number) = value { *number } else { f64::NAN };
+    let drawn: Vec<f64> = (0..50).map(|draw| number(&sampler.values(draw)[1])).collect();
+    let (low, high) = (drawn.iter().copied().fold(f64::MAX, f64::min), drawn.iter().copied().fold(f64::MIN, f64::max));
+    assert_eq!(extremes[1], [Value::Real(low), Value::Real(high)]);
+    assert!(low < 0.0 && high > 0.0);
+    let table = "title = \"x\"\nsystem = \"pd\"\nmethod = \"table\"\npoints = \"p.csv\"\n";
+    let points = Points::parse_csv("p.csv", "M,note\n3,a\n1,b\n2,a\n").unwrap();
+    let sampler = Sampler::new(&Study::parse("x.toml", table).unwrap(), Some(points)).unwrap();
+    let expected = [vec![Value::Real(1.0), Value::Real(3.0)], vec![Value::from("a"), Value::from("b")]];
+    assert_eq!(sampler.extremes(), expected);
+}

@@ -30,6 +30,7 @@ mod range;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::grasp::kind::Kind;
 use fmi2_cosim::files::read_text;
 use fmi2_cosim::settings::Setting;
 use fmi2_cosim::system::{Located, RunOptions, SourceLine};
@@ -165,7 +166,12 @@ impl Study {
     /// When it cannot be read or is not a study; the error names the place and the fault.
     pub fn read(path: &Path) -> Result<Self, StudyError> {
         let text = read_text(path).map_err(|source| StudyError::Read { path: path.to_owned(), source })?;
-        let study = Self::parse(&path.display().to_string(), &text)?;
+        let study = Self::parse(&path.display().to_string(), &text).map_err(|error| match error {
+            StudyError::Content { file, line, column, .. } if Kind::of(&text) == Some(Kind::Scenario) => {
+                StudyError::Content { message: Kind::Scenario.remedy(&file), file, line, column }
+            }
+            other => other,
+        })?;
         Ok(Self { folder: Some(path.parent().unwrap_or(Path::new("")).to_owned()), ..study })
     }
 
