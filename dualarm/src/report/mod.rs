@@ -247,12 +247,14 @@ pub fn report(runs: &[PaperRun], figures: &[Drawn], setup: &str, matrix: Option<
     let lead = matrix.map_or_else(String::new, |matrix| {
         let contact = matrix.contact.as_ref().map_or_else(String::new, |contact| {
             format!(
-                "\n## Who holds a grasp that can open\n\n![Settling times of all controllers in grasps that can open](contact.svg)\n\n{}",
+                "\n## {}\n\n![Settling times of all controllers in grasps that can open](contact.svg)\n\n{}",
+                matrix::title(contact),
                 matrix::markdown(contact)
             )
         });
         format!(
-            "## Who settles, and when\n\n![Settling times of all controllers in all cases](matrix.svg)\n\n{}{contact}\n## The paper's runs\n\n",
+            "## {}\n\n![Settling times of all controllers in all cases](matrix.svg)\n\n{}{contact}\n## The paper's runs\n\n",
+            matrix::title(&matrix.closed),
             matrix::markdown(&matrix.closed)
         )
     });

@@ -7,7 +7,7 @@ use super::run::Run;
 use crate::grasp::matrix::{Matrices, Matrix};
 use crate::report::TextTable;
 use crate::report::figures::Drawn;
-use crate::report::matrix::{LEGEND, contact, figure};
+use crate::report::matrix::{contact, figure, legend, title};
 use charts::text::number;
 use grasp_merit::metrics::{EffortMetrics, ForceMetrics, Metrics};
 
@@ -37,8 +37,8 @@ pub fn section(title: &str, table: &TextTable) -> String {
 /// The matrices of controllers and cases, as sections of the page.
 #[must_use]
 pub fn matrices(matrices: &Matrices) -> String {
-    let closed = matrix("matrix", "Who settles, and when", &matrices.closed);
-    let contact = |contact| matrix("contact", "Who holds a grasp that can open", contact);
+    let closed = matrix("matrix", &matrices.closed);
+    let contact = |contact| matrix("contact", contact);
     closed + &matrices.contact.as_ref().map_or_else(String::new, contact)
 }
 
@@ -48,7 +48,8 @@ pub fn command(title: &str, text: &str) -> String {
     format!("<section><h2>{}</h2><pre class=\"command\">{}</pre></section>", escape(title), escape(text))
 }
 
-fn matrix(id: &str, title: &str, matrix: &Matrix) -> String {
+fn matrix(id: &str, matrix: &Matrix) -> String {
+    let title = title(matrix);
     let mut contacts = String::new();
     for (title, meaning, table) in contact::tables(matrix) {
         let _ = write!(contacts, "{}<p class=\"soft\">{}</p>", section(title, &table), escape(meaning));
@@ -59,7 +60,7 @@ fn matrix(id: &str, title: &str, matrix: &Matrix) -> String {
          <p class=\"soft\">{}</p>\
          </section>{contacts}",
         figure::svg(matrix, false),
-        escape(&LEGEND.replace('*', ""))
+        escape(&legend(matrix).replace('*', ""))
     )
 }
 

@@ -5,17 +5,43 @@ pub mod figure;
 
 use serde::Serialize;
 
-use crate::grasp::matrix::{Cell, Judged, Matrix};
+use crate::grasp::matrix::{Case, Cell, Judged, Matrix};
 use crate::report::TextTable;
 use charts::text::number;
 use grasp_merit::merit::Merit;
 
 /// The explanation of the matrix, in sentences.
-pub const LEGEND: &str = "Time in s until forces, angles and position, all of (17), stay within 2 % of their travel; below it \
+const LEGEND: &str = "Time in s until forces, angles and position, all of (17), stay within 2 % of their travel; below it \
     the overshoot of the force where that is more than 2 %, and under *never* the force error that is left. The last rows, \
     where sensors or a wrong model keep the force from settling, give its rms error instead. *Limit* is the shortest \
     time that the actuators allow while contact is kept and no force overshoots, behind the stroke what it is if the arms \
     only go along.";
+
+/// The same where all grasps can open.
+const OPEN_LEGEND: &str = "Time in s until forces, angles and position, all of (17), stay within 2 % of their travel; below it the \
+    overshoot of the force where that is more than 2 %, and under *never* the force error that is left. *Limit* is that of a \
+    grasp that never opens: the shortest time that the actuators allow while contact is kept and no force overshoots, behind \
+    the stroke what it is if the arms only go along.";
+
+/// The heading where not every grasp can open.
+const CLOSED: &str = "Who settles, and when";
+
+/// Whether the grasp can open in every case.
+fn opens(matrix: &Matrix) -> bool {
+    matrix.cases.iter().all(Case::opens)
+}
+
+/// The heading of the matrix and of what belongs to it.
+#[must_use]
+pub fn title(matrix: &Matrix) -> &'static str {
+    if opens(matrix) { "Who holds a grasp that can open" } else { CLOSED }
+}
+
+/// What its cells say, in sentences.
+#[must_use]
+pub fn legend(matrix: &Matrix) -> &'static str {
+    if opens(matrix) { OPEN_LEGEND } else { LEGEND }
+}
 
 /// Smallest overshoot in % that a cell shows.
 const OVERSHOOT: f64 = 2.0;
@@ -53,7 +79,7 @@ pub fn table(matrix: &Matrix) -> TextTable {
     let mut header = vec!["case".to_owned()];
     header.extend(matrix.contenders.iter().map(|contender| contender.title.clone()));
     header.push("limit".into());
-    let row = |(index, case): (usize, &crate::grasp::matrix::Case)| {
+    let row = |(index, case): (usize, &Case)| {
         let mut row = vec![case.scenario.title.clone()];
         row.extend(matrix.cells[index].iter().map(|cell| {
             let (first, second) = lines(cell);
@@ -68,7 +94,7 @@ pub fn table(matrix: &Matrix) -> TextTable {
 /// The table with its explanation, as Markdown, and the tables of contacts if grasps can open.
 #[must_use]
 pub fn markdown(matrix: &Matrix) -> String {
-    format!("{LEGEND}\n\n{}{}", table(matrix).to_markdown(), contact::markdown(matrix))
+    format!("{}\n\n{}{}", legend(matrix), table(matrix).to_markdown(), contact::markdown(matrix))
 }
 
 /// Everything in plain names and SI units, one line per cell; absent values are empty.
@@ -149,7 +175,7 @@ pub fn documents(matrix: &Matrix) -> Vec<CellDocument<'_>> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
-    use crate::grasp::matrix::{Case, Contender};
+    use crate::grasp::matrix::Contender;
     use grasp_merit::merit::Grip;
 
     /// Two rows of two: settled and overshooting, never and failed.
