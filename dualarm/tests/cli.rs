@@ -76,7 +76,46 @@ fn bad_numbers_and_names_are_usage_errors() {
         2,
         "[possible values: nabfc, nabfc-fast, nabfc-r, nabfc-r-fast, nabfc-r-certified, pds, pds-tuned, pd, pd-tuned, pid, pid-all, pds-all]",
     );
+    assert_fails(
+        &dualarm(folder.path(), &["simulate", "--controller", "lqr"]),
+        2,
+        "a file is taken, too: a controller FMU (.fmu)",
+    );
+    let picture = simulate(folder.path(), &["-o", "x.png"]);
+    assert_fails(&picture, 2, "-o x.png: here -o takes a .csv or .parquet file, for the outputs over time");
+    assert_fails(&picture, 2, "--report x.html");
+    for command in ["compare", "verify", "package"] {
+        assert_fails(
+            &dualarm(folder.path(), &[command, "-o", "x.png"]),
+            2,
+            "this is the name of a file; a folder is wanted",
+        );
+    }
     assert_eq!(files(folder.path()), before);
+}
+
+/// A file for another command: what it is, and which command takes it.
+#[test]
+fn files_of_another_kind_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let study = "title = \"x\"\nsystem = \"pd\"\nmethod = \"grid\"\n[vary]\nM = [1]\n";
+    fs::write(folder.path().join("study.toml"), study).unwrap();
+    fs::write(folder.path().join("run.toml"), "title = \"x\"\nfmus = [\"a.fmu\"]\n").unwrap();
+    let study = "this is a study: `dualarm sweep study.toml` makes its runs";
+    for words in [
+        &["simulate", "study.toml"][..],
+        &["simulate", "--controller", "study.toml"],
+        &["compare", "--no-package", "--cases", "study.toml"],
+        &["tune", "-c", "study.toml"],
+    ] {
+        assert_fails(&dualarm(folder.path(), words), 2, study);
+    }
+    assert_fails(
+        &dualarm(folder.path(), &["sweep", "run.toml"]),
+        2,
+        "this is a scenario: `dualarm simulate run.toml` runs it. A study names the scenario",
+    );
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
 /// Three different mistakes that are not wrong enough to stop a run.

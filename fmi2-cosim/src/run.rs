@@ -126,7 +126,8 @@ impl Sink for Watched<'_> {
 /// The results of a run.
 #[derive(Debug)]
 pub struct Results {
-    /// Wall time of the steps.
+    /// Wall time of the steps and of what takes their rows, without opening and initialising the FMUs. What an FMU prepares for a
+    /// step size belongs to its first step.
     pub wall_time: Duration,
     /// Steps that were done: fewer than planned if a component ended the simulation.
     pub steps: u64,

@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
 
 use super::Failure;
 use super::package::package_all;
 use crate::build::Platforms;
+use fmi2_cosim::files::has_extension;
 
 /// The folder of the packaged FMUs.
 #[derive(Debug, Clone, Args)]
@@ -31,13 +33,24 @@ fn usual_folder() -> PathBuf {
 #[derive(Debug, Clone, Args)]
 pub struct Job {
     /// Folder for the results; it is created if need be
-    #[arg(long, short, default_value = "results", value_name = "FOLDER")]
+    #[arg(long, short, default_value = "results", value_name = "FOLDER", value_parser = folder())]
     pub out: PathBuf,
     #[command(flatten)]
     pub folder: FmuFolder,
     /// Use the FMUs as they are in that folder, instead of building them
     #[arg(long)]
     pub no_package: bool,
+}
+
+/// Reads the folder into which a command writes all its files: a name that only files have is a mistake.
+pub fn folder() -> impl TypedValueParser<Value = PathBuf> {
+    const FILES: [&str; 11] = ["csv", "parquet", "html", "md", "svg", "png", "pdf", "json", "fmu", "ssp", "toml"];
+    PathBufValueParser::new().try_map(|path| {
+        if !path.is_dir() && FILES.iter().any(|ending| has_extension(&path, ending)) {
+            return Err("this is the name of a file; a folder is wanted, which gets all files that the command writes");
+        }
+        Ok(path)
+    })
 }
 
 impl Default for FmuFolder {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::fmus::folder;
 use super::{Failure, numbers, print, print_error};
 use crate::build::crosscheck::release;
 use crate::build::{PackageError, Platforms, package, repository};
@@ -46,7 +47,7 @@ Examples:
 #[command(after_help = AFTER_HELP)]
 pub struct Arguments {
     /// Folder for the .fmu and .ssp files
-    #[arg(long, short, default_value = "dist", value_name = "FOLDER")]
+    #[arg(long, short, default_value = "dist", value_name = "FOLDER", value_parser = folder())]
     out: PathBuf,
     /// Build for these platforms, e.g. linux64,win64 [default: this machine's, and all others whose toolchains are installed]
     #[arg(long, value_name = "NAMES", value_parser = Platform::list, conflicts_with = "describe")]

@@ -77,7 +77,8 @@ pub(super) fn setup(setup: &Setup) -> String {
     format!(
         "DualArmPlant.fmu with each of the three controller FMUs, co-simulated by dualarm {} through their FMI 2.0 \
          interface: step {} ms, {} coupling, {} s. Plant, PDS and PD have the parameters of the paper (Section IV); \
-         the gains of NABFC are this project\u{2019}s own, for the paper gives none.{}",
+         the gains of NABFC are this project\u{2019}s own, for the paper gives none. NABFC is the paper\u{2019}s law (law = paper); the \
+         default law of NabfcController, also in DualArmGrasp-NABFC.ssp, is NABFC-R.{}",
         env!("CARGO_PKG_VERSION"),
         setup.grid.step() * 1e3,
         setup.coupling.title(),

@@ -153,7 +153,7 @@ impl Outcome {
         let stop = self.ended.as_ref().map_or(stop, |end| &end.time);
         let head = format!("{}: {} signals connected,", one_line(&names.join(" + ")), self.connections.len());
         let tail = format!(
-            "{steps} steps of {} s up to t = {} s in {:.2} s ({:.2} µs per step)",
+            "{steps} steps of {} s up to t = {} s in {:.2} s ({:.2} µs each with output)",
             number(*step),
             number(*stop),
             self.wall_time,

@@ -26,9 +26,11 @@ fn check_format(path: &Path) -> Result<(), Failure> {
     match extension.to_string_lossy().to_lowercase().as_str() {
         "csv" | "txt" | "dat" | "parquet" => Ok(()),
         _ if path.metadata().is_ok_and(|metadata| !metadata.is_file()) => Ok(()),
-        other => Err(Failure::usage(format!(
-            "-o {}: this tool writes .csv and .parquet files, not .{other}; most tools that read .{other} read one of them",
-            path.display()
+        _ => Err(Failure::usage(format!(
+            "-o {}: here -o takes a .csv or .parquet file, for the outputs over time; curves and the arms in motion: --report \
+             {}",
+            path.display(),
+            path.with_extension("html").display()
         ))),
     }
 }

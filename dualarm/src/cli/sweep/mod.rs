@@ -218,7 +218,11 @@ fn check_format(output: &Path) -> Result<(), Failure> {
     let extension = output.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     match extension.as_deref() {
         Some("parquet" | "csv") => Ok(()),
-        _ => Err(Failure::usage(format!("-o {}: results are .parquet or .csv files", output.display()))),
+        _ => Err(Failure::usage(format!(
+            "-o {}: here -o takes a .parquet or .csv file, for the rows; a page that draws them: --report {}",
+            output.display(),
+            output.with_extension("html").display()
+        ))),
     }
 }
 
