@@ -86,13 +86,13 @@ struct InC {
 impl InC {
     fn measure(folder: &Path, wide: bool) -> Result<Self> {
         let peers = Peers::compile(wide, 8)?;
-        let (mut plant, mut paper) = (peers.plant()?, peers.paper()?);
-        let (mut measured, mut commands) = ([0.0; 12], [0.0; 3]);
+        let (mut plant, mut paper) = (peers.alone("plant", folder)?, peers.alone("nabfc", folder)?);
         let mut pair = PeerPair::new(&peers, folder)?;
+        let steps = u32::try_from(RUN)?;
         Ok(Self {
-            plant: nanoseconds(4000, || plant.step(&[0.01, -0.01, 0.1], &mut measured)),
-            paper: nanoseconds(4000, || paper.step(&[1e-3; 12], &mut commands)),
-            coupled: nanoseconds(u32::try_from(RUN)?, || pair.step()),
+            plant: nanoseconds(steps, || plant.step()),
+            paper: nanoseconds(steps, || paper.step()),
+            coupled: nanoseconds(steps, || pair.step()),
         })
     }
 

@@ -6,6 +6,7 @@
 #![allow(dead_code)]
 
 pub mod peer;
+pub mod replay;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use fmi2_cosim::master::{Coupling, Master};
 use fmi2_cosim::settings::Setting;
 use fmi2_import::{Fmu, Instance, ValueReference};
 use grasp_control::INPUT_NAMES;
+use replay::Replay;
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -189,7 +191,7 @@ impl Pair {
 /// Something whose step is measured.
 pub enum Case {
     /// One FMU with the inputs it had in a coupled run.
-    Alone { slave: Slave, inputs: Vec<f64>, outputs: Vec<f64>, next: usize },
+    Alone(Replay<Slave>),
     /// Two FMUs, coupled by hand.
     Coupled(Pair),
     /// The same in the other order of calls.
@@ -223,15 +225,14 @@ impl Case {
                     inputs.extend_from_slice(&pair.commands);
                     pair.step();
                 }
-                Self::Alone { slave: Slave::plant(folder, None)?, inputs, outputs: vec![0.0; 12], next: 0 }
+                Self::Alone(Replay::new(Slave::plant(folder, None)?, inputs))
             }
             "nabfc" | "nabfc-r" | "pds" | "pd" => {
                 for _ in 0..RUN {
                     pair.step();
                     inputs.extend_from_slice(&pair.measured);
                 }
-                let slave = Slave::controller(folder, &scenario)?;
-                Self::Alone { slave, inputs, outputs: vec![0.0; 3], next: 0 }
+                Self::Alone(Replay::new(Slave::controller(folder, &scenario)?, inputs))
             }
             "coupled" | "coupled-r" => Self::Coupled(pair),
             "get_first" => Self::GetFirst(pair),
@@ -254,12 +255,7 @@ impl Case {
     #[inline]
     pub fn step(&mut self) {
         match self {
-            Self::Alone { slave, inputs, outputs, next } => {
-                let width = inputs.len() / RUN;
-                slave.step(&inputs[*next * width..][..width], outputs);
-                // Far on it is at rest: go round the part that moves.
-                *next = if *next + 1 == RUN { 0 } else { *next + 1 };
-            }
+            Self::Alone(replay) => replay.step(),
             Self::Coupled(pair) => pair.step(),
             Self::GetFirst(pair) => pair.step_get_first(),
             Self::Master(master, steps) => {

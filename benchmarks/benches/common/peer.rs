@@ -1,7 +1,6 @@
 //! The peer: the same algorithms in plain C (`benches/peer/peer.c`), compiled by the C compiler at hand and called in the same run.
 
-use std::error::Error;
-use std::ffi::{c_uint, c_void};
+use std::ffi::{c_int, c_uint, c_void};
 use std::path::Path;
 use std::process::Command;
 use std::sync::Arc;
@@ -10,11 +9,12 @@ use grasp_control::laws::nabfc::{Gains, ObjectGains, PostureGains};
 use grasp_control::{Arms, References};
 use libloading::Library;
 
+use super::replay::Replay;
 use super::{COMMANDS, Case, MEASURED, Result, STEP};
 
 const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/peer/peer.c");
 
-type Access<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, T);
+type Access<T> = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, T) -> c_int;
 
 /// A line of a processor's cache: ours keep their numbers in whole ones, too.
 #[derive(Clone, Copy)]
@@ -25,10 +25,11 @@ struct Line(#[allow(dead_code)] [u8; 64]);
 pub struct Peer {
     memory: Vec<Line>,
     set: Access<*const f64>,
-    step: unsafe extern "C" fn(*mut c_void, f64),
+    step: unsafe extern "C" fn(*mut c_void, f64, f64) -> c_int,
     get: Access<*mut f64>,
-    inputs: Vec<c_uint>,
-    outputs: Vec<c_uint>,
+    pub inputs: Vec<c_uint>,
+    pub outputs: Vec<c_uint>,
+    steps: u32,
     /// Its functions' home, which has to outlive them.
     library: Arc<Library>,
 }
@@ -89,21 +90,39 @@ impl Peers {
         unsafe { new(memory.as_mut_ptr().cast(), STEP, gains.as_ptr()) };
         let references = |count: usize| (0..).take(count).collect();
         let library = self.0.clone();
-        Ok(Peer { memory, set, step, get, inputs: references(inputs), outputs: references(outputs), library })
+        Ok(Peer { memory, set, step, get, inputs: references(inputs), outputs: references(outputs), steps: 0, library })
     }
 }
 
 impl Peer {
-    /// Sets all inputs, makes a step, gets all outputs.
+    /// Sets all inputs, makes a step, gets all outputs, with a host's looks at how each call went, as of an FMU.
+    #[inline]
     pub fn step(&mut self, inputs: &[f64], outputs: &mut [f64]) {
         assert!(inputs.len() == self.inputs.len() && outputs.len() == self.outputs.len());
         let model = self.memory.as_mut_ptr().cast();
         // SAFETY: the model has been made in its memory; the arrays have the lengths that are said.
         unsafe {
-            (self.set)(model, self.inputs.as_ptr(), self.inputs.len(), inputs.as_ptr());
-            (self.step)(model, STEP);
-            (self.get)(model, self.outputs.as_ptr(), self.outputs.len(), outputs.as_mut_ptr());
+            assert_eq!((self.set)(model, self.inputs.as_ptr(), inputs.len(), inputs.as_ptr()), 0, "set");
+            assert_eq!((self.step)(model, f64::from(self.steps) * STEP, STEP), 0, "step");
+            assert_eq!((self.get)(model, self.outputs.as_ptr(), outputs.len(), outputs.as_mut_ptr()), 0, "get");
         }
+        self.steps += 1;
+    }
+}
+
+/// The inputs of an FMU in a coupled run.
+fn recorded(name: &str, folder: &Path) -> Result<Vec<f64>> {
+    match Case::new(name, folder)? {
+        Case::Alone(replay) => Ok(replay.inputs),
+        _ => Err("not recorded".into()),
+    }
+}
+
+impl Peers {
+    /// The plant or the law alone, with the inputs that the FMU is measured with.
+    pub fn alone(&self, name: &str, folder: &Path) -> Result<Replay<Peer>> {
+        let peer = if name == "plant" { self.plant()? } else { self.paper()? };
+        Ok(Replay::new(peer, recorded(name, folder)?))
     }
 }
 
@@ -121,11 +140,7 @@ pub struct Pair {
 impl Pair {
     /// From the signals of [`RUN`](super::RUN) steps: what the plant gave, and what it was given.
     pub fn new(peers: &Peers, folder: &Path) -> Result<Self> {
-        let recorded = |name: &str| match Case::new(name, folder)? {
-            Case::Alone { inputs, .. } => Ok::<_, Box<dyn Error>>(inputs),
-            _ => Err("not recorded".into()),
-        };
-        let (measured, commands) = (recorded("nabfc")?, recorded("plant")?);
+        let (measured, commands) = (recorded("nabfc", folder)?, recorded("plant", folder)?);
         let (plant, controller) = (peers.plant()?, peers.paper()?);
         Ok(Self { plant, controller, measured, commands, next: 0, outputs: [0.0; 12], own: [0.0; 3] })
     }

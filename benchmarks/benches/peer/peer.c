@@ -18,6 +18,8 @@
 
 typedef double four __attribute__((vector_size(32), aligned(8)));
 typedef int64_t four_bits __attribute__((vector_size(32), aligned(8)));
+/* How a call went, as an importer is told. */
+enum { OK, DISCARD = 2 };
 #define ALWAYS static inline __attribute__((always_inline))
 /* Lanes of two vectors. Clang has only its own name for it, GCC before 12 only the other. */
 #ifdef __clang__
@@ -182,11 +184,12 @@ ALWAYS void move(four *z, four change, four_bits *common) {
     *common &= (four_bits)*z;
 }
 
-void plant_step(struct plant *p, double h) {
+int plant_step(struct plant *p, double time, double h) {
+    (void)time;
     double force[3];
-    if (!(fabs(p->in[0]) + fabs(p->in[1]) + fabs(p->in[2]) < CALM)) return;
+    if (!(fabs(p->in[0]) + fabs(p->in[1]) + fabs(p->in[2]) < CALM)) return DISCARD;
     if (p->calm == 0) {
-        if (!calm(p)) return;
+        if (!calm(p)) return DISCARD;
         p->calm = STEPS;
     }
     p->calm--;
@@ -240,6 +243,7 @@ void plant_step(struct plant *p, double h) {
     p->out[2] = first[0], p->out[3] = first[1], p->out[10] = first[2], p->out[11] = first[3];
     p->out[5] = sum(even[4]) + p->rigid_object * p->zeta;
     for (int i = 0; i < 4; i++) p->out[6 + i] = last[i];
+    return OK;
 }
 
 /* ---- controller, the paper's law ---- */
@@ -401,7 +405,8 @@ ALWAYS four grid(struct hub *hub, const struct axis *a, double s, struct powers 
     return sums;
 }
 
-void paper_step(struct paper *p, double h) {
+int paper_step(struct paper *p, double time, double h) {
+    (void)time;
     /* One by one, as they have just been set: where two are read at once, a processor waits until both are in its cache. */
     double in[12];
     for (int i = 0; i < 12; i++) in[i] = ((const volatile double *)p->in)[i];
@@ -461,13 +466,14 @@ void paper_step(struct paper *p, double h) {
     four command = -l->xi * within(s, p->sat) - l->k * s - error + (four){in[6], in[7], 0, in[8] + in[9]} - output - p->bound * t -
                    p->inertia * last(regressor, regressors[2]);
     p->out[0] = command[0], p->out[1] = command[1], p->out[2] = command[3];
+    return OK;
 }
 
 /* ---- access by value reference, as an importer asks for it ---- */
 
-void plant_set(struct plant *p, const unsigned *vr, size_t n, const double *x) { for (size_t i = 0; i < n; i++) p->in[vr[i]] = x[i]; }
-void plant_get(struct plant *p, const unsigned *vr, size_t n, double *x) { for (size_t i = 0; i < n; i++) x[i] = p->out[vr[i]]; }
-void paper_set(struct paper *p, const unsigned *vr, size_t n, const double *x) { for (size_t i = 0; i < n; i++) p->in[vr[i]] = x[i]; }
-void paper_get(struct paper *p, const unsigned *vr, size_t n, double *x) { for (size_t i = 0; i < n; i++) x[i] = p->out[vr[i]]; }
+int plant_set(struct plant *p, const unsigned *vr, size_t n, const double *x) { for (size_t i = 0; i < n; i++) p->in[vr[i]] = x[i]; return OK; }
+int plant_get(struct plant *p, const unsigned *vr, size_t n, double *x) { for (size_t i = 0; i < n; i++) x[i] = p->out[vr[i]]; return OK; }
+int paper_set(struct paper *p, const unsigned *vr, size_t n, const double *x) { for (size_t i = 0; i < n; i++) p->in[vr[i]] = x[i]; return OK; }
+int paper_get(struct paper *p, const unsigned *vr, size_t n, double *x) { for (size_t i = 0; i < n; i++) x[i] = p->out[vr[i]]; return OK; }
 size_t plant_size(void) { return sizeof(struct plant); }
 size_t paper_size(void) { return sizeof(struct paper); }
