@@ -121,6 +121,9 @@ impl From<ReadError> for Failure {
     fn from(error: ReadError) -> Self {
         match error {
             ReadError::File { .. } => Self::failed(error),
+            ReadError::NoTimes { .. } => Self::usage(format!(
+                "{error}. `dualarm simulate -o FILE` writes one, and `dualarm sweep STUDY --run N -o FILE` that of one run of a study"
+            )),
             _ => Self::usage(error),
         }
     }

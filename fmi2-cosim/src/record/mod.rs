@@ -11,6 +11,7 @@ mod points;
 mod read;
 mod singles;
 mod table;
+mod times;
 
 use std::io;
 

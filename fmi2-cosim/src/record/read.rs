@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use ::parquet::file::reader::{FileReader, SerializedFileReader};
 use ::parquet::record::Field;
 
+use super::times::{is_named_time, is_time, no_times};
 use super::{Column, Kind, Table};
 
 /// Why a file cannot be read as results.
@@ -29,6 +30,14 @@ pub enum ReadError {
     /// It is of another kind.
     #[error("{} is neither .csv (.txt, .dat) nor .parquet; write results as one of them", .0.display())]
     Kind(PathBuf),
+    /// It is a table, but not of values over time.
+    #[error("{}: {reason}", path.display())]
+    NoTimes {
+        /// The file.
+        path: PathBuf,
+        /// Why no column is one of times.
+        reason: String,
+    },
     /// Its content does not match its extension.
     #[error("{}: {message}", path.display())]
     Content {
@@ -67,47 +76,27 @@ pub fn read(path: &Path) -> Result<Saved, ReadError> {
         Some("parquet") => parquet(path)?,
         Some(_) => return Err(ReadError::Kind(path.to_owned())),
     };
+    let has_numbers = columns.iter().any(|(_, values)| values.is_some());
+    if has_numbers
+        && !columns.iter().any(is_named_time)
+        && let Some(reason) = no_times(&columns)
+    {
+        return Err(ReadError::NoTimes { path: path.to_owned(), reason });
+    }
     saved(columns).map_err(|message| ReadError::Content { path: path.to_owned(), message })
 }
 
 /// A column and its values; none if they are strings.
-type Values = (Column, Option<Vec<f64>>);
-
-/// Whether a column of this name is the one of times.
-fn is_time(name: &str) -> bool {
-    ["time", "t"].contains(&name.to_lowercase().as_str())
-}
-
-/// Units of time.
-const TIMES: [&str; 10] = ["s", "sec", "ms", "us", "µs", "μs", "ns", "min", "h", "d"];
-
-/// Why the first column cannot be the one of times, although no column is called so.
-fn no_times(columns: &[Values]) -> Option<String> {
-    let strings = columns.iter().find(|(_, values)| values.is_none()).map(|(column, _)| &column.name);
-    if let Some(name) = strings {
-        return Some(format!(
-            "no column is called time, and the column \"{name}\" holds texts: this is no table of values over time"
-        ));
-    }
-    let first = &columns.first()?.0;
-    let unit = first.unit.as_ref().filter(|unit| !TIMES.contains(&unit.as_str()))?;
-    Some(format!("no column is called time, and the first one, \"{}\", has the unit {unit}", first.name))
-}
+pub(super) type Values = (Column, Option<Vec<f64>>);
 
 /// Finds and checks the time column.
 fn saved(columns: Vec<Values>) -> Result<Saved, String> {
-    if columns.iter().all(|(_, values)| values.is_none()) {
-        return Err("there is no column of numbers".into());
-    }
-    let named = |(column, values): &Values| values.is_some() && is_time(&column.name);
-    if !columns.iter().any(named)
-        && let Some(reason) = no_times(&columns)
-    {
-        return Err(reason);
-    }
-    let place = columns.iter().filter(|(_, values)| values.is_some()).position(named).unwrap_or(0);
+    let place = columns.iter().filter(|(_, values)| values.is_some()).position(is_named_time).unwrap_or(0);
     let numbers = columns.into_iter().filter_map(|(column, values)| Some((column, values?)));
     let mut columns: Vec<(Column, Vec<f64>)> = numbers.collect();
+    if columns.is_empty() {
+        return Err("there is no column of numbers".into());
+    }
     let (time, times) = columns.remove(place);
     if times.is_empty() {
         return Err("there are no rows".into());
@@ -298,6 +287,7 @@ mod tests {
                 "run,M,status\n0,1,ok\n1,2,ok\n",
                 "no column is called time, and the column \"status\" holds texts",
             ),
+            ("a.csv", "n,time\n0,0 s\n1,1 s\n", "the column \"time\" holds texts, not numbers"),
             ("a.csv", "M [kg],a\n0,1\n1,2\n", "no column is called time, and the first one, \"M\", has the unit kg"),
             ("a.csv", "M,a\n1,1\n1,2\n", "the times in the column \"M\" are all 1"),
             ("a.xlsx", "", "neither .csv"),
