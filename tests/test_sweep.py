@@ -176,6 +176,27 @@ def test_a_value_that_an_fmu_refuses_is_a_row(tmp_path: Path) -> None:
         assert row["zone"] < 2 or ("greater than m_r1 = 3" in row["error"] and row["overshoot"] is None)
 
 
+def test_few_draws_beyond_what_an_fmu_allows_are_rows(tmp_path: Path) -> None:
+    """Tails of a normal distribution, and an end of a range that no draw reaches: a mass is positive."""
+    study = STUDY.replace("draws = 8", "draws = 40").replace("sd = 0.01, low = 0.05", "sd = 0.06")
+    study = study.replace('low = 0.1, high = 2, scale = "log"', "low = 0, high = 2").replace("stop = 0.2", "stop = 0.01")
+    sweep(write(tmp_path, study), "-o", "a.parquet")
+    table = rows(tmp_path / "a.parquet")
+    failed = [row for row in table if row["EI"] <= 0]
+    # 2.8 % of the distribution, of 40 strata the lowest or also the next one, for two controllers each.
+    assert len(failed) in (2, 4)
+    assert all("EI1 must be from" in row["error"] for row in failed)
+    assert all((row["status"] == "failed") == (row["EI"] <= 0) for row in table)
+
+
+def test_a_bad_cell_of_a_table_is_named(tmp_path: Path) -> None:
+    (tmp_path / "p.csv").write_text("M,actuator_model\n0.3,raw\n-1,ideal\n", encoding="utf-8")
+    study = tmp_path / "study.toml"
+    study.write_text('title = "x"\nsystem = "pd-tuned"\nmethod = "table"\npoints = "p.csv"\n', encoding="utf-8")
+    error = sweep(study, "-o", "a.parquet", code=2)["error"]
+    assert 'p.csv, row 2, column "M": DualArmPlant.M must be from 1e-9 to 1000000000 kg, not -1' in error
+
+
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

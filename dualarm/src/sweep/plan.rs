@@ -93,19 +93,10 @@ impl Plan {
         let values = self.sampler.values(draw);
         self.sampler.vary().iter().zip(values).flat_map(|(varied, value)| settings(varied, value))
     }
-
-    /// Settings that no draw goes beyond: both ends of each range, every value of a list, the smallest and the largest number of all draws where
-    /// a range has no ends. If all of them can be set, so can those of any draw.
-    pub fn extremes(&self) -> impl Iterator<Item = Located<Setting>> {
-        let extremes = self.sampler.extremes();
-        self.sampler.vary().iter().zip(extremes).flat_map(|(varied, values)| {
-            values.into_iter().flat_map(move |value| settings(varied, value).collect::<Vec<_>>())
-        })
-    }
 }
 
 /// The settings that a value of a parameter makes.
-fn settings(varied: &Varied, value: Value) -> impl Iterator<Item = Located<Setting>> {
+pub fn settings(varied: &Varied, value: Value) -> impl Iterator<Item = Located<Setting>> {
     varied.targets.iter().map(move |(target, sign)| {
         let value = match &value {
             Value::Real(number) => Value::Real(sign * number),

@@ -9,12 +9,14 @@ use crate::grasp::matrix::{CASES, Case};
 use crate::grasp::scenarios::BuiltIn;
 use crate::sweep::SweepError;
 use crate::sweep::figures::Wanted;
-use crate::sweep::plan::Plan;
+use crate::sweep::plan::{Plan, settings};
+use crate::sweep::sample::SampleError;
 use fmi2_cosim::files::has_extension;
 use fmi2_cosim::master::Coupling;
 use fmi2_cosim::names::{closest, suggestion};
 use fmi2_cosim::record::Column;
 use fmi2_cosim::run::Run;
+use fmi2_cosim::settings::SettingError;
 use fmi2_cosim::system::{Located, RunOptions, System, SystemError};
 use grasp_merit::merit::SIGNALS;
 
@@ -93,17 +95,34 @@ pub(super) fn wanted(system: &System, plan: &Plan) -> Result<Wanted, SweepError>
     Ok(wanted)
 }
 
-/// Checks that every name means a variable which can be set, and that its description allows all values that may be drawn. Each run
-/// checks whether the FMU accepts its values, too.
+/// Checks that every name means a variable which can be set, and that its description allows the values that are drawn, but for
+/// tails of distributions. Each run checks whether the FMU accepts its values, too.
 pub(super) fn check(track: &Track, plan: &Plan, index: usize) -> Result<(), SweepError> {
     let master = track.system.master(track.run.coupling).map_err(|error| setting(plan, index, error))?;
-    if plan.sampler.draws() == 0 {
+    let sampler = &plan.sampler;
+    if sampler.draws() == 0 {
         return Err(SweepError::Usage("there is no run: the table of points has no row".into()));
     }
-    // Between two whole numbers are others, too.
-    for Located { item, place } in plan.extremes().chain(plan.settings(0)) {
-        let source = master.check(&item).map_err(Box::new);
-        source.map_err(|source| setting(plan, index, SystemError::Setting { place, source }))?;
+    for (parameter, varied) in sampler.vary().iter().enumerate() {
+        let refusal = |value| {
+            settings(varied, value).find_map(|Located { item, place }| Some((master.check(&item).err()?, place)))
+        };
+        for (row, value) in sampler.probes(parameter).enumerate() {
+            let Some((source, place)) = refusal(value) else { continue };
+            // An end that no draw reaches does no harm: a mass from 0 on.
+            if sampler.drawn_ends(parameter).is_some_and(|ends| ends.into_iter().all(|end| refusal(end).is_none())) {
+                continue;
+            }
+            return Err(match (&source, &plan.points) {
+                (SettingError::Value { .. } | SettingError::Range { .. }, Some(table))
+                    if sampler.is_from_table(parameter) =>
+                {
+                    let (table, name) = (table.display().to_string(), varied.name.clone());
+                    SampleError::Cell { table, row: row + 1, name, problem: source.to_string() }.into()
+                }
+                _ => setting(plan, index, SystemError::Setting { place, source: Box::new(source) }),
+            });
+        }
     }
     Ok(())
 }

@@ -10,8 +10,8 @@
 //! * Sobol: Owen-scrambled by hashing, B. Burley, *Journal of Computer Graphics Techniques* 9 (2020) no. 4, with the
 //!   direction numbers of S. Joe and F. Y. Kuo. The first 2ᵏ points are a net, so draws are best a power of two.
 
-mod extremes;
 mod normal;
+mod probes;
 
 use fmi2_cosim::system::SourceLine;
 use fmi2_import::Value;

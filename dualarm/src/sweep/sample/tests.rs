@@ -130,23 +130,41 @@ fn too_many_are_refused() {
     assert_eq!(Sampler::new(&study("method = \"sobol\"\ndraws = 65537"), None).unwrap_err(), SampleError::SobolEnds);
 }
 
-/// Ends and lists as the study has them; of a normal distribution without ends the smallest and the largest draw.
+fn probes(sampler: &Sampler) -> Vec<Vec<Value>> {
+    (0..sampler.vary().len()).map(|parameter| sampler.probes(parameter).collect()).collect()
+}
+
+fn number(value: &Value) -> f64 {
+    if let Value::Real(number) = value { *number } else { f64::NAN }
+}
+
+/// Ends and lists as the study has them, the middle of what has no ends, and all that a grid or a table has.
 #[test]
-fn no_draw_is_beyond_the_extremes() {
-    let text = "title = \"x\"\nsystem = \"pd\"\nmethod = \"random\"\ndraws = 50\n[vary]\na = { low = 1, high = 2 }\n\
-                b = { mean = 0, sd = 1 }\nc = [\"x\", \"y\"]\nd = { seed = true }\n";
+fn probes_stand_for_all_draws() {
+    let text = "title = \"x\"\nsystem = \"pd\"\nmethod = \"random\"\ndraws = 2000\n[vary]\na = { low = 1, high = 2 }\n\
+                b = { mean = 3, sd = 2 }\nc = [\"x\", \"y\"]\nd = { seed = true }\n";
     let sampler = Sampler::new(&Study::parse("x.toml", text).unwrap(), None).unwrap();
-    let extremes = sampler.extremes();
-    assert_eq!(extremes[0], [Value::Real(1.0), Value::Real(2.0)]);
-    assert_eq!(extremes[2], [Value::from("x"), Value::from("y")]);
-    let number = |value: &Value| if let Value::Real(number) = value { *number } else { f64::NAN };
-    let drawn: Vec<f64> = (0..50).map(|draw| number(&sampler.values(draw)[1])).collect();
-    let (low, high) = (drawn.iter().copied().fold(f64::MAX, f64::min), drawn.iter().copied().fold(f64::MIN, f64::max));
-    assert_eq!(extremes[1], [Value::Real(low), Value::Real(high)]);
-    assert!(low < 0.0 && high > 0.0);
+    let probed = probes(&sampler);
+    assert_eq!(probed[0][..2], [Value::Real(1.0), Value::Real(2.0)]);
+    assert!(number(&probed[0][2]).fract() > 0.0);
+    assert_eq!(probed[2], [Value::from("x"), Value::from("y")]);
+    // Φ⁻¹(0.95) = 1.644853627: a table of the normal distribution.
+    for (probe, exact) in probed[1].iter().zip([3.0 - 2.0 * 1.644_853_627, 3.0 + 2.0 * 1.644_853_627]) {
+        assert!((number(probe) - exact).abs() < 1e-8, "{probe}");
+    }
+    let seeds = probed[3].iter().map(|seed| if let Value::Integer(seed) = seed { *seed } else { 0 });
+    assert!(seeds.eq([i32::MAX / 20, i32::MAX / 20 * 19 + 6]), "{:?}", probed[3]);
+    // Draws come close to both ends, and do not reach them.
+    let [low, high] = sampler.drawn_ends(0).unwrap().map(|end| number(&end));
+    assert!(1.0 < low && low < 1.01 && 1.99 < high && high < 2.0, "{low} {high}");
+    assert_eq!([1, 2, 3].map(|parameter| sampler.drawn_ends(parameter)), [None, None, None]);
+    let grid = "title = \"x\"\nsystem = \"pd\"\nmethod = \"grid\"\n[vary]\na = { low = 4, high = 12, count = 5 }\nb = [1, 2]\n";
+    let sampler = Sampler::new(&Study::parse("x.toml", grid).unwrap(), None).unwrap();
+    assert_eq!(probes(&sampler)[0], [4.0, 6.0, 8.0, 10.0, 12.0].map(Value::Real));
+    assert_eq!(sampler.drawn_ends(0), None);
     let table = "title = \"x\"\nsystem = \"pd\"\nmethod = \"table\"\npoints = \"p.csv\"\n";
     let points = Points::parse_csv("p.csv", "M,note\n3,a\n1,b\n2,a\n").unwrap();
     let sampler = Sampler::new(&Study::parse("x.toml", table).unwrap(), Some(points)).unwrap();
-    let expected = [vec![Value::Real(1.0), Value::Real(3.0)], vec![Value::from("a"), Value::from("b")]];
-    assert_eq!(sampler.extremes(), expected);
+    let expected = [[3.0, 1.0, 2.0].map(Value::Real), ["a", "b", "a"].map(Value::from)];
+    assert_eq!(probes(&sampler), expected);
 }
