@@ -185,7 +185,7 @@ def test_a_table_of_something_else_is_no_result_of_a_run(tmp_path: Path) -> None
     (tmp_path / "numbers.csv").write_text("M,u\n0.1,1\n0.2,2\n", encoding="utf-8")
     done = dualarm("report", str(tmp_path / "numbers.csv"))
     assert done.returncode == 0
-    assert 'no column is called time; the first one, "M", is taken for the times in s' in done.stderr
+    assert 'no column is called time; the first one of numbers, "M", is taken for the times in s' in done.stderr
 
 
 def test_info_tells_what_is_in_an_ssp() -> None:

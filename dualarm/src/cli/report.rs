@@ -77,7 +77,7 @@ fn saved(file: &Path, title: String, quiet: bool) -> Result<Run, Failure> {
     let saved = record::read(file)?;
     if !saved.names_time() && !quiet {
         print_error(&format!(
-            "warning: {}: no column is called time; the first one, \"{}\", is taken for the times in s\n",
+            "warning: {}: no column is called time; the first one of numbers, \"{}\", is taken for the times in s\n",
             file.display(),
             saved.time
         ));

@@ -2,7 +2,8 @@
 //! tools.
 //!
 //! The time column is the one called `time` or `t`, in upper or lower case, with or without its unit. Without one it is the first
-//! column, if all columns are numbers and its unit, if there is one, is one of time: other tables are no rows over time. A CSV may be separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets,
+//! column of numbers. A table is no rows over time if this one has a unit that is not one of time, or, without a unit, beside a column of
+//! texts, if it counts rows or does not rise. A CSV may be separated by commas, semicolons (with decimal commas) or tabs. A unit may follow a name in brackets,
 //! as in `theta1 [rad]`. Columns of strings are omitted; an empty field is not a number.
 
 use std::collections::BTreeMap;
@@ -274,6 +275,23 @@ mod tests {
     }
 
     #[test]
+    fn times_need_not_be_called_so() {
+        for text in [
+            "Zeit,x,note\n0,1,a\n1,2,b\n",
+            "dt_sum,x,note\n0,1,a\n0.5,2,b\n",
+            "phase,Elapsed [s],x\na,0,1\nb,1,2\n",
+            "Elapsed [Seconds],x,note\n0,1,a\n1,2,b\n",
+            "Elapsed [sec.],x\n0,1\n1,2\n",
+            "tau [-],x\n0,1\n1,2\n",
+            "time,sim [s],x\n12:00:00,0,1\n12:00:01,1,2\n",
+            "n,x\n0,1\n1,2\n",
+        ] {
+            let times = read_text("a.csv", text).unwrap();
+            assert!(times.times()[0] == 0.0 && times.column("x").unwrap() == [1.0, 2.0], "{text}");
+        }
+    }
+
+    #[test]
     fn what_is_no_result_is_refused_with_the_reason() {
         for (name, text, reason) in [
             ("a.csv", "time,a\n", "there are no rows"),
@@ -288,6 +306,12 @@ mod tests {
                 "no column is called time, and the column \"status\" holds texts",
             ),
             ("a.csv", "n,time\n0,0 s\n1,1 s\n", "the column \"time\" holds texts, not numbers"),
+            (
+                "a.csv",
+                "run,M,status\n160,1,ok\n161,2,ok\n",
+                "no column is called time, and the column \"status\" holds texts",
+            ),
+            ("a.csv", "M,note\n2,a\n1,b\n", "no column is called time, and the column \"note\" holds texts"),
             ("a.csv", "M [kg],a\n0,1\n1,2\n", "no column is called time, and the first one, \"M\", has the unit kg"),
             ("a.csv", "M,a\n1,1\n1,2\n", "the times in the column \"M\" are all 1"),
             ("a.xlsx", "", "neither .csv"),
