@@ -420,6 +420,16 @@ fn settings_say_what_is_wrong_with_them() {
             "5lightyears",
             "Lag.trouble_at needs a number in s (the FMU defines no unit \"lightyears\"), not \"5lightyears\"",
         ),
+        (
+            "trouble_at",
+            "0.5,trouble=fatal",
+            "Lag.trouble_at needs a number in s (set each of several variables by itself), not \"0.5,trouble=fatal\"",
+        ),
+        (
+            "trouble_at",
+            "0.5 trouble=fatal",
+            "Lag.trouble_at needs a number in s (set each of several variables by itself), not \"0.5 trouble=fatal\"",
+        ),
         ("trouble_at", "1,5", "Lag.trouble_at needs a number in s, not \"1,5\""),
         ("TROUBLE_AT", "1", "there is no variable \"TROUBLE_AT\" in Lag or Gain; did you mean trouble_at or trouble?"),
         ("trouble_at", "NaN", "Lag.trouble_at needs a number in s, not \"NaN\""),

@@ -24,11 +24,15 @@ pub(super) fn fitted<T: Target>(target: &T, index: usize, given: &Value) -> Resu
                 return Err(wrong(Mismatch { expected, ..mismatch }));
             }
             None => {
-                let unit = with_unit(given).and_then(|(_, unit)| Some((unit, variable.unit_in_text()?)));
-                let unit = unit.filter(|(unit, _)| unit.starts_with(|letter: char| !letter.is_ascii_punctuation()));
-                let expected = match unit {
-                    Some((unit, _)) => format!("{} (the FMU defines no unit \"{unit}\")", mismatch.expected),
-                    None => mismatch.expected,
+                let is_name = |text: &str| text.starts_with(|letter: char| !letter.is_ascii_punctuation());
+                let expected = match with_unit(given) {
+                    Some((_, rest)) if rest.contains('=') => {
+                        format!("{} (set each of several variables by itself)", mismatch.expected)
+                    }
+                    Some((_, unit)) if is_name(unit) && variable.unit_in_text().is_some() => {
+                        format!("{} (the FMU defines no unit \"{unit}\")", mismatch.expected)
+                    }
+                    _ => mismatch.expected,
                 };
                 return Err(wrong(Mismatch { expected, ..mismatch }));
             }

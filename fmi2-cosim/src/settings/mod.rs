@@ -103,14 +103,6 @@ impl FromStr for Setting {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once('=') {
-            // A number and another setting: as a text it would be odd.
-            Some((_, value))
-                if value
-                    .split_once(',')
-                    .is_some_and(|(first, rest)| first.trim().parse::<f64>().is_ok() && rest.contains('=')) =>
-            {
-                Err("expected one name=value; set each of several by itself".into())
-            }
             Some((target, value)) if !target.trim().is_empty() => Ok(Self::new(target.trim(), value.trim())),
             _ => Err("expected name=value or Component.name=value".into()),
         }
@@ -133,7 +125,7 @@ mod tests {
         assert_eq!(" a.b[1] = x=y ".parse(), Ok(Setting::new("a.b[1]", "x=y")));
         assert!("EI1".parse::<Setting>().is_err());
         assert!("=1".parse::<Setting>().is_err());
-        assert!("EI1=0.1,EI2=0.2".parse::<Setting>().unwrap_err().contains("each of several by itself"));
-        assert_eq!("label=a,b=c".parse(), Ok(Setting::new("label", "a,b=c")));
+        // Whether this is one text or two settings only the variable's type says.
+        assert_eq!("label=1,b=c".parse(), Ok(Setting::new("label", "1,b=c")));
     }
 }
