@@ -91,6 +91,8 @@ fn bad_numbers_and_names_are_usage_errors() {
             "this is the name of a file; a folder is wanted",
         );
     }
+    let said = ["compare", "--no-package", "--fmus", "nowhere", "-o", "x.png/"];
+    assert_fails(&dualarm(folder.path(), &said), 1, "nowhere");
     assert_eq!(files(folder.path()), before);
 }
 

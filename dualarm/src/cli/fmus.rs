@@ -42,11 +42,13 @@ pub struct Job {
     pub no_package: bool,
 }
 
-/// Reads the folder into which a command writes all its files: a name that only files have is a mistake.
+/// Reads the folder into which a command writes all its files: a name that only files have is a mistake, unless
+/// a slash at its end says that it is one.
 pub fn folder() -> impl TypedValueParser<Value = PathBuf> {
     const FILES: [&str; 11] = ["csv", "parquet", "html", "md", "svg", "png", "pdf", "json", "fmu", "ssp", "toml"];
     PathBufValueParser::new().try_map(|path| {
-        if !path.is_dir() && FILES.iter().any(|ending| has_extension(&path, ending)) {
+        let is_said = path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
+        if !is_said && !path.is_dir() && FILES.iter().any(|ending| has_extension(&path, ending)) {
             return Err("this is the name of a file; a folder is wanted, which gets all files that the command writes");
         }
         Ok(path)
