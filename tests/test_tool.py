@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from pythonfmu.builder import FmuBuilder
@@ -186,6 +187,13 @@ def test_a_table_of_something_else_is_no_result_of_a_run(tmp_path: Path) -> None
     done = dualarm("report", str(tmp_path / "numbers.csv"))
     assert done.returncode == 0
     assert 'no column is called time; the first one of numbers, "M", is taken for the times in s' in done.stderr
+
+
+@pytest.mark.parametrize("kind", [pa.uint8(), pa.uint16(), pa.uint32(), pa.uint64()])
+def test_whole_numbers_without_a_sign_are_numbers(tmp_path: Path, kind: pa.DataType) -> None:
+    pq.write_table(pa.table({"time": pa.array([0, 100, 200], kind), "x": [1.0, 2.0, 3.0]}), tmp_path / "a.parquet")
+    done = dualarm("report", str(tmp_path / "a.parquet"), "-o", str(tmp_path / "a.html"))
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_info_tells_what_is_in_an_ssp() -> None:

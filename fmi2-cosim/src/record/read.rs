@@ -210,8 +210,13 @@ fn parquet_columns(file: File) -> ::parquet::errors::Result<Vec<Values>> {
                 Field::Int(value) => (Kind::Integer, f64::from(*value)),
                 Field::Short(value) => (Kind::Integer, f64::from(*value)),
                 Field::Byte(value) => (Kind::Integer, f64::from(*value)),
+                Field::UInt(value) => (Kind::Real, f64::from(*value)),
+                Field::UShort(value) => (Kind::Integer, f64::from(*value)),
+                Field::UByte(value) => (Kind::Integer, f64::from(*value)),
                 #[allow(clippy::cast_precision_loss)] // beyond 2⁵³ nobody draws them apart
                 Field::Long(value) => (Kind::Real, *value as f64),
+                #[allow(clippy::cast_precision_loss)] // as above
+                Field::ULong(value) => (Kind::Real, *value as f64),
                 _ => {
                     *values = None;
                     continue;
