@@ -81,6 +81,12 @@ fn bad_numbers_and_names_are_usage_errors() {
         2,
         "a file is taken, too: a controller FMU (.fmu)",
     );
+    let fmus = tempfile::tempdir().unwrap();
+    fs::write(fmus.path().join("Lag.fmu"), "").unwrap();
+    for words in [&["Lag"][..], &["Lag", "Gain"], &["Lag", "--controller", "pid-all"]] {
+        let words = [&["simulate", "--fmus", fmus.path().to_str().unwrap()], words].concat();
+        assert_fails(&dualarm(folder.path(), &words), 2, "there is no file Lag; did you mean");
+    }
     let picture = simulate(folder.path(), &["-o", "x.png"]);
     assert_fails(&picture, 2, "-o x.png: here -o takes a .csv or .parquet file, for the outputs over time");
     assert_fails(&picture, 2, "--report x.html");

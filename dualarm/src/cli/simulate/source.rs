@@ -36,7 +36,7 @@ pub fn system(words: &[PathBuf], controller: Option<&str>, fmus: &Path) -> Resul
         ([], Some(controller)) => return Ok(BuiltIn::find(controller.key)?.scenario()?.system(fmus)?),
         ([word], _) if has_extension(word, "toml") => read_scenario(word)?.0,
         ([word], None) if is_ssp(word) => return Ok(Package::open(word)?.system()?),
-        ([word], _) if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
+        ([word], _) if is_name(word) => built_in(word, fmus)?.scenario()?,
         (files, None) => return of_fmus(files, fmus),
         (_, Some(_)) => return Err(no_scenario()),
     };
@@ -58,7 +58,7 @@ fn with_preset(words: &[PathBuf], name: &str, fmus: &Path) -> Result<System, Fai
             scenario
         }
         [word] if has_extension(word, "toml") => read_scenario(word)?.0,
-        [word] if is_name(word) => BuiltIn::find(&word.to_string_lossy())?.scenario()?,
+        [word] if is_name(word) => built_in(word, fmus)?.scenario()?,
         _ => return Err(no_scenario()),
     };
     let contender = Contender::find(name)?;
@@ -67,6 +67,12 @@ fn with_preset(words: &[PathBuf], name: &str, fmus: &Path) -> Result<System, Fai
     let component = system.components[place].0.clone();
     system.settings.splice(0..0, contender.settings_in(&component));
     Ok(system)
+}
+
+/// The scenario that a word names.
+fn built_in(word: &Path, fmus: &Path) -> Result<BuiltIn, Failure> {
+    let unknown = |unknown: UnknownScenario| instead_of_file(word, fmus).map_or_else(|| unknown.into(), Failure::usage);
+    BuiltIn::find(&word.to_string_lossy()).map_err(unknown)
 }
 
 fn no_scenario() -> Failure {
@@ -81,7 +87,8 @@ fn of_fmus(files: &[PathBuf], fmus: &Path) -> Result<System, Failure> {
                  them with `dualarm report a.csv b.csv`. Another controller in a scenario: --controller"
             ),
             Err(unknown) => {
-                instead_of_scenario(&unknown.name).unwrap_or_else(|| format!("{unknown}; FMUs end in .fmu"))
+                let known = instead_of_scenario(&unknown.name).or_else(|| instead_of_file(name, fmus));
+                known.unwrap_or_else(|| format!("{unknown}; FMUs end in .fmu"))
             }
         }));
     }
