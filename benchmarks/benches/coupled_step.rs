@@ -63,10 +63,8 @@ fn peers(criterion: &mut Criterion) {
         Ok(peers) => peers,
         Err(error) => return eprintln!("SKIPPED: no peer in C: {error}"),
     };
-    let mut plant = peers.plant().expect("a plant");
-    let mut measured = [0.0; 12];
-    criterion
-        .bench_function("peer in C/plant", |bencher| bencher.iter(|| plant.step(&[0.01, -0.01, 0.1], &mut measured)));
+    let mut plant = peers.alone("plant", &common::dist()).expect("a plant");
+    criterion.bench_function("peer in C/plant", |bencher| bencher.iter(|| plant.step()));
     let mut pair = common::peer::Pair::new(&peers, &common::dist()).expect("a pair");
     criterion.bench_function("peer in C/coupled", |bencher| bencher.iter(|| pair.step()));
 }

@@ -22,6 +22,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use common::peer::{Pair as PeerPair, Peers, has_wide_registers};
+use common::replay::Steps;
 use common::{Case, Pair, RUN, Result, Slave, open};
 use dualarm::grasp::{Controller, NABFC, NABFC_R, PLANT};
 

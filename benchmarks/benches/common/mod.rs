@@ -18,7 +18,7 @@ use fmi2_cosim::master::{Coupling, Master};
 use fmi2_cosim::settings::Setting;
 use fmi2_import::{Fmu, Instance, ValueReference};
 use grasp_control::INPUT_NAMES;
-use replay::Replay;
+use replay::{Replay, Steps};
 
 pub type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -101,14 +101,6 @@ impl Slave {
         Self::new(&open(folder, scenario.fmu)?, MEASURED, &COMMANDS, None, scenario.settings())
     }
 
-    /// `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal`.
-    #[inline]
-    pub fn step(&mut self, inputs: &[f64], outputs: &mut [f64]) {
-        self.set(inputs);
-        self.do_step();
-        self.get(outputs);
-    }
-
     /// `fmi2SetReal`: the bare call, as the peer in C is called.
     #[inline]
     pub fn set(&mut self, inputs: &[f64]) {
@@ -137,6 +129,16 @@ impl Slave {
         let status = unsafe { step(component, f64::from(self.steps) * STEP, STEP, 1) };
         assert_eq!(status, 0, "fmi2DoStep");
         self.steps += 1;
+    }
+}
+
+impl Steps for Slave {
+    /// `fmi2SetReal`, `fmi2DoStep`, `fmi2GetReal`.
+    #[inline]
+    fn step(&mut self, inputs: &[f64], outputs: &mut [f64]) {
+        self.set(inputs);
+        self.do_step();
+        self.get(outputs);
     }
 }
 
@@ -225,14 +227,14 @@ impl Case {
                     inputs.extend_from_slice(&pair.commands);
                     pair.step();
                 }
-                Self::Alone(Replay::new(Slave::plant(folder, None)?, inputs))
+                Self::Alone(Replay::new(Slave::plant(folder, None)?, inputs, MEASURED.len()))
             }
             "nabfc" | "nabfc-r" | "pds" | "pd" => {
                 for _ in 0..RUN {
                     pair.step();
                     inputs.extend_from_slice(&pair.measured);
                 }
-                Self::Alone(Replay::new(Slave::controller(folder, &scenario)?, inputs))
+                Self::Alone(Replay::new(Slave::controller(folder, &scenario)?, inputs, COMMANDS.len()))
             }
             "coupled" | "coupled-r" => Self::Coupled(pair),
             "get_first" => Self::GetFirst(pair),

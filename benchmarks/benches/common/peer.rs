@@ -9,7 +9,7 @@ use grasp_control::laws::nabfc::{Gains, ObjectGains, PostureGains};
 use grasp_control::{Arms, References};
 use libloading::Library;
 
-use super::replay::Replay;
+use super::replay::{Replay, Steps};
 use super::{COMMANDS, Case, MEASURED, Result, STEP};
 
 const SOURCE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/peer/peer.c");
@@ -27,8 +27,8 @@ pub struct Peer {
     set: Access<*const f64>,
     step: unsafe extern "C" fn(*mut c_void, f64, f64) -> c_int,
     get: Access<*mut f64>,
-    pub inputs: Vec<c_uint>,
-    pub outputs: Vec<c_uint>,
+    inputs: Vec<c_uint>,
+    outputs: Vec<c_uint>,
     steps: u32,
     /// Its functions' home, which has to outlive them.
     library: Arc<Library>,
@@ -72,6 +72,13 @@ impl Peers {
         self.peer("paper", MEASURED.len(), COMMANDS.len(), &paper_gains())
     }
 
+    /// The plant or the law alone, with the inputs that the FMU is measured with.
+    pub fn alone(&self, name: &str, folder: &Path) -> Result<Replay<Peer>> {
+        let peer = if name == "plant" { self.plant()? } else { self.paper()? };
+        let outputs = peer.outputs.len();
+        Ok(Replay::new(peer, recorded(name, folder)?, outputs))
+    }
+
     fn peer(&self, name: &str, inputs: usize, outputs: usize, gains: &[f64]) -> Result<Peer> {
         let named = |what: &str| format!("{name}_{what}");
         // SAFETY: the types are those of the functions in peer.c.
@@ -94,10 +101,10 @@ impl Peers {
     }
 }
 
-impl Peer {
+impl Steps for Peer {
     /// Sets all inputs, makes a step, gets all outputs, with a host's looks at how each call went, as of an FMU.
     #[inline]
-    pub fn step(&mut self, inputs: &[f64], outputs: &mut [f64]) {
+    fn step(&mut self, inputs: &[f64], outputs: &mut [f64]) {
         assert!(inputs.len() == self.inputs.len() && outputs.len() == self.outputs.len());
         let model = self.memory.as_mut_ptr().cast();
         // SAFETY: the model has been made in its memory; the arrays have the lengths that are said.
@@ -115,14 +122,6 @@ fn recorded(name: &str, folder: &Path) -> Result<Vec<f64>> {
     match Case::new(name, folder)? {
         Case::Alone(replay) => Ok(replay.inputs),
         _ => Err("not recorded".into()),
-    }
-}
-
-impl Peers {
-    /// The plant or the law alone, with the inputs that the FMU is measured with.
-    pub fn alone(&self, name: &str, folder: &Path) -> Result<Replay<Peer>> {
-        let peer = if name == "plant" { self.plant()? } else { self.paper()? };
-        Ok(Replay::new(peer, recorded(name, folder)?))
     }
 }
 
